@@ -17,11 +17,11 @@ NOTES = {
     "model_file": "models as files, pages of results",
     "models": "opening test, guillotine, tears, free cut",
     "simulation": "the step, equilibrium; files and page of a run; tensile tests",
-    "fracture": "cracks; a path in the mesh; checks before a run; runs read back",
+    "fracture": "cracks; checks before a run; runs read back",
     "mitc4": "the forces, and the integrator that follows them",
     "state": "fields in time; film, tool and motion; pictures",
     "numerics": "compiled kernels, file formats, one picture of a run",
-    "arrays": "leaves: kinds of arrays, units, files that stay whole",
+    "arguments": "leaves: kinds of arguments, arrays, units, whole files",
 }
 """Subject of each row, by its first room."""
 

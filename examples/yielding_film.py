@@ -17,7 +17,7 @@ import numpy as np
 
 import shellcut as sc
 from shellcut.models import Case
-from shellcut.results.energy_balance import energy_shares
+from shellcut.results.energy_account import energy_shares
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

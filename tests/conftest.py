@@ -60,8 +60,6 @@ _FIRST = (
     "test_checkpoint.py",
     "test_cable.py",
     "test_tool_grid.py",
-    "test_imprint.py",
-    "test_imprinted_cuts.py",
     "test_cases.py",
     "test_examples.py",
     "test_study.py",

@@ -25,27 +25,6 @@ def unstructured_disc(radius: float = 10.2, spacing: float = 0.93, seed: int = 0
     return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
 
 
-def unstructured_strip(
-    length: float = 30.0, width: float = 8.0, spacing: float = 0.93, seed: int = 0
-) -> Mesh:
-    """Return a strip of jittered triangles, each cut into three quads, sets at its long sides."""
-    n_x, n_y = round(length / spacing), round(width / spacing)
-    x, y = np.linspace(0.0, length, n_x + 1), np.linspace(-0.5 * width, 0.5 * width, n_y + 1)
-    sides = [np.stack([x, np.full_like(x, end)], axis=1) for end in (y[0], y[-1])]
-    sides += [np.stack([np.full(n_y - 1, end), y[1:-1]], axis=1) for end in (x[0], x[-1])]
-    n = round(length / spacing) + round(width / spacing)
-    lattice = jittered_lattice(spacing, (-n, n), (-n, n), np.random.default_rng(seed))
-    room = 0.6 * spacing
-    inside = (lattice > [room, y[0] + room]) & (lattice < [length - room, y[-1] - room])
-    points = np.concatenate([*sides, lattice[inside.all(axis=1)]])
-    nodes, quads, _ = three_quads_a_triangle(points, Delaunay(points).simplices)
-    ends = {
-        "bottom": np.flatnonzero(nodes[:, 1] < y[0] + 1e-9),
-        "top": np.flatnonzero(nodes[:, 1] > y[-1] - 1e-9),
-    }
-    return Mesh.from_arrays(nodes, quads, node_sets=ends)
-
-
 def jittered_lattice(spacing, columns, rows, rng):
     """Return the points of a triangular lattice, each moved by up to 0.12 of the spacing."""
     i, j = np.meshgrid(

@@ -1,8 +1,7 @@
-"""Discs meshed by Gmsh as a user would: quads by several algorithms, triangles, sizes, a hole."""
+"""Discs meshed by Gmsh as a user would, in quads by several algorithms."""
 
 import numpy as np
 
-from films import three_quads_a_triangle
 from shellcut import Mesh
 
 RADIUS = 10.2
@@ -18,18 +17,8 @@ DISCS = {
 }
 
 
-def gmsh_disc(algorithm, recombination, size, *, seed=0, hole=None, field=None, triangles=False):
-    """Return a disc with the set "rim", its whole boundary circle.
-
-    Parameters
-    ----------
-    hole : (float, float, float), optional
-        Centre and radius [mm].
-    field : str, optional
-        Size by a formula in x, y.
-    triangles : bool
-        Mesh with triangles and cut each into three quads.
-    """
+def gmsh_disc(algorithm, recombination, size, *, seed=0):
+    """Return a disc with the set "rim", its whole boundary circle."""
     import gmsh
 
     gmsh.initialize(interruptible=False)
@@ -40,42 +29,29 @@ def gmsh_disc(algorithm, recombination, size, *, seed=0, hole=None, field=None, 
         gmsh.option.setNumber("Mesh.RandomFactor", 1e-9 if seed == 0 else 1e-4 * seed)
         gmsh.option.setNumber("Mesh.Algorithm", algorithm)
         shape = gmsh.model.occ
-        disc = shape.addDisk(0.0, 0.0, 0.0, RADIUS, RADIUS)
-        if hole is not None:
-            x, y, r = hole
-            shape.cut([(2, disc)], [(2, shape.addDisk(x, y, 0.0, r, r))])
+        shape.addDisk(0.0, 0.0, 0.0, RADIUS, RADIUS)
         shape.rotate(shape.getEntities(2), 0, 0, 0, 0, 0, 1, 0.37 * seed)
         shape.synchronize()
-        if field is not None:
-            gmsh.model.mesh.field.add("MathEval", 1)
-            gmsh.model.mesh.field.setString(1, "F", field)
-            gmsh.model.mesh.field.setAsBackgroundMesh(1)
-            gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-            gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-        else:
-            gmsh.option.setNumber("Mesh.MeshSizeMin", size)
-            gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-            # an odd number of nodes on a rim leaves triangles
-            for _, curve in gmsh.model.getEntities(1):
-                n_pair = round(shape.getMass(1, curve) / size / 2)
-                gmsh.model.mesh.setTransfiniteCurve(curve, 2 * n_pair + 1)
-        if not triangles:
-            gmsh.option.setNumber("Mesh.RecombinationAlgorithm", recombination)
-            for _, surface in gmsh.model.getEntities(2):
-                gmsh.model.mesh.setRecombine(2, surface)
+        gmsh.option.setNumber("Mesh.MeshSizeMin", size)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        # an odd number of nodes on a rim leaves triangles
+        for _, curve in gmsh.model.getEntities(1):
+            n_pair = round(shape.getMass(1, curve) / size / 2)
+            gmsh.model.mesh.setTransfiniteCurve(curve, 2 * n_pair + 1)
+        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", recombination)
+        for _, surface in gmsh.model.getEntities(2):
+            gmsh.model.mesh.setRecombine(2, surface)
         gmsh.model.mesh.generate(2)
         tags, places, _ = gmsh.model.mesh.getNodes()
         types, _, corners = gmsh.model.mesh.getElements(2)
     finally:
         gmsh.finalize()
     (kind,) = types
-    assert kind == (2 if triangles else 3), "triangles were left"
+    assert kind == 3, "triangles were left"
     row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     row[tags.astype(np.int64)] = np.arange(len(tags))
     nodes = places.reshape(-1, 3)[:, :2]
-    quads = row[corners[0].astype(np.int64).reshape(-1, 3 if triangles else 4)]
-    if triangles:
-        nodes, quads, _ = three_quads_a_triangle(nodes, quads)
+    quads = row[corners[0].astype(np.int64).reshape(-1, 4)]
     used, quads = np.unique(quads, return_inverse=True)
     return _with_rim(nodes[used], quads.reshape(-1, 4))
 

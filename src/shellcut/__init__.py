@@ -15,7 +15,6 @@ from .checks import check_model
 from .contact.settings import Contact
 from .fracture.anisotropy import Anisotropy
 from .fracture.criterion import Fracture
-from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
 from .material import Elastic, Layer, ShellMaterial
@@ -65,15 +64,12 @@ __all__ = [
     "Fracture",
     "Gravity",
     "Hook",
-    "ImprintError",
-    "ImprintResult",
     "Layer",
     "MeasuredCurve",
     "Mesh",
     "ModelFileError",
     "NodalForce",
     "NodalMoment",
-    "PathCurve",
     "Pressure",
     "Recorder",
     "Results",
@@ -90,12 +86,10 @@ __all__ = [
     "TableMotion",
     "TensileTest",
     "Tool",
-    "blade_path",
     "check_model",
     "compare",
     "fit",
     "guillotine",
-    "imprint",
     "load_checkpoint",
     "mesh_from_drawing",
     "mesh_from_outline",

@@ -4,8 +4,9 @@
 
     conversion("Ncm", "N*mm") = 10.0        conversion("Grad", "rad") = pi / 180
 
-A product may be written ``N*mm``, ``N·mm``, ``N mm``, ``N-mm`` or ``Nmm``; letters keep their case
-(``mN`` is a millinewton), whole words do not (``Deg``, ``INCH``).
+A product may be written ``N*mm``, ``N·mm``, ``N mm``, ``N-mm`` or ``Nmm``, a quotient ``kgf/mm²``
+or ``lbf/in^2``. Letters keep their case where it tells units apart (``mN`` is a millinewton, ``MN``
+is not known); elsewhere and in words any case is read (``lbF``, ``KN``, ``INCH``).
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from math import pi
 
 Sizes = Mapping[str, Fraction]
 """Size of each unit of one dimension. Fractions, so that 0.92 g/cm^3 is the double 9.2e-10."""
+Exponents = tuple[int, int, int, int]
+"""Of length, force, time and angle; a mass is force x time² / length."""
 
 
 def _exactly(sizes: Mapping[str, str]) -> dict[str, Fraction]:
@@ -46,7 +49,7 @@ ANGLE: Sizes = {
 }
 """[deg]"""
 FORCE: Sizes = {
-    **_exactly({"mN": "1e-3", "N": "1", "daN": "10", "kN": "1e3"}),
+    **_exactly({"mN": "1e-3", "cN": "1e-2", "N": "1", "daN": "10", "kN": "1e3"}),
     "gf": _STANDARD_GRAVITY / 1000,
     "kgf": _STANDARD_GRAVITY,
     "ozf": _POUND / 16,
@@ -68,14 +71,14 @@ ENERGY: Sizes = _exactly({"mJ": "1", "J": "1e3", "kJ": "1e6"})
 TORQUE: Sizes = {
     f"{force}*{arm}": FORCE[force] * LENGTH[arm]
     for forces, arms in (
-        (("mN", "N", "kN", "gf", "kgf"), ("mm", "cm", "m")),
+        (("mN", "cN", "N", "kN", "gf", "kgf"), ("mm", "cm", "m")),
         (("ozf", "lbf"), ("in", "ft")),
     )
     for force in forces
     for arm in arms
 }
 """[N·mm]"""
-RATIO: Sizes = {"-": Fraction(1), "%": Fraction("0.01")}
+RATIO: Sizes = _exactly({"-": "1", "%": "0.01", "um/m": "1e-6"})
 """[-]"""
 
 DIMENSIONS: Mapping[str, Sizes] = {
@@ -99,30 +102,46 @@ LIBRARY_UNITS = {
 }
 """The unit in which histories store each dimension."""
 
+_KINDS: tuple[tuple[Sizes, Exponents], ...] = (
+    (LENGTH, (1, 0, 0, 0)),
+    (FORCE, (0, 1, 0, 0)),
+    (TIME, (0, 0, 1, 0)),
+    (ANGLE, (0, 0, 0, 1)),
+    (MASS, (-1, 1, 2, 0)),
+    (STRESS, (-2, 1, 0, 0)),
+    (ENERGY, (1, 1, 0, 0)),
+)
+_FACTORS: dict[str, tuple[Fraction, Exponents]] = {
+    name: (size, exponents) for sizes, exponents in _KINDS for name, size in sizes.items()
+}
+_QUOTIENTS: Mapping[Exponents, str] = {(0, 0, 0, 0): "ratio", (-2, 1, 0, 0): "stress"}
+_FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
+_SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "⁻": "-", "·": "*"})
+_LARGEST_POWER = 9
+
 _WORDS = {
-    "inch": "in",
-    "inches": "in",
-    '"': "in",
+    **{
+        word.lower(): word
+        for word in (
+            *("mm", "cm", "in", "ft", "deg", "rad", "min", "gf", "kgf", "ozf", "lbf", "kN"),
+            *("kPa", "MPa", "GPa", "psi", "ksi"),
+        )
+    },
+    **dict.fromkeys(("inch", "inches", '"'), "in"),
+    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
     "micron": "um",
-    "°": "deg",
-    "degree": "deg",
-    "degrees": "deg",
-    "grad": "deg",  # German; the hundredth of a right angle is written gon
-    "deg": "deg",
-    "rad": "rad",
-    "radian": "rad",
-    "radians": "rad",
+    # Grad is German; the hundredth of a right angle is written gon
+    **dict.fromkeys(("°", "degree", "degrees", "grad"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
     "rev": "turn",
-    "sec": "s",
-    "sek": "s",
-    "lb": "lbf",
-    "lbs": "lbf",
+    **dict.fromkeys(("sec", "sek", "second", "seconds", "sekunden"), "s"),
+    **dict.fromkeys(("newton", "newtons"), "N"),
+    **dict.fromkeys(("lb", "lbs", "pounds"), "lbf"),
     "kp": "kgf",
+    **dict.fromkeys(("megapascal", "megapascals"), "MPa"),
     "1": "-",
-    "mm/mm": "-",
-    "percent": "%",
-    **{f"n/mm{power}": "MPa" for power in ("2", "^2", "²")},
-    **{f"kn/mm{power}": "GPa" for power in ("2", "^2", "²")},
+    **dict.fromkeys(("percent", "pct", "prozent"), "%"),
+    **dict.fromkeys(("ue", "uε", "ustrain", "microstrain"), "um/m"),
 }
 _SPELLINGS = {
     **{name: name for sizes in DIMENSIONS.values() for name in sizes},
@@ -138,12 +157,12 @@ _SPELLINGS = {
 
 
 def canonical(unit: str) -> str | None:
-    """Return the library's spelling of a unit, or None if it is unknown.
+    """Return the library's name of a unit, or None if it has none, as a quotient of units.
 
     Examples
     --------
-    >>> [canonical(unit) for unit in ("Nmm", "N·cm", "in-lb", "Grad", "µm", "furlong")]
-    ['N*mm', 'N*cm', 'lbf*in', 'deg', 'um', None]
+    >>> [canonical(unit) for unit in ("Nmm", "N·cm", "in-lb", "Grad", "µm", "lbF", "furlong")]
+    ['N*mm', 'N*cm', 'lbf*in', 'deg', 'um', 'lbf', None]
     """
     text = unit.strip().replace("µ", "u").replace("μ", "u")
     if text in _SPELLINGS:
@@ -153,16 +172,74 @@ def canonical(unit: str) -> str | None:
     return _SPELLINGS.get(re.sub(r"[\s*·⋅×.\-]", "", text))
 
 
+def parsed(unit: str) -> tuple[Fraction, Exponents]:
+    """Return the size of a product of units in mm, N, s and degrees, and its exponents.
+
+    Parameters
+    ----------
+    unit : str
+        Units multiplied with ``*`` or a blank and divided with ``/``; powers are written ``m^2``,
+        ``m2`` or ``m²``.
+
+    Raises
+    ------
+    ValueError
+        For factors that are no units, and powers above nine.
+
+    Examples
+    --------
+    >>> parsed("kgf/mm^2")
+    (Fraction(196133, 20000), (-2, 1, 0, 0))
+    """
+    size, total = Fraction(1), (0, 0, 0, 0)
+    divides = False
+    for piece in re.split(r"(\s*[*/]\s*|\s+)", unit.translate(_SPELLED)):
+        if not piece.strip() or piece.strip() in "*/":
+            divides = piece.strip() == "/"
+            continue
+        if piece == "1":
+            continue
+        found = _FACTOR.fullmatch(piece)
+        name = found[1] if found else ""
+        name = name if name in _FACTORS else canonical(name) or ""
+        if found is None or name not in _FACTORS:
+            raise ValueError(f"must have a unit made of {', '.join(_FACTORS)}, got {unit!r}")
+        if len((found[2] or "").lstrip("-0")) > 1:
+            raise ValueError(
+                f"must have a unit to a power of {_LARGEST_POWER} at most, got {unit!r}"
+            )
+        power = int(found[2] or 1) * (-1 if divides else 1)
+        one, exponents = _FACTORS[name]
+        size *= one**power
+        length, force, time, angle = (d + power * e for d, e in zip(total, exponents, strict=True))
+        total = (length, force, time, angle)
+    return size, total
+
+
 def dimension(unit: str) -> str | None:
     """Return the dimension of a unit, "length", "torque" ..., or None if it is unknown.
 
     Examples
     --------
-    >>> dimension("lbf*in")
-    'torque'
+    >>> dimension("lbf*in"), dimension("N/cm²"), dimension("in/in")
+    ('torque', 'stress', 'ratio')
     """
+    return _measure(unit)[0]
+
+
+def _measure(unit: str) -> tuple[str | None, Fraction]:
+    # dimension, and size in the library's unit
     name = canonical(unit)
-    return next((d for d, sizes in DIMENSIONS.items() if name in sizes), None)
+    for what, sizes in DIMENSIONS.items():
+        if name in sizes:
+            return what, sizes[str(name)] / sizes[LIBRARY_UNITS[what]]
+    if not any(map(str.isalpha, unit)):
+        return None, Fraction(0)
+    try:
+        size, exponents = parsed(unit.strip())
+    except ValueError:
+        return None, Fraction(0)
+    return _QUOTIENTS.get(exponents), size
 
 
 def conversion(unit: str, to: str) -> float:
@@ -184,19 +261,17 @@ def conversion(unit: str, to: str) -> float:
     --------
     >>> conversion("N*m", "N*mm")
     1000.0
-    >>> conversion("cm", "N")
+    >>> conversion("cm", "s")
     Traceback (most recent call last):
         ...
-    ValueError: must be a unit of force (mN, N, daN, kN, gf, kgf, ozf, lbf), got 'cm', one of length
+    ValueError: must be a unit of time (us, ms, s, min), got 'cm', one of length
     """
-    wanted = dimension(to)
-    target = canonical(to)
-    if wanted is None or target is None:
+    wanted, target = _measure(to)
+    if wanted is None:
         raise ValueError(f"must be a unit of the library, got {to!r}")
-    sizes = DIMENSIONS[wanted]
-    name = canonical(unit)
-    if name is None or name not in sizes:
-        other = dimension(unit)
+    other, size = _measure(unit)
+    if other != wanted:
         hint = f", one of {other}" if other else ""
-        raise ValueError(f"must be a unit of {wanted} ({', '.join(sizes)}), got {unit!r}{hint}")
-    return float(sizes[name] / sizes[target])
+        sizes = ", ".join(DIMENSIONS[wanted])
+        raise ValueError(f"must be a unit of {wanted} ({sizes}), got {unit!r}{hint}")
+    return float(size / target)

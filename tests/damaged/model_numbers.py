@@ -62,7 +62,7 @@ MODELS = {
     "outline": (
         "free",
         {
-            "membrane": {"outline": SQUARE, "size": 1.0, "clamp": ["outline"], "imprint": False},
+            "membrane": {"outline": SQUARE, "size": 1.0, "clamp": ["outline"]},
             "tool": _blade(-0.05, 2.0),
             "motion": _WAY,
         },

@@ -6,7 +6,10 @@ sections, no strain vector. The energy is a polynomial in the current positions 
 it takes complex numbers and its gradient follows exactly by complex steps.
 """
 
+from functools import cache
+
 import numpy as np
+from numpy.polynomial import Polynomial
 
 G = 1.0 / np.sqrt(3.0)
 GAUSS = ((-G, -G), (G, -G), (G, G), (-G, G))
@@ -48,6 +51,33 @@ def thickness_rule(material, n_point):
     return rule
 
 
+@cache
+def shear_factor(material):
+    """(∫E' z̄² dz)² / (∫G dz ∫S²/G dz) of isotropic layers, S = ∫E' z̄ dz, with polynomials of z."""
+    if material.shear_factor is not None:
+        return material.shear_factor
+    top = np.cumsum([layer.thickness for layer in material.layers])
+    spans = list(zip([0.0, *top], top, strict=False))
+    moduli = [layer.material.plane_stress()[0, 0] for layer in material.layers]
+    shear = [layer.material.transverse_shear()[0, 0] for layer in material.layers]
+
+    def integral(polynomials):
+        return sum(
+            np.diff(one.integ()(np.array(span)))[0]
+            for one, span in zip(polynomials, spans, strict=True)
+        )
+
+    z, one = Polynomial([0.0, 1.0]), Polynomial([1.0])
+    z = z - integral(E * z for E in moduli) / integral(E * one for E in moduli)
+    S, at_bottom = [], 0.0
+    for E, (low, high) in zip(moduli, spans, strict=True):
+        S.append((E * z).integ(lbnd=low) + at_bottom)
+        at_bottom = S[-1](high)
+    flow = integral(E * z**2 for E in moduli)
+    energy = integral(s**2 / G for s, G in zip(S, shear, strict=True))
+    return flow**2 / (integral(G * one for G in shear) * energy)
+
+
 def stress_of(E, normal, elastic, shear_factor):
     """Stress tensor of the St.Venant-Kirchhoff plane-stress law with transverse shear [MPa]."""
     plane = np.eye(3) - np.outer(normal, normal)
@@ -61,7 +91,7 @@ def stress_of(E, normal, elastic, shear_factor):
 
 def quad_energy(X, T, x, t, material, n_point=4):
     """Strain energy of one quad [N·mm]; X, T, x, t of shape (4, 3)."""
-    energy = 0.0
+    energy, factor = 0.0, shear_factor(material)
     for xi, eta in GAUSS:
         value, *by = shape(xi, eta)
         A, dT, T0 = [d @ X for d in by], [d @ T for d in by], value @ T
@@ -80,7 +110,7 @@ def quad_energy(X, T, x, t, material, n_point=4):
                 half = 0.5 * (now[i] - then[i])
                 E += half * (np.outer(contra[i], contra[2]) + np.outer(contra[2], contra[i]))
             normal = T0 / np.sqrt(T0 @ T0)
-            stress = stress_of(E, normal, elastic, material.shear_factor)
+            stress = stress_of(E, normal, elastic, factor)
             energy += weight * volume * 0.5 * np.sum(stress * E)
     return energy
 

@@ -296,6 +296,6 @@ def test_a_file_without_keywords_is_refused(tmp_path):
 
 def test_solids_are_left_out_by_choice(tmp_path):
     text = FLAT + "*ELEMENT, TYPE=C3D8R, ELSET=block\n1, 10, 17, 24, 31, 38, 45, 52, 59\n"
-    mesh = film(tmp_path, text, leave_out=["C3D8R"])
+    mesh = film(tmp_path, text, leave_out=["c3d8r"])
     check_geometry(mesh)
     assert "block" not in mesh.quad_sets

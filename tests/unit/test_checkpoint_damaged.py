@@ -64,6 +64,30 @@ def test_content_that_is_another_is_told_by_name(saved, tmp_path, spoil):
             load_checkpoint(cutting(), path)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("inputs", "[1]"), ("inputs", "no JSON"), ("inputs", 3.0), ("run", 3.0), ("extra", 3.0)],
+)
+def test_forged_content_is_no_checkpoint(saved, tmp_path, name, value):
+    path = tmp_path / "c.h5"
+    path.write_bytes(saved.read_bytes())
+    with h5py.File(path, "r+") as file:
+        replace_by(file, name, value)
+    as_if_written_so(path)
+    with pytest.raises(CheckpointError, match=r"another program wrote it|another model"):
+        load_checkpoint(cutting(), path)
+
+
+def test_a_table_larger_than_its_file_is_not_read(saved, tmp_path):
+    path = tmp_path / "c.h5"
+    path.write_bytes(saved.read_bytes())
+    with h5py.File(path, "r+") as file:
+        file["extra"].create_dataset("huge", (10**13,), "f8", chunks=(10**6,), fillvalue=1.0)
+    as_if_written_so(path)
+    with pytest.raises(CheckpointError, match="has huge of"):
+        load_checkpoint(cutting(), path)
+
+
 def leaves(saved, prefix):
     for name, value in saved.items():
         if isinstance(value, dict):

@@ -174,15 +174,29 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
     assert shares[:3] == [5, 10, 15]
     assert shares[-1] == 100
     assert len(shares) == 20
-    figures = re.fullmatch(
-        r"100 %: path [\d.]+ mm, force \S+ N \| E: kin (\S+) int (\S+) cohesive (\S+) "
-        r"contact (\S+) damping (\S+) ext (\S+) N\*mm \| balance ([+-][\d.]+) % \| "
+    told = re.fullmatch(
+        r"100 %: path [\d.]+ mm, force \S+ N \| E: (.*) N\*mm \| balance ([+-][\d.]+) % \| "
         r"crack (\S+) mm, cables (\d+) made (\d+) jointed (\d+) broken",
         lines[-1],
     )
-    *parts, ext, balance = map(float, figures.groups()[:7])
+    energies = dict(part.rsplit(" ", 1) for part in told.group(1).split(", "))
+    work = float(energies.pop("work of the tool"))
+    assert energies.keys() >= {"stored in the film", "kinetic energy", "damping"}
     # Four figures of each are shown; what is left over is what the balance says, in per cent.
-    assert ext - sum(parts) == pytest.approx(0.01 * balance * ext, abs=2e-3 * ext)
+    missing = 0.01 * float(told.group(2)) * work
+    assert work - sum(map(float, energies.values())) == pytest.approx(missing, abs=2e-3 * work)
+
+
+def test_the_table_at_the_end_is_the_account_of_the_summary(out):
+    summary = json.loads((out / "summary.json").read_text())
+    said = (out.parent / "stdout").read_text()
+    rows = re.findall(r"^(\S.*) \[N\*mm\] +(\S+) +(\S+) %$", said, re.MULTILINE)
+    (words, work, whole), *became = rows
+    assert (words, float(whole)) == ("work of the tool", 100.0)
+    assert float(work) == pytest.approx(summary["tool_work_Nmm"], rel=1e-5)
+    assert {words for words, *_ in became} >= {"stored in the film", "damping", "imbalance"}
+    assert sum(float(energy) for _, energy, _ in became) == pytest.approx(float(work), rel=1e-4)
+    assert sum(float(share) for *_, share in became) == pytest.approx(100.0, abs=0.5)
 
 
 def test_the_log_has_all_that_was_printed(out):
@@ -389,6 +403,96 @@ def test_a_pipe_that_is_closed_stops_no_command(out, tmp_path, command):
         assert (tmp_path / "run" / "comparison.json").exists()
 
 
+SWEEP = ["sweep", "study.toml", "-o", ".", "--jobs", "1"]
+
+
+@pytest.mark.parametrize(
+    ("command", "mine"),
+    [
+        (SWEEP, "study.toml"),
+        ([*SWEEP[:1], "guillotine", *SWEEP[2:], "--set", "size=1,2"], "stop"),
+        (["preview", "opening", "--set", "mesh=quick"], "model.png"),
+        (["preview", "model.toml", "-o", "model.toml"], "model.toml"),
+        (["run", "guillotine", "-o", ".", *SHORT], "run.lock"),
+        (["run", "guillotine", "--write-model", "link.toml"], "link.toml"),
+        (["compare", "run", "measured.csv"], "run/comparison.json"),
+        (["compare", "run", "measured.csv", "--json", "measured.csv"], "measured.csv"),
+        (["report", "run"], "run/report.html"),
+        (["report", "run", "-o", "run/history.csv"], "run/history.csv"),
+        (["view", "run", "--frame", "0"], "run/frame_0000.png"),
+        (["view", "run", "--html", "run/summary.json"], "run/summary.json"),
+        (["run", "run/used.toml", "-o", "run", "--overwrite"], "run/used.toml"),
+    ],
+)
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_file_of_ones_own_is_not_replaced(
+    out, tmp_path, monkeypatch, capsys, command, mine, linked
+):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(out, "run")
+    Path("measured.csv").write_text("path [mm], force [N]\n0, 0\n1, 3\n1.5, 3\n")
+    study = 'model = "guillotine"\n[set]\n"membrane.size" = 1\n[factors]\nspeed = [1e3, 2e3]\n'
+    Path("study.toml").write_text(study)
+    Path("model.toml").write_text('model = "guillotine"\n')
+    path = Path(mine)
+    if not path.exists():
+        path.write_text("mine")
+    if linked:
+        path.rename("elsewhere")
+        path.symlink_to(Path("elsewhere").resolve())
+    before = path.read_bytes()
+    assert main(command) == 2
+    assert path.name in capsys.readouterr().err
+    assert path.read_bytes() == before
+    assert path.is_symlink() == linked
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["run", "guillotine", "-o", ""],
+        ["sweep", "guillotine", "-o", "", "--set", "size=1,2"],
+        ["tensile", "a.csv", "-o", ""],
+        ["preview", "guillotine", "-o", ""],
+        ["resume", ""],
+    ],
+)
+def test_an_empty_name_is_not_the_present_folder(command, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(command)
+    assert "must have a name" in capsys.readouterr().err
+
+
+LONG, NO_TEXT = "x" * 300, os.fsdecode(b"x\xff")
+
+
+@pytest.mark.parametrize("name", [LONG, NO_TEXT])
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run guillotine -o {}/out/of/it",
+        "run {} -o out",
+        "run guillotine --set tool.file={} -o out",
+        "resume {}",
+        "view {}",
+        "report {}",
+        "compare {} {}",
+        "tensile {} -o out",
+        "sweep {} -o out",
+        "preview {}",
+        "fit guillotine {} --free cohesive.plateau -o out",
+    ],
+)
+def test_names_that_cannot_be_are_refused(tmp_path, monkeypatch, name, command):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / os.fsdecode(b"x\xff")).write_text("a file")
+    said = io.TextIOWrapper(io.BytesIO(), "utf-8")
+    monkeypatch.setattr(sys, "stderr", said)
+    assert main([part.replace("{}", name) for part in command.split()]) == 2
+    said.flush()
+    assert b"x" in said.buffer.getvalue()
+
+
 def test_every_exit_code_is_told_by_the_help(capsys):
     with pytest.raises(SystemExit) as left:
         main(["--help"])
@@ -444,7 +548,7 @@ def test_keys_are_found_by_words(capsys):
     ("setting", "said", "drawn"),
     [
         ("tip_clearance=-1", "the tool must start outside the sheet", "edges  all 4"),  # built
-        (("radius=30", "path=imprint"), "the path must run through the film", "never: 0, 1, 2, 3"),
+        ("path=imprint", "take path = 'free', or leave it out", "film   649 nodes"),  # read
         ("teeth=0", "n_teeth must be at least 1", "film   649 nodes"),  # read
         ("tool.teehs=3", "did you mean teeth?", "film   649 nodes"),
         ("thickness=74", "a shell must be thin", "edges  all 4"),  # checked

@@ -6,6 +6,8 @@ import pytest
 import shellcut as sc
 from curved_films import Roll
 from shellcut import Fracture
+from shellcut.checks.row import lies_under, row_of
+from shellcut.checks.sweep import Sweep
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test
 from shellcut.recording.recorder import Recorder
@@ -45,7 +47,6 @@ def by_hand(**options):
 )
 def test_what_exists_along_edges_only_asks_for_them(option):
     assert Fracture(**option).decided().path == "edges"
-    assert Fracture(path="imprint", **option).path == "imprint"
     with pytest.raises(ValueError, match=f"path = 'free' goes with {next(iter(option))} = "):
         Fracture(path="free", **option)
     sim = by_hand(fracture=Fracture(**option))
@@ -58,9 +59,8 @@ def test_what_exists_along_edges_only_asks_for_them(option):
 @pytest.mark.parametrize("option", [{"cable_places": "gauss"}, {"largest_speed": 1e5}])
 def test_what_exists_through_quads_only_asks_for_them(option):
     assert Fracture(**option).needed_path == Fracture(**option).decided().path == "free"
-    for path in ("edges", "imprint"):
-        with pytest.raises(ValueError, match="through the quads only: take path='free'"):
-            Fracture(path=path, **option)
+    with pytest.raises(ValueError, match="through the quads only: take path='free'"):
+        Fracture(path="edges", **option)
     with pytest.raises(ValueError, match=r"criterion must be left out.* or .*, of cracks thr"):
         Fracture(criterion="stress", **option)
     case = opening_test("quick", fracture=Fracture(**option))
@@ -73,8 +73,13 @@ def test_a_simulation_by_hand_takes_quads():
     assert sim.inputs["fracture"] == Fracture(path="free")
     said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
     assert "cracks through the quads of the mesh" in said
-    with pytest.raises(ValueError, match=r"got 'imprint'.*imprint\(mesh, blade_path\(tool"):
-        by_hand(fracture=Fracture(path="imprint"))
+
+
+def test_the_path_of_earlier_versions_names_its_replacement():
+    with pytest.raises(
+        ValueError, match=r"got 'imprint'; cracks go .* path = 'free', or leave it out"
+    ):
+        Fracture(path="imprint")
 
 
 def test_the_summary_says_which_way_cracks_went(tmp_path):
@@ -95,12 +100,36 @@ def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
     np.testing.assert_array_equal(ring.simulation.mesh.nodes, opening_disc("quick").nodes)
     elsewhere = opening_test("quick", tool=tooth_ring(radius=9.0))
     assert elsewhere.simulation.fracture.path == "free"
-    assert elsewhere.imprint is None
     np.testing.assert_array_equal(elsewhere.simulation.mesh.nodes, opening_disc("quick").nodes)
     needs_edges = Fracture(candidates="all")
-    imprinted = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
-    assert imprinted.imprint.changed
-    assert imprinted.simulation.fracture == Fracture(path="edges", candidates="all")
+    beside = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
+    assert beside.simulation.fracture == Fracture(path="edges", candidates="all")
+    assert any("a row of mesh edges must lie" in str(found) for found in beside.check.findings)
+
+
+@pytest.mark.parametrize("mesh", ["quick", "M1", "M2"])
+@pytest.mark.parametrize("angle_deg", [5.0, 20.0, 95.0])
+def test_a_ring_is_a_row_within_a_two_hundredth_of_an_edge(mesh, angle_deg):
+    disc = opening_disc(mesh)
+    way = {"angle_deg": angle_deg, "duration": 6e-3 * angle_deg / 95.0, "pitch": 12.0}
+    h = 2.0 * np.pi * 9.4 / {"quick": 72, "M1": 152, "M2": 276}[mesh]
+    for off, under in ((0.0, True), (0.001, True), (0.01, False), (-0.01, False), (0.3, False)):
+        tool = tooth_ring(radius=9.4 + off * h, phase_deg=7.3)
+        sweep = Sweep.of(disc, tool, sc.ScrewMotion.over(**way), way["duration"])
+        assert lies_under(sweep) is under
+
+
+def test_no_row_lies_under_a_path_along_a_cut_or_where_nothing_cuts():
+    film = rectangle(6.0, 4.0, size=0.5)
+    motion = StraightMotion((1.0, 0.0, 0.0), 6000.0)
+    blade = straight_blade(length=6.0, height=3.0).translated((-0.05, 0.0, 0.0))
+    assert lies_under(Sweep.of(film, blade, motion, 5e-4))
+    middle = film.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 2.1))
+    cut = film.cut(middle[np.argsort(film.nodes[middle, 0])])
+    assert not lies_under(Sweep.of(cut, blade, motion, 5e-4))
+    rim = blade.translated((0.0, 2.0, 0.0))
+    assert not lies_under(Sweep.of(film, rim, motion, 5e-4))
+    assert not lies_under(Sweep.of(film, blade.translated((0.0, 9.0, 0.0)), motion, 5e-4))
 
 
 def test_the_guillotine_follows_edges_where_they_lie_under_the_whole_path():
@@ -111,10 +140,17 @@ def test_the_guillotine_follows_edges_where_they_lie_under_the_whole_path():
     np.testing.assert_allclose(between.cracks.free.at_tips(between.mesh.nodes), [[1.6, 0, 0]])
     through = guillotine(width=4.8, fracture=Fracture(path="free"), **strip).simulation
     np.testing.assert_allclose(through.cracks.free.at_tips(through.mesh.nodes), [[1.6, 0, 0]])
-    imprinted = guillotine(width=4.0, fracture=Fracture(path="imprint"), **strip)
-    assert imprinted.imprint.changed
     with pytest.raises(ValueError, match=r"make width / size even, take fracture\.path = 'free'"):
         guillotine(width=4.0, fracture=Fracture(path="edges"), **strip)
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_the_notch_of_the_guillotine_lies_where_the_tool_goes(own):
+    strip = {"length": 8.0, "width": 4.8, "size": 0.8}
+    strip = {"mesh": rectangle(8.0, 4.8, size=0.8)} if own else strip
+    moved = straight_blade(length=8.0).translated((0.0, 0.7, 0.0))
+    sim = guillotine(tool=moved, notch=1.6, travel=2.0, **strip).simulation
+    np.testing.assert_allclose(sim.cracks.free.at_tips(sim.mesh.nodes), [[1.6, 0.7, 0]], atol=1e-9)
 
 
 # ---------------------------------------------------------------- a notch along the path
@@ -170,6 +206,23 @@ def test_a_notch_along_an_arc_within_the_film_has_two_ends():
     assert sim.state.crack_length == 0.0
 
 
+def test_a_notch_along_a_row_begins_at_the_edge_behind_the_first_place():
+    tool = tooth_ring(n_teeth=1)
+    motion = sc.ScrewMotion.over(angle_deg=60.0, duration=4e-3, pitch=12.0)
+    options = {"tool": tool, "motion": motion, "duration": 4e-3, "notch": 4.0}
+    case = free_cut(opening_disc("M1"), supports=[sc.Support.clamped("rim")], **options)
+    sim = case.simulation
+    row = row_of(Sweep.of(opening_disc("M1"), tool, motion, 4e-3), 0)
+    np.testing.assert_allclose(np.hypot(*opening_disc("M1").nodes[row, :2].T), 9.4, rtol=1e-9)
+    steps = np.linalg.norm(np.diff(opening_disc("M1").nodes[row], axis=0), axis=1)
+    h = 2.0 * np.pi * 9.4 / 152
+    np.testing.assert_allclose(steps, 2.0 * 9.4 * np.sin(np.pi / 152), rtol=1e-9)
+    ends = sim.mesh.nodes[sorted(sim.cracks.edges.tips)]
+    assert len(ends) == 2
+    angle = np.abs(np.diff(np.unwrap(np.arctan2(ends[:, 1], ends[:, 0]))))[0]
+    assert 4.0 - h < 9.4 * angle < 4.0 + 1e-3
+
+
 def test_a_notch_on_a_cylinder():
     mesh = Roll(30.0, 15.0).mesh(rectangle(16.0, 8.0, size=0.8))
     tool = straight_blade(length=16.0, height=16.0).translated((-0.05, 0.0, 0.0))
@@ -179,6 +232,35 @@ def test_a_notch_on_a_cylinder():
     (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
     assert 2.0 <= np.hypot(end[0], end[2]) < 2.8
     assert abs(end[1]) < 0.05 * 0.8  # the plane of the blade
+
+
+@pytest.mark.parametrize("outside", [-1e-4, 2e-4, 9e-4])
+def test_a_notch_whose_first_place_is_just_outside_the_rim_begins_at_it(outside):
+    """Places of the path count that miss the film by less than a thousandth of an edge."""
+    h, speed, ticks = 0.8, 6000.0, 200
+    case = free_cut(
+        rectangle(8.0, 4.8, size=h),
+        tool=straight_blade(length=12.0, height=3.0).translated((-0.05, 0.1, 0.0)),
+        motion=StraightMotion((1.0, 0.0, 0.0), speed),
+        duration=(0.05 - outside * h) / speed * ticks / 3,
+        notch=1.0,
+        supports=SIDES,
+    )
+    sim = case.simulation
+    (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
+    assert 1.0 - outside * h <= end[0] < 1.0 + h
+    assert end[1] == pytest.approx(0.1, abs=1e-9)
+    assert sim.state.split_log[0].reference[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_notch_from_within_the_film_may_leave_it():
+    sim = by_hand(fracture=Fracture(path="free"))
+    sim.notch((2.1, 0.1, 0.0), (5.0, 0.1, 0.0))
+    (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
+    np.testing.assert_allclose(end, [1.6, 0.1, 0.0], atol=1e-9)  # the quad in which it begins
+    assert sum(cut.kind == "notch" for cut in sim.state.split_log) == 3
+    with pytest.raises(ValueError, match="a notch must lead into the film, got one at"):
+        by_hand(fracture=Fracture(path="free")).notch((2.4, 0.1, 0.0), (5.0, 0.1, 0.0))
 
 
 def test_a_notch_needs_an_edge_that_moves_through_the_film():

@@ -72,7 +72,8 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     across = vectors[:, 0] * np.sign(vectors[0, 0])
     path = sim.cracks.free._path
     # Above the strength the stress decides alone.
-    free = FreeDirection(sim.shell, path, sc.CohesiveLaw(strength=12.0))
+    topology = sim.cracks.free._cuts.topology
+    free = FreeDirection(sim.shell, topology, path, sc.CohesiveLaw(strength=12.0))
     for tip in inner_tips(sim, roll):
         at = path.place_of(sim.state, tip)
         way = next(free.ways(sim.state, tip))

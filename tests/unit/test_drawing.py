@@ -1,5 +1,6 @@
 """Outlines from DXF, written by ezdxf, and from SVG, as Inkscape and Matplotlib write it."""
 
+import re
 import shutil
 import sys
 from math import pi
@@ -225,8 +226,14 @@ class TestLoops:
             caught.value
         )
         assert "at (10, 0.02) of LINE on layer '0'" in str(caught.value)
-        assert "join=... (mm) closes gaps" in str(caught.value)
-        assert read_drawing(path, join=0.05).area == pytest.approx(80.0, rel=0.01)
+        (join,) = re.findall(r"; join=([\d.]+) \(mm\) closes gaps$", str(caught.value))
+        assert read_drawing(path, join=float(join)).area == pytest.approx(80.0, rel=0.01)
+
+    def test_a_missing_side_is_no_gap(self, tmp_path):
+        with pytest.raises(
+            FileError, match=r"2 mm from .*; a curve is missing, or lies on a layer"
+        ):
+            read_drawing(self.opened(tmp_path, 2.0))
 
     def test_round_off_is_no_gap(self, tmp_path):
         assert read_drawing(self.opened(tmp_path, 5e-6)).area == pytest.approx(80.0, rel=1e-6)

@@ -16,13 +16,12 @@ import shellcut.files.folder_lock
 from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
 
 HOLDER = """
-import importlib.util, sys
+import sys
 from pathlib import Path
-# The module alone: the whole package takes seconds.
-spec = importlib.util.spec_from_file_location("folder_lock", sys.argv[2])
-module = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(module)
-lock = module.FolderLock(Path(sys.argv[1]))
+# The room alone: the whole package takes seconds.
+sys.path.insert(0, str(Path(sys.argv[2]).parents[1]))
+from files.folder_lock import FolderLock
+lock = FolderLock(Path(sys.argv[1]))
 print("held", flush=True)
 sys.stdin.readline()
 """
@@ -168,3 +167,17 @@ def test_a_folder_that_cannot_be_written_is_no_folder_in_use(tmp_path):
     (tmp_path / LOCK).mkdir()
     with pytest.raises(IsADirectoryError):
         FolderLock(tmp_path)
+
+
+@pytest.mark.parametrize("there", ["my notes", '["process"]'])
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_file_of_the_lock_s_name_that_is_none_stays(tmp_path, there, linked):
+    mine = tmp_path / ("mine" if linked else LOCK)
+    mine.write_text(there)
+    if linked:
+        (tmp_path / LOCK).symlink_to(mine)
+    for attempt in (FolderLock, refuse_if_in_use):
+        with pytest.raises(OSError, match=LOCK):
+            attempt(tmp_path)
+    assert mine.read_text() == there
+    assert (tmp_path / LOCK).is_symlink() == linked

@@ -184,18 +184,41 @@ misses = len(longest.stats.cache_misses), len(longest_of_bound.stats.cache_misse
 """
 
 
-def test_a_cache_of_an_older_version_is_written_anew(tmp_path, monkeypatch):
-    """Numba cannot open it where the class of a table has another name by now."""
+@pytest.fixture
+def of_a_version(tmp_path, monkeypatch):
+    """Return a function that runs kernels in a version of a file, as in another process.
+
+    It returns how often each of two was compiled.
+    """
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.syspath_prepend(tmp_path)
-    misses, source = [], tmp_path / "of_a_version.py"
-    for name in ("Bars", "Rods", None):
+    source = tmp_path / "of_a_version.py"
+
+    def misses(name=None):
         if name:
             source.write_text(_OF_A_VERSION.format(name=name))
-        # Anew, as in another process.
         importlib.invalidate_caches()
         version = importlib.import_module(source.stem)
         del sys.modules[source.stem]
         assert version.found == (2.0, 2.0)
-        misses.append(version.misses)
-    assert misses == [(1, 1), (1, 1), (0, 0)]
+        return version.misses
+
+    return misses
+
+
+def test_a_cache_of_an_older_version_is_written_anew(of_a_version):
+    """Numba cannot open it where the class of a table has another name by now."""
+    assert [of_a_version(name) for name in ("Bars", "Rods", None)] == [(1, 1), (1, 1), (0, 0)]
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize("left", [0.0, 0.4, 0.95, None])
+def test_a_damaged_cache_is_written_anew(of_a_version, tmp_path, suffix, left):
+    """Of a file a full disk leaves nothing or a part, a power cut zeros."""
+    assert of_a_version("Rods") == (1, 1)
+    files = list((tmp_path / "cache").rglob(f"*{suffix}"))
+    assert len(files) == 2
+    for file in files:
+        content = file.read_bytes()
+        file.write_bytes(bytes(99) if left is None else content[: int(left * len(content))])
+    assert [of_a_version(), of_a_version()] == [(1, 1), (0, 0)]

@@ -50,6 +50,15 @@ def material(**keys):
             {"young_across": 900.0, "shear": 400.0, "law": "hencky", "angle_deg": 30.0},
             Hencky(Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9, angle_deg=30.0)),
         ),
+        (
+            {
+                "young_across": 900.0,
+                "shear": 400.0,
+                "shear_through": 300,
+                "shear_through_across": 200,
+            },
+            Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9, 300.0, shear_through_across=200.0),
+        ),
         ({"yield_stress": "20 MPa"}, Plastic(MODULI, Linear(20.0))),
         ({"yield_stress": 20, "hardening_modulus": 5}, Plastic(MODULI, Linear(20.0, 5.0))),
         (
@@ -126,6 +135,11 @@ def test_what_keys_build(keys, wanted):
             "cowper_symonds_rate and johnson_cook_rate must not both be given",
         ),
         ({"young_across": 900.0}, "young_across needs shear too"),
+        ({"shear_through_across": 9.0}, "shear_through_across needs young_across and shear too"),
+        (
+            {"young_across": 9.0, "shear": 3, "shear_through": 0},
+            "shear_through must be a positive modulus in MPa, got 0.0",
+        ),
         ({"young_across": -900.0, "shear": 3}, "young_across must be a positive modulus"),
         ({"young_across": 90.0, "shear": 3, "poisson": 9}, "young over young_across"),
         ({"angle_deg": 30.0}, "angle_deg turns the axes of young_across and r_values, got neither"),
@@ -188,7 +202,11 @@ def test_the_file_of_a_layer_is_recorded_too(tmp_path):
     [
         ("a [-],b [MPa]\n0,1\n1,2\n", "one heading must name the strain"),
         ("strain [-],stress [mm]\n0,1\n1,2\n", "stress must"),
-        ("strain [s],stress [MPa]\n0,1\n1,2\n", "strains must have the unit - or %, got 's'"),
+        ("total strain [-],eng. stress [MPa]\n0,1\n1,2\n", "true stresses, got 'total strain [-]'"),
+        (
+            "strain [s],stress [MPa]\n0,1\n1,2\n",
+            "strain must be a unit of ratio (-, %, um/m), got 's'",
+        ),
         ("strain [-],stress [MPa]\n0.1,1\n1,2\n", "plastic_strain must start at 0"),
         ("strain [-],stress [MPa]\n0,3\n1,2\n", "stress must not decrease"),
     ],

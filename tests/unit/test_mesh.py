@@ -20,7 +20,7 @@ def three(nodes):
 
 
 def refusal(*args, **kwargs):
-    with pytest.raises(MeshError) as caught:
+    with pytest.raises(ValueError) as caught:  # noqa: PT011
         Mesh.from_arrays(*args, **kwargs)
     return str(caught.value)
 
@@ -224,7 +224,7 @@ def test_given_directors_are_scaled_to_one():
         (ONE_LEANING, ["at the rim within 45", "node 4 at (1, 1, 0)", "lean by 50 degrees"]),
         (np.zeros((5, 3)), ["shape (6, 3)", "(5, 3)", "leave them out"]),
         (np.full((6, 3), np.nan), ["finite", "nan"]),
-        ("up", ["finite numbers"]),
+        ("up", ["directors must be an array of real numbers", "'up'"]),
     ],
 )
 def test_wrong_directors_are_refused(directors, words):
@@ -258,9 +258,12 @@ ARROW = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [0.5, 1.0]]
     ("nodes", "quads", "words"),
     [
         ([0.0, 1.0], QUADS, ["nodes must have shape (n_node, 3)", "(2,)", "one row per node"]),
-        ("abc", QUADS, ["array of numbers"]),
+        ("abc", QUADS, ["nodes must be an array of real numbers", "'abc'"]),
+        (np.array(NODES) + 0j, QUADS, ["nodes must be an array of real numbers", "complex128"]),
+        (np.ma.array(NODES, mask=np.eye(6, 2)), QUADS, ["nodes must", "masked", "compressed"]),
+        (NODES, np.ma.array(QUADS, mask=np.eye(2, 4)), ["quads must", "masked", "filled"]),
         (NODES, [[0, 1, 4]], ["shape (n_quad, 4)", "(1, 3)", "triangles are not supported"]),
-        (NODES, [[0, 1, 4, 3], [1, 2, 5]], ["shape (n_quad, 4)"]),
+        (NODES, [[0, 1, 4, 3], [1, 2, 5]], ["quads must be an array of real numbers"]),
         (NODES, [], ["shape (n_quad, 4)", "(0,)"]),
         (NODES, np.array(QUADS, float), ["whole numbers", "float64", "cast"]),
         ([*NODES[:5], [np.inf, 1.0]], QUADS, ["finite", "node 5 at (inf, 1, 0)", "repair"]),
@@ -347,6 +350,13 @@ def test_a_wrong_set_name_is_answered_with_the_nearest():
         MeshError, match=r"bottom, top, left, right.*'botom'; did you mean 'bottom'"
     ):
         mesh.node_set("botom")
+    with pytest.raises(MeshError, match=r"\(bottom, .*'BOTTM'; did you mean 'bottom'"):
+        mesh.node_set("BOTTM")
+    assert mesh.node_set("LEFT").tolist() == mesh.node_set("left").tolist()
+    both = mesh.with_sets(node_sets={"Left": [1]})
+    assert both.node_set("Left").tolist() == [1]
+    with pytest.raises(MeshError, match=r"\(Left, left, .*'LEFT'; did you mean 'Left'"):
+        both.node_set("LEFT")
     with pytest.raises(MeshError, match=r"quad set.*\(none\), got 'patch'; add it by with_sets"):
         mesh.quad_set("patch")
 

@@ -48,13 +48,14 @@ GIVEN = {
 }
 GIVEN_TO_STRIPS = {("motion", "straight"): {"speed": 100.0}}
 PLY = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
+AXES = {"young_across": 900.0, "shear": 400.0}
 YIELDS = {"yield_stress": 10.0}
 CURVE = {"hardening_strain": [0.0, 1.0], "hardening_stress": [1.0, 4.0]}
 SWIFT = {"swift_strength": 30.0, "swift_start": 0.01, "swift_exponent": 0.2}
 # What a key of a material needs beside it.
 BESIDE = {
-    "young_across": {"young_across": 900.0, "shear": 400.0},
-    "shear": {"young_across": 900.0, "shear": 400.0},
+    **dict.fromkeys(("young_across", "shear", "angle_deg"), AXES),
+    **dict.fromkeys(("shear_through", "shear_through_across"), AXES),
     "hardening_modulus": YIELDS,
     "saturation_gain": {**YIELDS, "saturation_gain": 2.0, "saturation_strain": 0.1},
     "saturation_strain": {**YIELDS, "saturation_gain": 2.0, "saturation_strain": 0.1},
@@ -70,7 +71,6 @@ BESIDE = {
     },
     "johnson_cook_rate": {**YIELDS, "johnson_cook_rate": 4.0, "johnson_cook_factor": 0.1},
     "johnson_cook_factor": {**YIELDS, "johnson_cook_rate": 4.0, "johnson_cook_factor": 0.1},
-    "angle_deg": {"young_across": 900.0, "shear": 400.0},
 }
 # Other values where a tenth more, one more, or the other choice would not do.
 VARIED = {
@@ -393,7 +393,7 @@ def test_every_parameter_has_a_key_with_its_default(kind):
 def test_every_option_of_a_simulation_is_in_some_section():
     taken = {"mesh", "material", "supports", "loads", "tool", "motion", "law"}
     taken |= {"contact", "fracture", "stepping"}  # sections
-    taken |= {"directional", "precision", "threads"}  # at the top
+    taken |= {"directional", "imperfection", "precision", "threads"}  # at the top
     taken |= {"damping_alpha", "damping_beta"}  # [damping]
     assert set(inspect.signature(Simulation).parameters) - taken == set(NOT_IN_FILES)
 

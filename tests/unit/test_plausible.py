@@ -5,6 +5,8 @@ import pytest
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.plausible import check_numbers
 from shellcut.checks.steps import check_steps
+from shellcut.material.hardening import Linear
+from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
@@ -41,6 +43,22 @@ def test_the_film_of_the_paper_is_plausible():
 def test_a_film_in_another_unit(numbers, severity, said):
     findings = found(**numbers)
     assert any(level == severity and said in text for level, text in findings), findings
+
+
+@pytest.mark.parametrize(
+    ("first", "r_values", "severity", "said"),
+    [
+        (10000.0, None, "refuse", "a first yield stress of 1e+04 MPa at a modulus of 1000 MPa"),
+        (400.0, None, "doubt", "a strain of 0.4"),
+        (40.0, (1000.0, 1000.0, 1000.0), "doubt", "got r_values 1000, 1000, 1000"),
+        (40.0, (1.0, 0.01, 1.0), "doubt", "got r_values 1, 0.01, 1"),
+    ],
+)
+def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
+    material = Plastic(Elastic(1000.0, 0.3, 1e-9), Linear(first, 1.0), r_values)
+    ((level, text),) = found(ShellMaterial((Layer(material, 0.05),)))
+    assert level == severity
+    assert said in text
 
 
 @pytest.mark.parametrize(

@@ -263,11 +263,20 @@ def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
 def test_files_are_closed_if_one_cannot_be_gone_on_with(tmp_path):
     Case("cut", cutting(), END).run(tmp_path, **RECORDS)
     (tmp_path / "cut.pvd").write_text("no list")
-    with pytest.raises(ValueError, match=r"cut\.pvd was not written by shellcut"):
-        Recorder(
-            cutting(), tmp_path, until=2 * END, name="cut", pvd=True, resume=True, progress=False
-        )
-    assert not is_open(tmp_path / "cut.vtkhdf")
+    for said in (r"has cut\.pvd, which this run would replace", "not written by shellcut"):
+        with pytest.raises((ValueError, FileExistsError), match=said):
+            Recorder(
+                cutting(),
+                tmp_path,
+                until=2 * END,
+                name="cut",
+                pvd=True,
+                resume=True,
+                progress=False,
+            )
+        assert not is_open(tmp_path / "cut.vtkhdf")
+        with (tmp_path / "run.files").open("a") as listed:  # as if a run had written it
+            listed.write("cut.pvd\n")
 
 
 def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, monkeypatch):

@@ -65,6 +65,14 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, by, capfd):
     assert capfd.readouterr().err == ""  # VTK keeps quiet
 
 
+def test_cables_that_have_not_opened_have_nothing_to_draw(tmp_path, by):
+    shut = np.repeat(FRAMES[0].cable_segments[:, :1], 2, axis=1)
+    frame = dataclasses.replace(FRAMES[0], cable_segments=shut)
+    draw_movie(tmp_path / "m.gif", [frame, FRAMES[1]], size=SIZE, progress=False)
+    with pillow.open(tmp_path / "m.gif") as film:
+        assert film.n_frames == 2
+
+
 def test_stresses_colour_the_film(tmp_path, by):
     if by == "matplotlib":
         pytest.skip("Matplotlib draws the largest principal stress only")
@@ -203,8 +211,9 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
 def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
     monkeypatch.setenv(renderer.CHOICE, "matplotlib")
-    with pytest.raises(OSError, match=r"ffmpeg could not write .*No such file"):
-        draw_movie(tmp_path / "no" / "cut.mp4", FRAMES[:1], size=SIZE)
+    with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
+        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_camera_of_a_movie_stands_still(by):

@@ -25,7 +25,7 @@ def naive_stiffness(X, T, q, material, n_point):
     value, *by = naive.shape(*naive.GAUSS[q])
     A, dT, T0 = [d @ X for d in by], [d @ T for d in by], value @ T
     normal = T0 / np.linalg.norm(T0)
-    H = np.zeros((8, 8))
+    H, factor = np.zeros((8, 8)), naive.shear_factor(material)
 
     def tensor(v, contra, z):
         E = np.zeros((3, 3))
@@ -43,7 +43,7 @@ def naive_stiffness(X, T, q, material, n_point):
 
         strains = [tensor(unit, contra, z) for unit in np.eye(8)]
         for i, E in enumerate(strains):
-            stress = naive.stress_of(E, normal, elastic, material.shear_factor)
+            stress = naive.stress_of(E, normal, elastic, factor)
             for j, other in enumerate(strains):
                 H[i, j] += weight * volume * np.sum(stress * other)
     return H

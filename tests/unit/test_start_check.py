@@ -1,5 +1,7 @@
 """A tool that starts inside the sheet is refused, one that touches nothing is not."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from naive import cases
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
@@ -67,3 +70,42 @@ def test_a_notch_makes_room_for_a_thin_blade_only_when_it_is_open():
         quads = mesh.quads[(mesh.quads == node).any(axis=1)]
         nodes[node, 1] = 0.4 * np.sign(mesh.nodes[quads, 1].mean())
     check(cases.moved_mesh(mesh, nodes), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("direction", "z", "least", "turned"),
+    [
+        ((1.0, 0.0, 0.0), 0.0, 3.5, True),  # out at the sheet's edge x = 0
+        ((0.0, 0.0, -1.0), 2.8, 0.2, False),  # the blade reaches 3 mm to both sides in z
+        ((0.0, 0.0, 1.0), 2.8, 5.8, True),
+        ((0.0, 0.0, 0.0), 0.0, None, True),
+    ],
+)
+def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
+    direction, z, least, turned
+):
+    pose = Pose(np.eye(3), np.array([3.5, 0.0, z]))
+    motion = StraightMotion(direction, 100.0) if any(direction) else None
+    grid = ClosestTriangleGrid.build(BLADE)
+    with pytest.raises(ValueError, match=r"or cut a notch for it \(Mesh\.cut\)$") as refusal:
+        check_tool_outside(MESH, BLADE, grid, pose, motion)
+    text = str(refusal.value)
+    assert ("its axis or the direction of its motion may be wrong" in text) == turned
+    back = re.findall(r"start back by ([\d.]+) mm, against \((.*?)\),", text)
+    assert len(back) == (least is not None)
+    for far, way in back:
+        assert least <= float(far) < least + 0.15
+        assert way == "{:g}, {:g}, {:g}".format(*direction)
+
+
+def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
+    screw, ring = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0), tooth_ring()
+    on_its_side = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+
+    mesh = rectangle(24.0, 24.0, n_x=12, n_y=12)
+    mesh = cases.moved_mesh(mesh, mesh.nodes - [12.0, 0.0, 0.0])
+    grid = ClosestTriangleGrid.build(ring)
+    with pytest.raises(ValueError, match="must start outside the sheet") as refusal:
+        check_tool_outside(mesh, ring, grid, Pose.of(on_its_side, np.zeros(3)), screw)
+    said = str(refusal.value)
+    assert re.search(r"back by (9|10)\.?\d* mm, against \(0, 0, -1\), or turn it: its axis", said)

@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 
 from naive import cases
+from shellcut.loads.supports import Support
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state, quads_of_nodes
+from shellcut.models import free_cut
 from shellcut.state import CableTable, KnownTopology, NodeTable
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
 
 
 def test_rows_are_appended_and_the_old_ones_survive_growth():
@@ -114,3 +118,17 @@ def test_a_known_topology_is_that_of_one_state_until_it_splits():
     other.restore(state.revision)
     assert other.is_of(state)
     assert other.new_splits(state) == []
+
+
+def test_a_film_of_one_quad_is_cut():
+    """A table of one row, which NumPy takes for one stored by column, grows as any."""
+    case = free_cut(
+        rectangle(1.0, 1.0, size=1.0),
+        tool=straight_blade(),
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=6000.0),
+        duration=2.5e-4,
+        supports=[Support.clamped("bottom"), Support.clamped("top")],
+    )
+    case.simulation.run(case.duration)
+    assert case.simulation.state.n_quad > 1
+    assert case.simulation.state.crack_length > 0.0

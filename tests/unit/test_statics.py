@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, ShellMaterial, Support
+from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.loads.loads import NodalMoment
+from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.statics import load_path
 from shellcut.statics.statics import NoConvergence, Statics
@@ -261,6 +262,149 @@ def test_a_rigid_motion_is_refused():
         Statics(parts, material, supports=supports, loads=[Gravity((0, 0, -9810.0))]).linear()
 
 
+def test_shares_of_a_step_end_at_its_factor(monkeypatch):
+    # 0.37 in eighths, summed, is one unit of the last digit below it.
+    asked, newton = [0.0], load_path.LoadPath._newton
+
+    def asking(path, factor):
+        used = newton(path, factor)
+        asked.append(factor)
+        return used
+
+    monkeypatch.setattr(load_path.LoadPath, "_newton", asking)
+    monkeypatch.setattr(load_path, "_MOST_ITERATIONS", 3)
+    strip = cantilever(8, SHEAR)
+    (end,) = strip.load_steps([0.37])
+    assert end.factor == 0.37
+    assert len(asked) > 4
+    assert min(np.diff(asked)) > 1e-3 * 0.37
+    # What is at rest under a load needs no step to it.
+    assert strip.load_steps([0.37, np.nextafter(0.37, 1.0)])[-1].n_iteration == 0
+
+
+# --- stability -----------------------------------------------------------------------------------
+
+
+def pressed_plate(imperfection=0.0, n=8):
+    """A square with a half-wave, its rim held along z only, pressed along x by 4 pi² D / a²."""
+    a, h, young, poisson = 10.0, 0.1, 7e4, 0.3
+    flat = rectangle(a, a, n_x=n, n_y=n)
+    wave = np.sin(np.pi / a * (flat.nodes[:, :2] - flat.nodes[:, :2].min(axis=0))).prod(axis=1)
+    nodes = flat.nodes + np.outer(imperfection * h * wave, [0, 0, 1])
+    sets = {side: flat.node_set(side) for side in ("left", "right", "bottom", "top")}
+    N = 4.0 * np.pi**2 * young * h**3 / (12.0 * (1.0 - poisson**2) * a**2)
+    plate = Statics(
+        Mesh.from_arrays(nodes, flat.quads, node_sets=sets),
+        ShellMaterial.homogeneous(young=young, poisson=poisson, density=1e-9, thickness=h),
+        supports=[
+            Support("left", "xz", ""),
+            Support([int(sets["left"][0])], "y", ""),
+            *(Support(side, "z", "") for side in ("right", "bottom", "top")),
+        ],
+        loads=[EdgeTraction("right", (-N, 0.0, 0.0))],
+    )
+    return plate, np.argmax(wave), h
+
+
+def dense_frequencies(film):
+    K = film._freedoms.restrict(film._freedoms.stiffness(film.shell)).toarray()
+    mass = film._mass(True)
+    q2 = np.linalg.eigvalsh(K / np.sqrt(np.outer(mass, mass)))
+    return np.sign(q2) * np.sqrt(abs(q2)) / (2.0 * np.pi)
+
+
+def test_a_flat_plate_says_where_it_buckles_and_finds_its_stable_branch(caplog):
+    plate, centre, h = pressed_plate()
+    before, after = plate.load_steps([0.9, 1.31])
+    assert (before.n_negative, after.n_negative) == (0, 1)
+    assert abs(after.displacement[:, 2]).max() < 1e-9 * h
+    (said,) = (record.args for record in caplog.records)
+    # Within the bracket of half a per cent, and the error of the mesh.
+    assert said[3] < said[0] < said[3] * 1.005
+    assert said[0] == pytest.approx(1.0, abs=0.03)
+    assert "move the film by about its thickness along Statics.modes(1).shape[0]" in caplog.text
+    # The motion that grows comes first, with its sign.
+    modes = plate.modes(3)
+    np.testing.assert_allclose(modes.frequency, dense_frequencies(plate)[:3], rtol=1e-6)
+    assert modes.frequency[0] < 0.0 < modes.frequency[1]
+    plate.move(h * modes.shape[0])
+    (rest,) = plate.load_steps([1.31])
+    assert rest.n_negative == 0
+    waved = pressed_plate(1e-3)[0].load_steps([1.31])[0].displacement[centre, 2]
+    assert abs(rest.displacement[centre, 2]) == pytest.approx(waved, rel=1e-3)
+    assert waved > 1.1 * h
+
+
+def test_one_large_step_ends_on_the_branch_of_small_ones(caplog):
+    ends = []
+    for factors in ([1.31], np.linspace(0.131, 1.31, 10)):
+        plate, centre, h = pressed_plate(0.01)
+        ends.append(plate.load_steps(factors)[-1])
+        assert ends[-1].displacement[centre, 2] > h
+    np.testing.assert_allclose(ends[0].displacement, ends[1].displacement, atol=1e-6 * h)
+    assert [e.n_negative for e in ends] == [0, 0]
+    assert not caplog.records
+
+
+@pytest.mark.parametrize(("following", "critical"), [(True, 3.0), (False, 4.0)])
+def test_a_ring_under_pressure(following, critical, caplog):
+    # Half of it, its ends on the plane z = 0. Oval at 3 D/R³ if the pressure stays normal to it,
+    # at 4 D/R³ if it keeps its direction.
+    arc = cylinder(10.0, 0.5, n_around=24, n_along=1, arc_deg=180.0)
+    x, every = arc.nodes, np.arange(arc.n_node)
+    ends = np.flatnonzero(x[:, 2] < x[:, 2].min() + 1e-9)
+    ring = Statics(
+        arc,
+        ShellMaterial.homogeneous(young=1e4, poisson=0.0, density=DENSITY, thickness=0.2),
+        supports=[
+            Support(np.setdiff1d(every, ends), "y", "xz"),
+            Support(ends, "yz", "xyz"),
+            Support(np.flatnonzero(abs(x[:, 0]) < 1e-9), "x", ""),
+        ],
+        loads=[Pressure(-1e4 * 0.2**3 / 12.0 / 10.0**3, following=following)],
+    )
+    rest = ring.load_steps([2.5, 4.5])
+    assert [e.n_negative for e in rest] == [0, 1]
+    # 24 quads: the critical load is 1 % too high.
+    assert caplog.records[0].args[0] == pytest.approx(critical, rel=0.015)
+
+
+def test_a_limit_load_by_yielding_is_one():
+    # The stiffness is that of the step that led there: from its end on the film would be elastic.
+    flat = rectangle(20.0, 1.0, n_x=10, n_y=1)
+    u = flat.nodes[:, 0] / 20.0
+    nodes = flat.nodes + np.outer(8.0 * u * (1.0 - u), [0, 0, 1])
+    yielding = Plastic(Elastic(1e4, 0.3, DENSITY), Linear(20.0, 100.0))
+    arch = Statics(
+        Mesh.from_arrays(nodes, flat.quads),
+        ShellMaterial([Layer(yielding, 0.5)], points_per_layer=5),
+        supports=[
+            Support.clamped(np.flatnonzero((u < 1e-9) | (u > 1.0 - 1e-9))),
+            Support(np.arange(flat.n_node), "y", "x"),
+        ],
+        loads=[NodalForce(np.flatnonzero(abs(u - 0.5) < 1e-9), (0.0, 0.0, -1.0))],
+    )
+    path = arch.arc_length(0.2, until=lambda e: False, most_steps=9)
+    factor = np.array([e.factor for e in path])
+    top = int(factor.argmax())
+    assert 2 <= top <= 6
+    unstable = [e.n_negative > 0 for e in path]
+    assert not any(unstable[:top])
+    assert all(unstable[top + 1 :])
+    stiffness = arch._freedoms.stiffness(arch.shell)
+    assert abs(stiffness - stiffness.T).max() < 1e-14 * abs(stiffness).max()
+
+
+def test_modes_of_an_unstable_state_are_the_lowest():
+    plate, _, _ = pressed_plate()
+    (rest,) = plate.load_steps([8.0])
+    expected = dense_frequencies(plate)
+    n = int((expected < 0.0).sum())
+    assert n == rest.n_negative > 4
+    for k in (1, n - 1, n, n + 4):
+        np.testing.assert_allclose(plate.modes(k).frequency, expected[:k], rtol=1e-6)
+
+
 # --- arc length ----------------------------------------------------------------------------------
 
 
@@ -280,7 +424,8 @@ def strut(base, rise, n):
     )
 
 
-def test_arc_length_passes_both_limit_points_of_a_truss():
+def test_arc_length_passes_both_limit_points_of_a_truss(caplog):
+    caplog.set_level("INFO", "shellcut")
     # Green strain and linear stress: P = E A (h² - z²) z / (2 L³), z the height. Thick enough not
     # to buckle, the strip stays straight, and the element holds that exactly.
     base, rise = 10.0, 1.0
@@ -297,6 +442,12 @@ def test_arc_length_passes_both_limit_points_of_a_truss():
     assert (np.diff(between) < 0.0).all()  # down from one limit point to the other
     assert factor.min() < 0.0
     assert factor[-1] > 2.0 * limit
+    # The one motion that is free under a dead load, along the path, is unstable between them.
+    falls = abs(z) < rise / np.sqrt(3.0)
+    assert [e.n_negative for e in path] == falls.astype(int).tolist()
+    assert [r.levelname for r in caplog.records] == ["WARNING", "INFO"]
+    assert "unstable in 1 motion(s), in 0 at the equilibrium before" in caplog.text
+    assert "one is expected from a limit point" in caplog.text
 
 
 def test_arc_length_goes_on_from_load_steps():
@@ -437,6 +588,8 @@ def test_all_modes_there_are_and_no_more():
     n = strip._freedoms.free.size
     assert n == 20
     all_ = strip.modes(n).frequency
+    free = Statics(strip.mesh, strip.shell.material).modes(5 * strip.mesh.n_node).frequency
+    assert np.flatnonzero(free == 0.0).tolist() == list(range(6))
     np.testing.assert_allclose(strip.modes(n - 3).frequency, all_[:-3], rtol=1e-8)
     for wrong in (n + 1, 0, 2.0):
         with pytest.raises(ValueError, match=f"n must be a whole number from 1 to 20.*got {wrong}"):
@@ -449,8 +602,27 @@ def test_modes_of_a_free_film():
     thick = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-2)
     expected = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), thick).modes(9).frequency
     # Six rigid motions; bending in proportion to the thickness, but for shear.
-    assert frequency[5] < 1e-4 * frequency[6]
+    assert (frequency[:6] == 0.0).all()
     np.testing.assert_allclose(100.0 * frequency[6:], expected[6:], rtol=1e-3)
+
+
+def test_no_mode_is_omitted_where_many_are_alike():
+    # Two free films, every frequency twice and twelve rigid motions; and one whose factors would
+    # be exactly singular.
+    one = rectangle(4.0, 3.0, n_x=6, n_y=6)
+    two = Mesh.from_arrays(
+        np.concatenate([one.nodes, one.nodes + np.array([5.0, 0.0, 0.0])]),
+        np.concatenate([one.quads, one.quads + one.n_node]),
+    )
+    film = ShellMaterial.homogeneous(young=1e6, density=DENSITY, thickness=0.05)
+    frequency = Statics(two, film).modes(20).frequency
+    assert (frequency[:12] == 0.0).all()
+    np.testing.assert_allclose(frequency[12::2], frequency[13::2], rtol=1e-8)
+    np.testing.assert_allclose(frequency[12::2], Statics(one, film).modes(10).frequency[6:])
+    square = Statics(rectangle(4.0, 4.0, n_x=1, n_y=1), ShellMaterial.homogeneous(thickness=1.0))
+    frequency = square.modes(7).frequency
+    assert (frequency[:6] == 0.0).all()
+    assert frequency[6] > 0.0
 
 
 def test_what_statics_cannot_do_is_refused():

@@ -35,7 +35,7 @@ def turned(tool, rotation):
 
 def test_a_blade_goes_along_a_line_at_its_speed():
     sweep = Sweep.of(SHEET, blade(x=-1.0, y=0.2), along(), 8e-3)
-    place = sweep.place[sweep.within]
+    place = sweep.place
     # round-off of the line, at most 1e-3 of an edge before the rim
     assert np.abs(place[:, 1:] - [0.2, 0.0]).max() < 1e-12
     assert -5e-4 <= place[0, 0] < 0.25
@@ -54,20 +54,45 @@ def test_a_blade_goes_along_a_line_at_its_speed():
     assert (corner.max(axis=1) >= sweep.place - 1e-9).all()
 
 
-def test_the_distance_from_the_path_is_that_from_its_line_and_a_crack_may_run_ahead():
+def test_the_distance_from_the_path_is_that_from_its_line_and_a_crack_may_lead_it():
     sweep = Sweep.of(SHEET, blade(x=-1.0, y=0.2), along(), 6e-3)
     points = np.array([[2.5, 0.2, 0.0], [2.53, 0.7, 0.0], [6.5, 0.1, 0.0], [9.5, 0.2, 0.0]])
-    # the path ends at x = 5, 3 mm may be run ahead; 0.05 edges between its points
-    assert sweep.distance(points) == pytest.approx([0.0, 0.5, 0.1, 1.5], abs=0.03)
+    # the path ends at x = 5; 0.05 edges between its points
+    assert sweep.distance(points) == pytest.approx([0.0, 0.5, 0.1, 0.0], abs=0.03)
+    assert sweep.lead(points) == pytest.approx([0.0, 0.0, 1.5, 4.5], abs=0.03)
 
 
-def test_a_motion_that_stops_is_led_straight_on():
-    motion = TableMotion([0.0, 6e-3], [[-1.0, 0.0, 0.0], [5.0, 0.0, 0.0]])
-    sweep = Sweep.of(SHEET, blade(), motion, 6e-3)
-    assert sweep.time.max() <= 6e-3
-    assert sweep.distance(np.array([[7.9, 0.0, 0.0], [9.0, 0.0, 0.0]])) == pytest.approx(
-        [0.0, 1.0], abs=0.03
+@pytest.mark.parametrize("back", [[], [[1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0]]])
+def test_a_motion_that_stops_or_turns_back_is_led_straight_on(back):
+    way = [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], *back]
+    motion = TableMotion(6e-3 * np.arange(len(way)), way)
+    sweep = Sweep.of(SHEET, blade(), motion, 6e-3 * (len(way) - 1))
+    assert sweep.time.max() <= sweep.duration
+    low, high = sweep.place[:, 0].min(), sweep.place[:, 0].max()
+    # ahead of its farthest place, and behind the first one, where it has come down in the film
+    points = np.array([[9.0, 0.0, 0.0], [7.0, 0.3, 0.0], [-1.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
+    assert sweep.distance(points) == pytest.approx([0.0, 0.3, 0.0, 0.0], abs=0.03)
+    assert sweep.lead(points) == pytest.approx([9.0 - high, 7.0 - high, low + 1.0, 0.0], abs=0.03)
+
+
+def test_a_circle_is_led_on_round_and_straight():
+    disc, motion = (
+        opening_disc("quick"),
+        ScrewMotion.over(angle_deg=30.0, duration=6e-3, pitch=12.0),
     )
+    sweep = Sweep.of(disc, tooth_ring(n_teeth=1), motion, 6e-3)
+    last = sweep.place[np.argmax(np.where(sweep.along_edge, sweep.time, -1.0))]
+    radius, angle = np.hypot(*last[:2]), np.arctan2(last[1], last[0])
+    first = np.arctan2(sweep.place[0, 1], sweep.place[0, 0])
+    turn = angle + np.sign(angle - first) * np.radians([20.0, 60.0])
+    points = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(2)])
+    assert sweep.distance(points) == pytest.approx([0.0, 0.0], abs=0.03)
+    assert sweep.lead(points) == pytest.approx(radius * np.radians([20.0, 60.0]), rel=0.02)
+    ahead = np.sign(angle - first) * np.array([-last[1], last[0], 0.0]) / radius
+    points = last + np.outer([1.0, 3.0], ahead)
+    assert sweep.distance(points) == pytest.approx([0.0, 0.0], abs=0.03)
+    # not off to the side
+    assert sweep.distance((last + 2.0 * ahead + 0.1 * last)[None]) > 0.1 * radius - 0.2
 
 
 def test_an_edge_that_comes_down_flat_is_in_the_film_along_all_its_length_at_once():

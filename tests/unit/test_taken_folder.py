@@ -2,7 +2,7 @@
 
 import pytest
 
-from shellcut.files.file_list import FILES, FileList, files_there, names_in
+from shellcut.files.file_list import FILES, OTHERS, FileList, claim, files_there, names_in, target
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.taken_folder import TakenFolder
 
@@ -36,9 +36,10 @@ def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
     out = tmp_path / "out"
     run_before(out, "history.csv", "energy.png", "a_frames/frame_0000.vtu", "checkpoint.h5")
     # Of one killed while it wrote its checkpoint.
-    fill(out, "checkpoint.part.h5")
+    fill(out, f"checkpoint.part-{'0a' * 8}.h5")
     mine = ["force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "snapshot_07.png"]
     mine += ["b_frames/frame_0000.vtu", "notes/history.csv"]
+    mine += ["checkpoint.part.h5"]
     fill(out, *mine)
     taken = TakenFolder(out)
     taken.begin(["history.csv"], replace=True)
@@ -141,3 +142,60 @@ def test_a_run_gone_on_with_keeps_its_list(tmp_path):
 def test_one_at_a_time(taken):
     with pytest.raises(FolderInUse):
         TakenFolder(taken.path)
+
+
+def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):
+    out, mine = tmp_path / "out", tmp_path / "mine"
+    mine.mkdir()
+    fill(mine, "frame_0000.vtu", "history.csv")
+    run_before(out, "history.csv", "a_frames/frame_0000.vtu")
+    (out / "history.csv").unlink()
+    (out / "history.csv").symlink_to(mine / "history.csv")
+    (out / "a_frames" / "frame_0000.vtu").unlink()
+    (out / "a_frames").rmdir()
+    (out / "a_frames").symlink_to(mine)
+    taken = TakenFolder(out)
+    with pytest.raises(FileExistsError, match=r"has a_frames/frame_0000\.vtu"):
+        taken.begin(["history.csv"], ["a_frames/frame_0000.vtu"], replace=True)
+    taken.begin(["history.csv"], replace=True)  # removes the link, not what it leads to
+    assert not (out / "history.csv").is_symlink()
+    with pytest.raises(FileExistsError):
+        taken.add(out / "a_frames" / "frame_0000.vtu")
+    taken.close()
+    assert left(mine) == ["frame_0000.vtu", "history.csv"]
+
+
+def test_a_list_behind_a_link_is_somebody_elses(tmp_path):
+    run_before(tmp_path / "other", "history.csv")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / FILES).symlink_to(tmp_path / "other" / FILES)
+    fill(tmp_path / "out", "history.csv")
+    assert names_in(tmp_path / "out") == []
+    taken = TakenFolder(tmp_path / "out")
+    with pytest.raises(FileExistsError, match=FILES):
+        taken.begin(["history.csv"], replace=True)
+    taken.close()
+    assert names_in(tmp_path / "other") == ["history.csv"]
+
+
+def test_a_command_replaces_what_commands_wrote_and_no_input(tmp_path):
+    run_before(tmp_path, "history.csv")
+    claim(tmp_path, ["a.csv", "b.csv"])
+    fill(tmp_path, "a.csv", "mine.csv")
+    claim(tmp_path, ["b.csv", "a.csv"])
+    assert names_in(tmp_path, OTHERS) == ["a.csv", "b.csv"]
+    for name in ("mine.csv", "history.csv", "run.lock", FILES):
+        with pytest.raises(FileExistsError, match=name):
+            claim(tmp_path, ["c.csv", name])
+    with pytest.raises(FileExistsError, match=r"a\.csv is read here"):
+        claim(tmp_path, ["a.csv"], [tmp_path / "nothing", tmp_path / "." / "a.csv"])
+    assert names_in(tmp_path, OTHERS) == ["a.csv", "b.csv"]
+    # What a user names is replaced, but no input and nothing of a run.
+    assert target(tmp_path / "mine.csv", tmp_path / "c.csv") == tmp_path / "mine.csv"
+    for name in ("a.csv", "history.csv", "run.lock", FILES, OTHERS):
+        with pytest.raises(FileExistsError, match=name):
+            target(tmp_path / name, tmp_path / "c.csv", [tmp_path / "a.csv"])
+    with pytest.raises(ValueError, match="must have a name"):
+        claim("", ["a.csv"])
+    with pytest.raises(ValueError, match="must have a name"):
+        TakenFolder("")

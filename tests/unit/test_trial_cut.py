@@ -66,7 +66,7 @@ def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what
     plain, tear = measures(0.002, 0.0)
     assert tear == pytest.approx(plain, rel=1e-9)  # round-off
     plain, tear = measures(0.002, 0.001)  # directors stay upright: the sheet is sheared
-    shear = film.shear_factor * 1678.0 / 2.6 * 0.001
+    shear = 5.0 / 6.0 * 1678.0 / 2.6 * 0.001
     across = shear * 1.002 / sc.CohesiveLaw().strength
     # Kinematics: forces by the small shear in space, of the relative size of the strains.
     assert np.sqrt(tear**2 - plain**2) == pytest.approx(across, rel=0.01)

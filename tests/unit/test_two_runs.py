@@ -116,7 +116,8 @@ def test_readers_are_not_disturbed_and_disturb_nobody(going, capsys):
     assert len(results.history["time"]) >= 2
     assert results.summary == {}
     assert main(["report", str(out)]) == 0
-    (out / "report.html").unlink()
+    for name in ("report.html", "shellcut.files"):
+        (out / name).unlink()
     assert (out / "run.lock").read_bytes() == lock
     with pytest.raises(FolderInUse):
         case_of(out).run(out, resume=True, progress=False)

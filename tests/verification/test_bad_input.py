@@ -11,17 +11,24 @@ import numpy as np
 import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.checks import check_model
 from shellcut.contact.penalty_contact import Contact
 from shellcut.fracture.criterion import Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
 from shellcut.loads.supports import Support
+from shellcut.material.elastic import Elastic
+from shellcut.material.hardening import Linear
+from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
+from shellcut.models import free_cut, guillotine
+from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.shapes import straight_blade
+from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool, ToolError
 
 SHEET = rectangle(4.0, 4.0, size=1.0)  # 25 nodes, node 12 in the middle
@@ -305,6 +312,83 @@ DETAIL_CASES: dict[str, Case] = {
     ),
 }
 
+NUMBERS: dict[str, Callable[..., object]] = {
+    "young": ShellMaterial.homogeneous,
+    "thickness": ShellMaterial.homogeneous,
+    "strength": CohesiveLaw,
+    "joint_friction": CohesiveLaw,
+    "yield_stress": lambda yield_stress: Linear(yield_stress, 1.0),
+    "kinematic": lambda kinematic: Plastic(
+        Elastic(1000.0, 0.3, 1e-9), Linear(10.0, 1.0), kinematic=kinematic
+    ),
+    "penalty": Contact,
+    "self_friction": Contact,
+    "turn_limit_deg": Fracture,
+    "check_every": Fracture,
+    "safety": Stepping,
+    "value": Pressure,
+    "speed": lambda speed: StraightMotion((1.0, 0.0, 0.0), speed=speed),
+    "pitch": lambda pitch: ScrewMotion(angular_speed=1.0, pitch=pitch),
+    "half_thickness": straight_blade,
+    "size": lambda size: rectangle(4.0, 4.0, size=size),
+    "damping_alpha": _simulate,
+    "threads": _simulate,
+    "n_frame": RunOptions,
+    "notch": lambda notch: guillotine(1.0, length=4.0, width=4.0, notch=notch),
+    "travel": lambda travel: guillotine(1.0, length=6.0, width=4.0, travel=travel),
+    "until": lambda until: _simulate().run(until),
+    "duration": lambda duration: free_cut(SHEET, tool=BLADE, motion=MOTION, duration=duration),
+}
+"""What takes a number of this name."""
+
+NO_NUMBERS = (NAN, True, "1678", 1.0 + 0.0j, [1.0], np.ones(2), np.ma.masked)
+
+MASKED = np.ma.array([0.0, 1e-4, 2e-4], mask=[False, True, False])
+FREE = Fracture(path="free")
+
+KIND_CASES: dict[str, Case] = {
+    "supports": (lambda: _simulate(supports="bottom"), ("supports must be", "Support", "'bottom'")),
+    "loads": (lambda: _simulate(loads=[3]), ("loads must be a sequence of Gravity", "[3]")),
+    "tool": (lambda: _simulate(tool=SHEET, motion=MOTION), ("tool must be a Tool, got a Mesh",)),
+    "motion": (lambda: _simulate(motion=_slow), ("motion must be a Motion, which has", "pose")),
+    "two at once": (
+        lambda: _simulate(tool="blade", contact={}),
+        ("tool must be a Tool, got 'blade'; ", "contact must be a Contact, got {}"),
+    ),
+    "quotes": (lambda: ShellMaterial.homogeneous(young="1678"), ("young", "leave out the quotes")),
+    "hook": (
+        lambda: _simulate().run(1e-3, [print]),  # type: ignore[list-item]
+        ("hooks must be a sequence of Hook, which has due, __call__, close",),
+    ),
+    "complex force": (lambda: NodalForce("top", (1j, 0.0, 0.0)), ("force must be", "numbers")),
+    "masked times": (lambda: TableMotion(MASKED, np.zeros((3, 3))), ("times must", "compressed()")),
+    "complex table": (lambda: TableMotion([0, 1], [[0, 0, 0], [1j, 0, 0]]), ("translations must",)),
+    "masked ids": (
+        lambda: Support.clamped(np.ma.array([1, 2], mask=[False, True])),
+        ("nodes must be", "masked array"),
+    ),
+    "masked velocity": (
+        lambda: _simulate(velocity=np.ma.masked_invalid(np.full((25, 3), NAN))),
+        ("velocity must be an array of real numbers", "masked array"),
+    ),
+    "complex notch": (
+        lambda: _simulate(law=CohesiveLaw(), fracture=FREE).notch((-1j, 0, 0), (1, 0, 0)),
+        ("points must be a sequence of arrays of real numbers",),
+    ),
+    "masked set": (
+        lambda: SHEET.with_sets(node_sets={"grip": np.ma.array([1, 2], mask=[True, False])}),
+        ("node_sets must be a mapping to",),
+    ),
+    "complex tool": (
+        lambda: Tool.from_triangles(BLADE.vertices * 1j, BLADE.triangles),
+        ("vertices must be an array of real numbers, got an array of complex128",),
+    ),
+    "blade beside the strip": (
+        lambda: guillotine(1.0, length=6.0, width=4.0, tool=_blade_at(0.0, 3.0)),
+        ("must go through the strip, between y = -2 and 2 mm, got y = 3 mm",),
+    ),
+}
+
 
 def _refused(case: Case, kind: type[Exception] = ValueError) -> None:
     build, words = case
@@ -332,6 +416,40 @@ def test_bad_model(name: str) -> None:
 @pytest.mark.parametrize("name", PARAMETER_CASES)
 def test_bad_parameter(name: str) -> None:
     _refused(PARAMETER_CASES[name])
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_no_number(name: str) -> None:
+    for given in (*NO_NUMBERS, *(() if name in ("travel", "threads", "penalty") else (None,))):
+        with pytest.raises(ValueError, match=rf"\b{name}\b"):
+            NUMBERS[name](**{name: given})
+
+
+@pytest.mark.parametrize("name", ["notch", "travel", "n_frame", "duration", "kinematic"])
+def test_no_negative_number(name: str) -> None:
+    with pytest.raises(ValueError, match=rf"{name} must .*, got -2"):
+        NUMBERS[name](**{name: -2})
+
+
+@pytest.mark.parametrize("name", KIND_CASES)
+def test_another_kind(name: str) -> None:
+    _refused(KIND_CASES[name], TypeError if name != "blade beside the strip" else ValueError)
+
+
+class _Lost(StraightMotion):
+    """A motion whose pose is none from some time on."""
+
+    def pose(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        rotation, translation = super().pose(time)
+        return rotation, translation * (NAN if time > 1e-5 else 1.0)
+
+
+def test_a_pose_that_is_none_ends_the_run_by_name() -> None:
+    lost = _Lost((1.0, 0.0, 0.0), speed=6000.0)
+    sim = _simulate(tool=_blade_at(-0.1, 0.0), motion=lost, law=CohesiveLaw())
+    for run in (lambda: sim.run(1e-3), lambda: check_model(sim, 1e-3)):
+        with pytest.raises(ValueError, match=r"the pose of _Lost at \S+ s must be a rotation"):
+            run()
 
 
 @pytest.mark.parametrize("name", DETAIL_CASES)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.fracture.tip_force import TipForce
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.models.guillotine import blade_before
+from tip_domains import force_on
 
 RADIUS, PRESSURE, N_AROUND = 6.0, 0.1, 32
 SHORT_LAW = {"strength": 18.0, "plateau": 12.0}
@@ -97,7 +97,7 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
         moved = np.array([path.carried_on(row, entry, way) @ x for way in base])
         place = path.reference_of(sim.state, tip)
         for reach in (1.0, 1.8):
-            force = TipForce(sim.state, sim.shell, place, base, reach, sim.loads)
+            force = force_on(sim, place, reach, base)
             J[end, reach] = force.of(sim.state, moved)
     released = 0.5 * (potential[5.0] - potential[7.0])
     assert n.x[:count, 2].max() > 0.5

@@ -17,14 +17,13 @@ import scipy
 import shellcut as sc
 from shellcut.fracture.quad_polygon import CORNERS, on_side
 from shellcut.fracture.segment import Segment
-from shellcut.fracture.tip_force import TipForce
 from shellcut.mesh.structured import rectangle
 from shellcut.state import NOTCH
+from tip_domains import BASE, force_on
 
 HALF_WIDTH, HALF_CRACK, HALF_LENGTH = 10.0, 4.0, 20.0
 YOUNG, THICKNESS = 1000.0, 0.1
 FILM = sc.ShellMaterial.homogeneous(young=YOUNG, poisson=0.3, density=1e-9, thickness=THICKNESS)
-BASE = np.eye(3)[:2]
 
 
 def closed_form(half_crack):
@@ -89,7 +88,7 @@ class Sheet:
         tip = self.mesh.nodes[self.mesh.quads[quad, 1]] + [0.0, self.rise * size, 0.0]
         small = 1e-6
         n.x[: n.count, :2] += small * u
-        force = TipForce(self.sim.state, self.sim.shell, tip, BASE, 4.0 * size)
+        force = force_on(self.sim, tip, 4.0 * size)
         found = force.of(self.sim.state, BASE) / small**2
         n.x[: n.count] = n.X[: n.count]
         return found

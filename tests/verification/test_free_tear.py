@@ -15,6 +15,7 @@ from shellcut.mesh.structured import rectangle
 
 LENGTH, WIDTH, SPEED, RISE = 16.0, 8.0, 400.0, 2e-4
 HEIGHTS = [-1.5, 0.0, 1.5, 3.0]
+LAW = sc.CohesiveLaw(strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1)
 LEAN = np.array([-0.002, -0.047, -0.093, -0.128])
 """Of the path on 0.2 mm quads moved at random, at these heights, from its start [mm]."""
 
@@ -38,9 +39,7 @@ def torn(size, moved):
             sc.Support("left", translation="xyz", rotation="xyz"),
             sc.Support("right", translation="xyz", rotation="xyz", velocity=pull),
         ],
-        law=sc.CohesiveLaw(
-            strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1
-        ),
+        law=LAW,
         fracture=sc.Fracture(path="free"),
         damping_alpha=2000.0,
     )
@@ -67,3 +66,58 @@ def test_a_crack_turns_across_the_pull(size, moved):
     assert y.max() > WIDTH / 2 - 2.0 * size
     book = sim.close_ledger()
     assert abs(book.relative(book.imbalance)) < 1e-3
+
+
+def passing(size, moved, half=4.0, apart=1.5):
+    """A square pulled across two notches, from its left below y = 0 and from its right above."""
+    mesh = rectangle(2.0 * half, 2.0 * half, size=size)
+    X = mesh.nodes - mesh.nodes.mean(axis=0)
+    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
+    shift = np.random.default_rng(1).uniform(-moved, moved, (inside.size, 2))
+    X[inside, :2] += shift * size
+    pull = {"y": lambda time: 600.0 * min(1.0, time / RISE)}
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("bottom"), sc.Support("top", velocity=pull)],
+        law=LAW,
+        fracture=sc.Fracture(path="free"),
+        damping_alpha=2000.0,
+    )
+    for side in (-1.0, 1.0):
+        y = 0.5 * side * apart
+        sim.notch((side * (half + 1.0), y, 0.0), (side * 0.3 * half, y, 0.0))
+    return sim
+
+
+def ways_of(sim, apart=1.5):
+    """Return where the crack from the left and that from the right have been, (n, 2) each."""
+    ways = [[np.array([side * 9.0, 0.5 * side * apart])] for side in (-1.0, 1.0)]
+    for cut in sim.state.split_log:
+        at = np.array(cut.reference[:2])
+        gaps = [np.linalg.norm(at - way[-1]) for way in ways]
+        if cut.kind == "notch":
+            gaps = [at[1], -at[1]]
+        ways[int(np.argmin(gaps))].append(at)
+    return [np.array(way) for way in ways]
+
+
+@pytest.mark.parametrize(
+    ("size", "moved"),
+    [
+        (0.5, 0.2),
+        pytest.param(0.5, 0.0, marks=pytest.mark.slow),
+        pytest.param(0.25, 0.2, marks=pytest.mark.slow),
+    ],
+)
+def test_cracks_that_pass_turn_to_each_others_flanks(size, moved):
+    """They shun each other's ends a little and hook behind them ([Fender2010])."""
+    sim = passing(size, moved)
+    while sim.state.time < 1.5e-3 and len(sim.cracks.free.tips) == 2:
+        sim.step()
+    left, right = ways_of(sim)
+    tips = [sim.cracks.free._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.free.tips]
+    others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.free.tips]
+    gaps = [abs(np.interp(x, *way.T) - y) for (x, y), way in zip(tips, others, strict=True)]
+    # One that has come to a flank has no tip any more; then the sheet is in two parts.
+    assert len(tips) < 2 or max(gaps) < size

@@ -30,8 +30,9 @@ def test_the_blade_does_the_work_of_the_cut_and_of_friction() -> None:
     def mean(entry: str) -> float:
         return float(np.diff(np.interp(ends, run["path"], run[entry]))[0] / (n * SIZE))
 
-    # Measured 0.81 N: the flanks press on the blade as it pushes them apart.
-    assert mean("friction") > 0.2 * GH
+    # Measured 0.79 N, 0.58 N with imperfections by which the film buckles in another mode: the
+    # flanks press on the blade as it pushes them apart.
+    assert mean("friction") > 0.15 * GH
     # 1 % as asked; measured 0.4 %. On a shorter way it is more: friction draws the film along, at
     # first, so that the blade cuts a little less or more of it than it goes.
     left = mean("tool") - mean("damping") - mean("friction")

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shellcut import CohesiveLaw, Contact, PathCurve, ShellMaterial, Simulation, Statics, imprint
+from shellcut import CohesiveLaw, Contact, ShellMaterial, Simulation, Statics
 from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.loads.loads import Pressure
 from shellcut.loads.supports import Support
@@ -135,22 +135,6 @@ def test_the_guillotine_has_no_scale_of_its_own():
     assert (reference[-1, -3:] > 2).all()
     for f in POWERS_OF_TWO + OTHERS:
         assert_agrees(guillotine(f), reference, f)
-
-
-@pytest.mark.parametrize("f", POWERS_OF_TWO + OTHERS)
-def test_an_imprint_has_no_scale_of_its_own(f):
-    def nodes(f):
-        film = f.mesh(rectangle(8.0, 6.0, size=0.5))
-        ends = np.array([[0.0, -0.8], [8.0, 0.9]]) * f.length
-        found = imprint(film, PathCurve.line(*ends), material=f.material(FILM).layers[0].material)
-        assert found.changed
-        return found.mesh.nodes / f.length
-
-    # The smoothing ends where a step brings little, so round-off moves nodes by a little more.
-    reference = nodes(REFERENCE)
-    if f in POWERS_OF_TWO:
-        np.testing.assert_array_equal(nodes(f), reference)
-    np.testing.assert_allclose(nodes(f), reference, rtol=0.0, atol=1e-9 * 8.0)
 
 
 @pytest.mark.parametrize("f", POWERS_OF_TWO + OTHERS)

@@ -21,6 +21,7 @@ from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.numerics.jit import inline, kernel
 
@@ -42,6 +43,7 @@ _START_OPENING = 1.0 / 80.0
 _STICK = 1.0 / 400.0
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class CohesiveLaw:
     """Stress [MPa] of a cable against its length [mm]; defaults are [Frangi2010] 5.1.
@@ -98,7 +100,7 @@ class CohesiveLaw:
             value = getattr(self, f.name)
             if f.name in ("unloading", "joint"):
                 continue
-            if not (isinstance(value, int | float) and value >= 0):
+            if not value >= 0:
                 problems.append(f"{f.name} must be a number that is not negative, got {value!r}")
         if not problems:
             if not 0 < self.plateau <= self.strength < math.inf:

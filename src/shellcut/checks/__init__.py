@@ -9,6 +9,7 @@ it is handed, it names only the type.
 
 from .finding import Finding, RefusedModel
 from .model_check import ModelCheck, check_model
-from .sweep import Fate, Sweep, edge_line
+from .path import edge_line
+from .sweep import Fate, Sweep
 
 __all__ = ["Fate", "Finding", "ModelCheck", "RefusedModel", "Sweep", "check_model", "edge_line"]

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellcut.arguments import checked
+
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_hold
-from .path import Rows, check_path
+from .path import check_path
 from .plausible import check_numbers
+from .row import Rows
 from .steps import check_steps
 from .sweep import Sweep
 from .yielding import check_strength
@@ -72,6 +75,7 @@ class ModelCheck:
             _log.warning("note: %s", finding)
 
 
+@checked
 def check_model(simulation: Simulation, until: float) -> ModelCheck:
     """Check a model before its run; nothing in it is changed.
 
@@ -96,7 +100,7 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
     sim = simulation
     sweep = None
     if sim.tool is not None and sim.tool.n_edge and sim.motion is not None:
-        sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until, sim.law)
+        sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until)
     order = {REFUSE: 0, DOUBT: 1, NOTE: 2}
     found = sorted(_findings(sim, sweep, until), key=lambda finding: order[finding.severity])
     return ModelCheck(tuple(found), sweep)
@@ -114,10 +118,10 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         return  # a blunt tool has no edges whose way could be checked
     along_edges = sim.fracture.path == "edges"
     if law is not None:
-        yield from check_path(mesh, support, law, sweep, along_edges=along_edges)
+        yield from check_path(mesh, support, law, sweep, sim.fracture)
     edge = float(np.median(mesh.edge_lengths()))
-    if sweep.within.any() and along_edges:
-        edge = Rows(mesh, sweep).spacing
+    if len(sweep.place) and along_edges:
+        edge = Rows(sweep).spacing
     fixed = sim.time_step.stepping.fixed
     bound = np.inf
     if fixed is not None:

@@ -33,24 +33,28 @@ Conditions for a correct cut, with reasons:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
+from .row import Rows
 from .sweep import Fate, Sweep
+
+if TYPE_CHECKING:
+    from shellcut.fracture.criterion import Fracture
 
 ATTACK = np.radians(60.0)
 """Largest angle between the motion of a cutting edge and the direction in which it points."""
 OFF_ROW = 0.1
 """Largest distance of a row of mesh edges, in edge lengths: the chords of a path that turns by a
 right angle within six edges deviate by as much."""
-ALONG_ROW = np.cos(np.radians(30.0))
 NEAR_HELD = 0.5
 """Held nodes closer than this to the path, in edge lengths, are in the way."""
 SHARE = 0.05
@@ -60,7 +64,7 @@ RUNGS = 2.0
 
 
 def check_path(
-    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, *, along_edges: bool = True
+    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, fracture: Fracture
 ) -> Iterator[Finding]:
     """Yield findings on the path of the cutting edges.
 
@@ -72,17 +76,18 @@ def check_path(
     law : CohesiveLaw
     sweep : Sweep
         Of the tool's whole motion.
-    along_edges : bool
-        Whether cracks follow the edges of the mesh.
+    fracture : Fracture
+        Whether cracks follow the edges of the mesh, and whether they must.
     """
+    along_edges = fracture.path == "edges"
     yield from _fates(sweep)
-    if not sweep.within.any():
+    if not len(sweep.place):
         return
     yield from _attack(sweep)
-    rows = Rows(mesh, sweep)
+    rows = Rows(sweep)
     yield from _precut(rows, sweep)
     if along_edges:
-        yield from _off_row(rows, sweep)
+        yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
     h = rows.spacing if along_edges else float(np.median(mesh.edge_lengths()))
     if law.opening_u < RUNGS * h:
@@ -97,42 +102,23 @@ def check_path(
         )
 
 
-class Rows:
-    """Sides of the crossed quads along the blade's path, one per place of the sweep."""
-
-    def __init__(self, mesh: Mesh, sweep: Sweep) -> None:
-        corner = mesh.nodes[mesh.quads[sweep.quad]]
-        side = np.roll(corner, -1, axis=1) - corner
-        length = np.linalg.norm(side, axis=2)
-        trace = np.cross(sweep.quad_normal, sweep.normal)
-        trace /= np.maximum(np.linalg.norm(trace, axis=1, keepdims=True), 1e-12)
-        along = np.abs((side * trace[:, None]).sum(axis=2)) / length >= ALONG_ROW
-        arm = sweep.place[:, None] - corner
-        share = np.clip((arm * side).sum(axis=2) / length**2, 0.0, 1.0)
-        off = np.linalg.norm(arm - share[..., None] * side, axis=2)
-        off = np.where(along, off, np.inf)
-        best = off.argmin(axis=1)
-        at = np.arange(len(best))
-        self.off: Floats = off[at, best] / sweep.edge_length
-        """Distance of the nearest row, in edge lengths; infinite if none runs along the blade,
-        shape (n_place,)."""
-        ends = mesh.quads[sweep.quad]
-        ends = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
-        self.open: Bools = _open_sides(mesh, ends) & (self.off <= NEAR_HELD)
-        """Whether the side was cut before the run, shape (n_place,)."""
-        found = length[at, best][np.isfinite(self.off) & sweep.within]
-        size = sweep.edge_length[sweep.within]
-        self.spacing = float(np.median(found if len(found) else size))
-        """Node spacing along the path [mm]."""
-
-
-def _open_sides(mesh: Mesh, ends: Ints) -> Bools:
-    """Return whether sides of quads, shape (n, 2), are flanks of a cut."""
-    edges = mesh.edges()
-    single = np.sort(mesh.origin[edges.nodes[edges.n_quad == 1]], axis=1)
-    keys, count = np.unique(single @ [mesh.n_node, 1], return_counts=True)
-    mine = np.sort(mesh.origin[ends], axis=1) @ [mesh.n_node, 1]
-    return np.asarray(np.isin(mine, keys[count > 1]))
+def edge_line(sweep: Sweep) -> str:
+    """Return in one line how many cutting edges meet the film and stay in it."""
+    fates, n = sweep.fates, len(sweep.fates)
+    n_meeting = sum(fate.meets for fate in fates)
+    n_staying = sum(fate.stays for fate in fates)
+    which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
+    if n_staying == n:
+        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
+    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
+    never = [fate.chain for fate in fates if not fate.meets]
+    if never:
+        parts.append(f"never: {some(never)}")
+    left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
+    if left:
+        first = min(left.values())
+        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
+    return "edges  " + "; ".join(parts)
 
 
 def _fates(sweep: Sweep) -> Iterator[Finding]:
@@ -191,7 +177,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
     speed = np.linalg.norm(across, axis=1)
     # An edge that moves along itself slices and has no direction; one at rest does nothing.
     whole = np.linalg.norm(sweep.velocity, axis=1)
-    moving = sweep.within & (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
+    moving = (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
     forward = -(across * sweep.back).sum(axis=1)
     astray = moving & (forward < np.cos(ATTACK) * speed)
     astray &= ~_seen_before(sweep, moving & ~astray)
@@ -229,8 +215,7 @@ def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
 
 
 def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    uncut = ~rows.open & sweep.within
-    if not uncut.any():
+    if rows.open.all():
         yield Finding(
             DOUBT,
             "there must be film to cut on the way of the cutting edges",
@@ -239,8 +224,8 @@ def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         )
 
 
-def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    asked = sweep.within & ~rows.open
+def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
+    asked = ~rows.open
     quads = np.unique(sweep.quad[asked])
     if not len(quads):
         return
@@ -262,16 +247,15 @@ def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         "their length, since cracks follow edges: beside it the force is too large, or nothing is "
         "cut",
         came + ("; some run across it" if none else ""),
-        'let cracks go through the quads, fracture.path = "free", or put the path into the mesh, '
-        '"imprint"; or mesh along it',
+        'let cracks go through the quads, fracture.path = "free", or ' * (not bound)
+        + "mesh along it",
     )
 
 
 def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
-    asked = sweep.within
-    nodes = mesh.quads[sweep.quad[asked]]
-    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[asked][:, None], axis=2)
-    near = off <= NEAR_HELD * sweep.edge_length[asked][:, None]
+    nodes = mesh.quads[sweep.quad]
+    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[:, None], axis=2)
+    near = off <= NEAR_HELD * sweep.edge_length[:, None]
     supported = np.asarray(support.any(axis=1))
     held = np.unique(nodes[near & supported[nodes]])
     if len(held):

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.tool import Tool
@@ -31,6 +32,10 @@ FASTEST_WAVE, SLOWEST_WAVE = 2e7, 1e4
 LARGEST_STRAIN, SMALLEST_STRAIN = 0.1, 1e-4
 """Strength over modulus: above 0.1 the elastic law, St.Venant-Kirchhoff, is out of its range, and
 no material is known to tear below 1e-4."""
+LARGEST_YIELD_STRAIN = 0.3
+"""First yield stress over modulus: thermoplastics yield at 0.02 to 0.1, soft urethanes at 0.3."""
+LARGEST_R, SMALLEST_R = 10.0, 0.1
+"""r-values of sheets: aluminium 0.4 to 1, deep-drawing steel up to 2.5, titanium up to 7."""
 RUPTURED = 1.0
 """Strength over modulus above which the film would double its length before it tears."""
 
@@ -41,6 +46,7 @@ def check_numbers(
     """Yield implausible values of film, material, law and tool size."""
     yield from _thickness(mesh, material)
     yield from _layers(material)
+    yield from _yielding(material)
     if law is not None:
         yield from _law(mesh, material, law)
     if tool is not None:
@@ -119,6 +125,31 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
                 f"{1e-3 * wave:.4g} m/s, the root of young {young:.4g} MPa over density "
                 f"{density:.4g} t/mm³",
                 "one of the two is not in MPa or t/mm³",
+            )
+
+
+def _yielding(material: ShellMaterial) -> Iterator[Finding]:
+    """Yield what is implausible of layers that yield."""
+    films = [layer.material for layer in material.layers if isinstance(layer.material, Plastic)]
+    for first, young in sorted({(f.hardening.first_yield, f.stretching_modulus) for f in films}):
+        if (strain := first / young) > LARGEST_YIELD_STRAIN:
+            yield Finding(
+                REFUSE if strain > RUPTURED else DOUBT,
+                f"a film should yield below a strain of {LARGEST_YIELD_STRAIN:g}, as all that do",
+                f"a first yield stress of {first:.4g} MPa at a modulus of {young:.4g} MPa, a "
+                f"strain of {strain:.3g}",
+                'both are in MPa unless a unit is given: 40e6 Pa is 40 or "40e6 Pa"; a film that '
+                "does not yield has no yield stress",
+                forcible=True,
+            )
+    for r in sorted({f.r_values for f in films if f.r_values is not None}):
+        if not (min(r) >= SMALLEST_R and max(r) <= LARGEST_R):
+            yield Finding(
+                DOUBT,
+                f"r-values should lie between {SMALLEST_R:g} and {LARGEST_R:g}, those of all known "
+                "sheets",
+                f"r_values {', '.join(f'{one:.4g}' for one in r)}",
+                "an r-value is the plastic strain across the width over that through the thickness",
             )
 
 

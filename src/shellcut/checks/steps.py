@@ -79,7 +79,7 @@ def check_steps(
             f"the cutting edge should move by less than {FOUND_WITHIN:g} edge lengths of the film "
             f"in the {check_every} steps between two checks for splits, or it misses nodes",
             came,
-            f"{remedy}; or check more often, fracture.check_every",
+            remedy + "; or check more often, fracture.check_every" * (check_every > 1),
         )
     elif speed > OF_WAVE * wave:
         yield Finding(

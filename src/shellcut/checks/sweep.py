@@ -7,6 +7,10 @@ plane of the nearest quad. A place counts only if it lies in a quad; so holes do
 
 Only the reference film is used. A film that gives way is met later and elsewhere, depending on how
 much it gives way.
+
+A crack leads the edge, in a stiff film by many of the tool's thicknesses. So at every end of the
+path - where the motion ends or turns back, where the edge comes into the film or leaves it - the
+path is continued through the whole film: straight, and along the circle through its last places.
 """
 
 from __future__ import annotations
@@ -21,20 +25,22 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.cables.crack_lead import crack_lead
-from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
 _FINEST = 0.1  # edge lengths: of cutting-edge vertices closer together only some are sampled
 _MOST_HEIGHTS = 2_000_000  # points of edges times number of times: fractions of a second
-_FLATNESS = 1e-6  # as in imprinting.film_plane
+_FLATNESS = 1e-6  # extents of the film off a plane below which it is flat
 _NEAREST_QUADS = 16  # quads, by centre, in which a place is searched
+_FINE = 0.05  # edge lengths between points of the path
+_AT_REST = 1e-6  # of that: an edge that moves by less stands still
+_STRAIGHT = 1e-6  # sine of the turn below which a path is straight
 _BORDER = 1e-3  # edge lengths by which a place may miss its quad: chords of the rim
+_PASSED = 0.25  # edge lengths: an end of the path is none if the path goes on so near to it
+_BEND = 2.0  # edge lengths between the places that the circle goes through
 _OFF_QUAD = 0.25  # edge lengths; a change of sign farther off is between two sheets
 
 
@@ -82,7 +88,7 @@ class Sweep:
 
     mesh: Mesh
     duration: float
-    """End of the motion [s]; later places show where cracks may run ahead."""
+    """End of the motion [s]."""
     n_time: int
     """Times sampled up to ``duration``."""
     chain: Ints
@@ -105,25 +111,13 @@ class Sweep:
     """One per chain of the tool."""
     top_speed: float
     """Largest speed of any point of the cutting edges during the motion [mm/s]."""
-    ahead: float
-    """How far cracks may run ahead of the blade [mm]."""
+    flat: bool
+    """Whether the film lies in a plane."""
 
     @classmethod
-    def of(
-        cls,
-        mesh: Mesh,
-        tool: Tool,
-        motion: Motion,
-        duration: float,
-        law: CohesiveLaw | None = None,
-    ) -> Sweep:
-        """Find the places up to ``duration`` [s] and a crack's way beyond."""
-        return _Search(mesh, tool, motion, duration, crack_lead(tool, law)).sweep()
-
-    @cached_property
-    def within(self) -> Bools:
-        """Whether a place belongs to the motion, not beyond its end, shape (n,)."""
-        return np.asarray(self.time <= self.duration)
+    def of(cls, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
+        """Find the places up to ``duration`` [s]."""
+        return _Search(mesh, tool, motion, duration).sweep()
 
     @cached_property
     def edge_length(self) -> Floats:
@@ -138,56 +132,103 @@ class Sweep:
     def distance(self, points: Floats) -> Floats:
         """Return the distance of points of the reference film from the path, shape (n,), [mm].
 
-        Infinite if no edge passes through the film. Between two sampled times the path is straight;
-        beyond the end it follows the motion, or a straight line if the motion stops.
+        The path is straight between two sampled times, and goes on beyond its ends. Infinite if no
+        edge passes through the film.
         """
-        path = [self.place]
-        for k in range(len(self.fates)):
-            path += self._between(k)
-        return np.asarray(scipy.spatial.cKDTree(np.concatenate(path)).query(points)[0])
+        return np.asarray(self._path[0].query(points)[0])
 
-    def _between(self, k: int) -> Iterator[Floats]:
-        """Yield closely spaced points of the path of one edge, also ahead of its last place."""
+    def lead(self, points: Floats) -> Floats:
+        """Return how far points lie ahead of an end of the path, 0 beside it, shape (n,), [mm]."""
+        tree, ahead = self._path
+        if not tree.n:
+            return np.zeros(len(points))
+        return np.asarray(ahead[tree.query(points)[1]])
+
+    @cached_property
+    def _path(self) -> tuple[scipy.spatial.cKDTree, Floats]:
+        """Closely spaced points of the path, and how far ahead of its end each lies [mm]."""
+        lines = [line for k in range(len(self.fates)) for line in self._lines(k)]
+        swept = [self.place, *(_filled(*line) for line in lines)]
+        tree = scipy.spatial.cKDTree(np.concatenate(swept))
+        found, ahead = [tree.data], [np.zeros(tree.n)]
+        reach = float(np.linalg.norm(np.ptp(self.mesh.nodes, axis=0)))
+        for line, fine in lines:
+            edge = fine / _FINE
+            for end in _ends(line):
+                for s, way in _continued(end, edge, np.arange(fine, reach, fine)):
+                    at = np.searchsorted(s, edge)
+                    if at < len(s) and tree.query(way[at])[0] > _PASSED * edge:
+                        found.append(way)
+                        ahead.append(s)
+        return scipy.spatial.cKDTree(np.concatenate(found)), np.concatenate(ahead)
+
+    def _lines(self, k: int) -> Iterator[tuple[Floats, float]]:
+        """Yield the lines that one edge draws, shape (n, 3), and the spacing of points on them."""
         mine = np.flatnonzero((self.chain == k) & self.along_edge)
         if not len(mine):
             return
-        fine = 0.05 * float(self.edge_length[mine].min())
+        fine = _FINE * float(self.edge_length[mine].min())
         moments = np.split(mine, np.flatnonzero(np.diff(self.time[mine]) > 0.0) + 1)
         tick = self.duration / self.n_time
-        way: dict[int, Floats] = {}
-        for one, two in pairwise(moments):
-            # Same number of places at the next time: an edge that passes through the film at two
-            # places does so again, in the same order along the edge.
-            if len(one) != len(two) or self.time[two[0]] - self.time[one[0]] > 1.5 * tick:
-                continue
-            for n, (a, b) in enumerate(zip(self.place[one], self.place[two], strict=True)):
-                length = float(np.linalg.norm(b - a))
-                if length > 0.0:
-                    way[n] = (b - a) / length
-                yield a + np.arange(0.0, length, fine)[1:, None] * ((b - a) / (length or 1.0))
-        # A motion that continues has places beyond its end.
-        if abs(self.time[mine[-1]] - self.duration) < 0.5 * tick:
-            for n, a in enumerate(self.place[moments[-1]]):
-                yield a + np.arange(0.0, self.ahead, fine)[:, None] * way.get(n, np.zeros(3))
+        # Same number of places at the next time: an edge that passes through the film at two
+        # places does so again, in the same order along the edge.
+        breaks = [
+            n + 1
+            for n, (one, two) in enumerate(pairwise(moments))
+            if len(one) != len(two) or self.time[two[0]] - self.time[one[0]] > 1.5 * tick
+        ]
+        for first, last in pairwise([0, *breaks, len(moments)]):
+            for line in self.place[np.array(moments[first:last])].transpose(1, 0, 2):
+                moved = np.linalg.norm(np.diff(line, axis=0), axis=1) > _AT_REST * fine
+                yield line[np.append(True, moved)], fine
 
 
-def edge_line(sweep: Sweep) -> str:
-    """Return in one line how many cutting edges meet the film and stay in it."""
-    fates, n = sweep.fates, len(sweep.fates)
-    n_meeting = sum(fate.meets for fate in fates)
-    n_staying = sum(fate.stays for fate in fates)
-    which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
-    if n_staying == n:
-        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
-    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
-    never = [fate.chain for fate in fates if not fate.meets]
-    if never:
-        parts.append(f"never: {some(never)}")
-    left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
-    if left:
-        first = min(left.values())
-        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
-    return "edges  " + "; ".join(parts)
+def _filled(line: Floats, fine: float) -> Floats:
+    """Return points on a line, no farther apart than ``fine``."""
+    way = np.append(0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum())
+    return np.column_stack([np.interp(np.arange(0.0, way[-1], fine), way, x) for x in line.T])
+
+
+def _ends(line: Floats) -> Iterator[Floats]:
+    """Yield a line up to each of its ends: the last point, where it turns back, the first."""
+    if len(line) < 2:
+        return
+    step = np.diff(line, axis=0)
+    back = np.flatnonzero((step[1:] * step[:-1]).sum(axis=1) < 0.0) + 1
+    starts = np.append(0, back)
+    for first, last in zip(starts, np.append(back, len(line) - 1), strict=True):
+        yield line[first : last + 1]
+    yield line[: starts[1] + 1 if len(back) else len(line)][::-1]
+
+
+def _continued(line: Floats, edge: float, s: Floats) -> Iterator[tuple[Floats, Floats]]:
+    """Yield lengths of way beyond the last point of a line and points there: straight, and round.
+
+    The circle goes through the last point and two before it, ``_BEND`` edges apart where the line
+    is long enough.
+    """
+    c = line[-1]
+    straight = (c - line[-2]) / np.linalg.norm(c - line[-2])
+    yield s, c + s[:, None] * straight
+    way = np.append(0.0, np.linalg.norm(np.diff(line[::-1], axis=0), axis=1).cumsum())
+    apart = min(_BEND * edge, 0.5 * float(way[-1]))
+    a, b = (np.array([np.interp(k * apart, way, x[::-1]) for x in line.T]) for k in (2, 1))
+    ab, ac = b - a, c - a
+    normal = np.cross(ab, ac)
+    size = float(normal @ normal)
+    if size <= (_STRAIGHT * float(ac @ ac)) ** 2:
+        return
+    arm = (
+        c
+        - a
+        - (float(ac @ ac) * np.cross(normal, ab) + float(ab @ ab) * np.cross(ac, normal))
+        / (2.0 * size)
+    )
+    radius = float(np.linalg.norm(arm))
+    s = s[s < 2.0 * np.pi * radius]
+    across = np.cross(normal, arm) / np.sqrt(size)
+    turn = (s / radius)[:, None]
+    yield s, c - arm + np.cos(turn) * arm + np.sin(turn) * across
 
 
 class _Places(NamedTuple):
@@ -205,10 +246,7 @@ class _Places(NamedTuple):
 class _Search:
     # search for the places, chain by chain
 
-    def __init__(
-        self, mesh: Mesh, tool: Tool, motion: Motion, duration: float, ahead: float
-    ) -> None:
-        self._ahead = ahead
+    def __init__(self, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> None:
         self._mesh, self._tool, self._motion = mesh, tool, motion
         self._duration = duration
         self._centres = mesh.nodes[mesh.quads].mean(axis=1)
@@ -224,7 +262,7 @@ class _Search:
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
         self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
         self._times, self.n_time = self._moments()
-        poses = [Pose.of(*motion.pose(t)) for t in self._times.tolist()]
+        poses = [pose_at(motion, t) for t in self._times.tolist()]
         twists = [motion.twist(t) for t in self._times.tolist()]
         self._rotation = np.array([pose.rotation for pose in poses])
         self._translation = np.array([pose.translation for pose in poses])
@@ -245,7 +283,7 @@ class _Search:
             self.n_time,
             fates=tuple(fates),
             top_speed=max(speed for _, _, speed in found),
-            ahead=self._ahead,
+            flat=self._plane is not None,
             **places,
         )
 
@@ -259,15 +297,10 @@ class _Search:
         most = int(np.clip(_MOST_HEIGHTS // len(points), 20, _MOST_TIMES))
         least = min(_FEWEST_TIMES, most)
         n = int(np.clip(np.ceil(way / (0.5 * self._edge_length)), least, most))
-        # beyond the end until the tool has moved by the distance that a crack may run ahead
-        tick = self._duration / n
-        x = self._moved(corners, rough[-1] + np.array([0.0, tick]))
-        a_tick = float(np.linalg.norm(x[1] - x[0], axis=1).max())
-        beyond = min(int(np.ceil(self._ahead / a_tick)), n) if a_tick > 1e-6 * way / n else 0
-        return tick * np.arange(float(n + beyond + 1)), n
+        return self._duration / n * np.arange(n + 1.0), n
 
     def _moved(self, points: Floats, times: Floats) -> Floats:
-        poses = [Pose.of(*self._motion.pose(t)) for t in times.tolist()]
+        poses = [pose_at(self._motion, t) for t in times.tolist()]
         return np.array([pose.to_space(points) for pose in poses])
 
     def _heights(self, x: Floats) -> Floats:
@@ -311,7 +344,7 @@ class _Search:
             np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
             along[order],
         )
-        return part, self._fate(k, at, ends, above, p, x), self._top_speed(x[: self.n_time + 1])
+        return part, self._fate(k, at, ends, above, p, x), self._top_speed(x)
 
     def _top_speed(self, x: Floats) -> float:
         # include mean speeds between samples: a table may jump between two
@@ -323,20 +356,19 @@ class _Search:
     def _fate(
         self, k: int, at: Floats, ends: Bools, above: Bools, place: Floats, x: Floats
     ) -> Fate:
-        proper = at <= self.n_time
-        if not proper.any():
+        if not len(at):
             return Fate(k, None, None, stays=False, passed_out=False)
-        first, last = float(at[proper][0]), float(at[proper][-1])
+        first, last = float(at[0]), float(at[-1])
         tick = float(self._times[1])
         if last > self.n_time - 1.0:
             return Fate(k, first * tick, last * tick, stays=True, passed_out=False)
         after = int(np.floor(last)) + 1
         side, before = above[after], above[int(np.floor(first))]
-        through = bool(ends[proper][-1]) and (side == side[0]).all()
+        through = bool(ends[-1]) and (side == side[0]).all()
         withdrawn = (before == side).all()
         # distance that the tool moves along the film after the edge has left it
-        normal = self._normals[int(self._tree.query(place[proper][-1])[1])]
-        way = np.diff(x[after : self.n_time + 1, 0], axis=0)
+        normal = self._normals[int(self._tree.query(place[-1])[1])]
+        way = np.diff(x[after:, 0], axis=0)
         way -= (way @ normal)[:, None] * normal
         went_on = float(np.linalg.norm(way, axis=1).sum()) > self._edge_length
         out = through and not withdrawn and went_on

@@ -7,9 +7,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from shellcut.files.file_list import target
 from shellcut.results.comparison import Comparison, compare
 
 from .exit_code import BAD_INPUT, DONE, refuse
+from .named_path import named
 
 
 def add_to(commands: Any) -> None:
@@ -28,10 +30,10 @@ def add_to(commands: Any) -> None:
     parser.add_argument("measured", metavar="FILE", help="text table with the measured curve")
     add_columns_to(parser)
     parser.add_argument(
-        "--json", metavar="FILE", type=Path, help="output file instead of OUT/comparison.json"
+        "--json", metavar="FILE", type=named, help="output file instead of OUT/comparison.json"
     )
     parser.add_argument(
-        "--picture", metavar="FILE", type=Path, help="output file instead of OUT/comparison.png"
+        "--picture", metavar="FILE", type=named, help="output file instead of OUT/comparison.png"
     )
     parser.set_defaults(run=run)
 
@@ -82,9 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
     out = Path(arguments.out)
     folder = out if out.is_dir() else out.parent
     try:
-        written = [comparison.to_json(arguments.json or folder / "comparison.json")]
+        measured = [arguments.measured]
+        figures = target(arguments.json, folder / "comparison.json", measured)
+        picture = target(arguments.picture, folder / "comparison.png", measured)
+        written = [comparison.to_json(figures)]
         try:
-            written.append(comparison.plot(arguments.picture or folder / "comparison.png"))
+            written.append(comparison.plot(picture))
         except ImportError as missing:
             print(f"no picture: {missing}", file=sys.stderr)
             # A missing picture is an error only if one was asked for.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .compare import parted
 from .exit_code import DONE, FAILED, refuse
+from .named_path import named
 from .run import add_settings_to, settings_of
 from .study_engine import add_engine_to, engine_given
 
@@ -32,7 +32,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--free", metavar="KEYS", required=True, help="keys to fit, SECTION.KEY, with commas"
     )
-    parser.add_argument("-o", "--out", metavar="OUT", type=Path, required=True, help="folder")
+    parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
     add_settings_to(parser)
     parser.add_argument(
         "--bounds",

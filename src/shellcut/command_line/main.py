@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
+from io import TextIOWrapper
 
 from . import (
     compare,
@@ -49,12 +50,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit code, one of :data:`shellcut.command_line.exit_code.MEANINGS`; argparse exits by
         itself, with the code for bad input.
     """
+    for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     arguments = parser_of_all().parse_args(argv)
     try:
         with ignore_closed_pipe():
             code: int = arguments.run(arguments)
     except MemoryError as problem:
         return refuse(f"this machine does not have enough memory: {problem}; use a coarser mesh")
+    except OSError as problem:  # of a path that cannot be looked at
+        return refuse(problem)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED

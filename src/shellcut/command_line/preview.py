@@ -7,7 +7,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.files.file_list import target
+
 from .exit_code import BAD_INPUT, DONE, refuse
+from .named_path import named
 from .run import add_settings_to, settings_of
 
 if TYPE_CHECKING:
@@ -24,7 +27,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("model", metavar="MODEL", help="a TOML file, or a name")
     parser.add_argument(
-        "-o", "--out", metavar="PICTURE", type=Path, default=Path("model.png"), help="output file"
+        "-o", "--out", metavar="PICTURE", type=named, help="output file [model.png]"
     )
     add_settings_to(parser)
     parser.set_defaults(run=run)
@@ -40,24 +43,28 @@ def run(arguments: argparse.Namespace) -> int:
         model = read_model(arguments.model, settings_of(arguments))
         case = model.build()
     except ModelFileError as problem:
-        return _draw_refused(model or problem.partial, arguments.out, problem)
+        return _draw_refused(model or problem.partial, arguments, problem)
     try:
-        report = preview(case.simulation, arguments.out, time=case.duration, check=case.check)
+        picture = _picture(arguments, model)
+        report = preview(case.simulation, picture, time=case.duration, check=case.check)
     except (ValueError, ImportError, OSError) as problem:
         return refuse(problem)
-    if case.imprint is not None:
-        report += f"\n{case.imprint.report()}"
-    print(f"{report}\nwrote {arguments.out}")
+    print(f"{report}\nwrote {picture}")
     return BAD_INPUT if case.check.of("refuse") else DONE
 
 
-def _draw_refused(model: Model | None, path: Path, problem: ValueError) -> int:
+def _picture(arguments: argparse.Namespace, model: Model) -> Path:
+    return target(arguments.out, Path("model.png"), [arguments.model, *model.files()])
+
+
+def _draw_refused(model: Model | None, arguments: argparse.Namespace, problem: ValueError) -> int:
     """Draw the valid parts of a model, print its errors; return the code for bad input."""
     from shellcut.models.preview import preview_parts
 
     parts = None if model is None else model.parts()
-    if parts is not None and not (parts.mesh is None and parts.tool is None):
+    if model and parts is not None and not (parts.mesh is None and parts.tool is None):
         try:
+            path = _picture(arguments, model)
             print(f"{preview_parts(parts, path)}\nwrote {path}: the valid parts of the model")
         except (ValueError, ImportError, OSError) as other:
             print(f"it cannot be drawn: {other}", file=sys.stderr)

@@ -10,6 +10,7 @@ from shellcut.report import report
 
 from .compare import add_columns_to, compared
 from .exit_code import DONE, refuse
+from .named_path import named
 
 
 def add_to(commands: Any) -> None:
@@ -22,10 +23,10 @@ def add_to(commands: Any) -> None:
         "shellcut sweep): table, curves, effects of the factors, response surfaces, sensitivities.",
     )
     parser.add_argument(
-        "folder", metavar="OUT", type=Path, help="result folder of the run or the study"
+        "folder", metavar="OUT", type=named, help="result folder of the run or the study"
     )
     parser.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help="file to write [OUT/report.html]"
+        "-o", "--output", metavar="FILE", type=named, help="file to write [OUT/report.html]"
     )
     parser.add_argument(
         "--measured",

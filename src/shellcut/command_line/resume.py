@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .exit_code import refuse
+from .named_path import named
 from .run_log import RunLog
 from .run_model import USED, run_model
 
@@ -18,7 +19,7 @@ def add_to(commands: Any) -> None:
         help="continue an interrupted run",
         description="Continue an interrupted run, bit for bit, appending to its files.",
     )
-    parser.add_argument("out", metavar="OUT", type=Path, help="the folder of the run")
+    parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
     parser.set_defaults(run=run)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .exit_code import DONE, refuse
+from .named_path import named
 from .run_log import RunLog
 from .run_model import run_model
 
@@ -19,7 +20,7 @@ def add_to(commands: Any) -> None:
         description="Run a model file, or a model of the package by its name.",
     )
     parser.add_argument("model", metavar="MODEL", nargs="?", help="a TOML file, or a name")
-    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder for the results")
+    parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
     add_settings_to(parser)
     parser.add_argument("--frames", metavar="N", type=int, help="frames of the result file")
     parser.add_argument(
@@ -40,7 +41,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the models of the package")
     parser.add_argument(
-        "--write-model", metavar="FILE", type=Path, help="write a model file to edit; run nothing"
+        "--write-model", metavar="FILE", type=named, help="write a model file to edit; run nothing"
     )
     parser.set_defaults(run=run)
 
@@ -82,7 +83,7 @@ def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, check, run."""
-    from shellcut.files.file_list import files_there
+    from shellcut.files.file_list import files_there, refuse_input
     from shellcut.files.folder_lock import refuse_if_in_use
     from shellcut.model_file import ModelFileError, read_model, shipped_models
 
@@ -110,11 +111,14 @@ def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
     if folder.exists() and not folder.is_dir():
         return refuse(f"{folder} is a file: -o must name a folder")
+    earlier = files_there(folder)
     try:
         refuse_if_in_use(folder)
+        if arguments.overwrite:
+            for name in earlier:
+                refuse_input(folder / name, [arguments.model, *model.files()])
     except OSError as problem:
         return refuse(problem)
-    earlier = files_there(folder)
     if earlier and not arguments.overwrite:
         return refuse(
             f"{folder} holds a run ({earlier[0]}): --overwrite replaces it, "
@@ -124,15 +128,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write_model(name: str, path: Path) -> int:
+    from shellcut.files.whole_file import exclusive
     from shellcut.model_file import shipped_models
 
     shipped = shipped_models()
     if name not in shipped:
         return refuse(f"{name}: the models that can be written are {', '.join(shipped)}")
-    if path.exists():
-        return refuse(f"{path} already exists: choose another name")
     try:
-        path.write_text(shipped[name], encoding="utf-8")
+        with open(path, "wb", opener=exclusive) as file:
+            file.write(shipped[name].encode())
+    except FileExistsError:
+        return refuse(f"{path} already exists: choose another name")
     except OSError as problem:
         return refuse(problem)
     print(f"wrote {path}; run it with: shellcut run {path} -o OUT")

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
+from shellcut.files.whole_file import log_file
 from shellcut.results.verdict import LOGGER as VERDICT
 
 
@@ -22,7 +23,7 @@ class RunLog:
 
     def open(self, path: Path) -> None:
         """Append to a file from now on, starting with the lines kept so far."""
-        self._file = path.open("a", encoding="utf-8")
+        self._file = log_file(path)
         for line in self._kept:
             self.keep(line)
 

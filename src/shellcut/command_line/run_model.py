@@ -9,9 +9,11 @@ import time
 import traceback
 from contextlib import closing
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.results.energy_account import account
 from shellcut.results.summary_figures import plain_figures
 from shellcut.results.verdict import Line
 
@@ -29,14 +31,7 @@ _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 _FIGURES = (
     *("n_step", "wall_s", "torque_plateau_Nmm", "torque_peak_Nmm", "axial_force_plateau_N"),
-    *(
-        "force_plateau_N",
-        "force_peak_N",
-        "tool_work_Nmm",
-        "support_work_Nmm",
-        "cohesive_work_Nmm",
-        "crack_length_mm",
-    ),
+    *("force_plateau_N", "force_peak_N", "crack_length_mm"),
     *("n_cable_created", "n_cable_jointed", "n_cable_broken", "imbalance_rel", "kinetic_rel"),
 )
 """Figures of ``summary.json`` that are printed at the end."""
@@ -127,8 +122,6 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
         if not options["resume"]:
             case.check.enforce(force=options["force"])
         sim = case.simulation
-        if case.imprint is not None and case.imprint.changed:
-            log.say(case.imprint.report())
         resistance = resistance_of(sim, case.duration)
         for line in start_lines(sim, resistance, case.duration, case.check.sweep):
             log.say(line)
@@ -209,6 +202,8 @@ def _say_end(folder: Path, log: RunLog) -> None:
     summary: dict[str, Any] = json.loads(read_regular(folder / "summary.json"))
     for label, value in plain_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>12,.6g}")
+    for words, energy, share in chain(*account(summary)):
+        log.say(f"{words + ' [N*mm]':<52} {energy:>12,.6g} {100.0 * share:>6.1f} %")
     if "no_window" in summary:
         log.say(f"no steady window, so there is no mean: {summary['no_window']}")
     log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")

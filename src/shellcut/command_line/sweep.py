@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .exit_code import DONE, FAILED, refuse
+from .named_path import named
 from .run import add_settings_to
 from .study_engine import add_engine_to, engine_given
 
@@ -30,7 +30,7 @@ def add_to(commands: Any) -> None:
         "interrupted ones go on. OUT/table.csv has a row for each run.",
     )
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
-    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder of the study")
+    parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
     add_settings_to(parser)
     parser.add_argument("--design", choices=("grid", "sobol", "lhs"), help="by default a grid")
     parser.add_argument("--n", metavar="N", type=int, help="number of runs of sobol or lhs")

@@ -9,8 +9,10 @@ from typing import Any
 
 from shellcut.model_file.quantity import quantity
 from shellcut.tensile import tensile
+from shellcut.tensile.evaluation import PICTURE
 
 from .exit_code import BAD_INPUT, DONE, refuse
+from .named_path import named
 
 _LENGTHS = (
     ("--gauge-length", "length over which the strain was measured, as 50 or '50 mm'"),
@@ -34,14 +36,26 @@ def add_to(commands: Any) -> None:
         "files",
         metavar="[DIRECTION=]FILE",
         nargs="+",
-        help="text tables of strain and stress, or extension and force, with units in the headings",
+        help="text tables of strain and stress, or extension and force",
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="X,Y,...",
+        help="columns of strain and stress in all files, by heading or number from 1, as "
+        "'Strain, Stress' or '2,4'; where a heading has a comma, separated by semicolons; by "
+        "default those whose names and units agree",
+    )
+    parser.add_argument(
+        "--units",
+        help="units of these columns, or of strain and stress, as 'mm, N'; by default those of "
+        "the headings",
     )
     for option, meaning in _LENGTHS:
         parser.add_argument(option, metavar="MM", help=meaning)
     parser.add_argument(
         "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
     )
-    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder for the results")
+    parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
     parser.set_defaults(run=run)
 
 
@@ -62,7 +76,13 @@ def run(arguments: argparse.Namespace) -> int:
             problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
         if problems:
             return refuse("\n".join(problems))
-        found = tensile(_by_direction(arguments.files), offset=offset, **lengths)
+        found = tensile(
+            _by_direction(arguments.files),
+            offset=offset,
+            columns=arguments.columns,
+            units=arguments.units,
+            **lengths,
+        )
     except (ValueError, OSError) as problem:
         return refuse(problem)
     print(found)
@@ -71,10 +91,10 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         written = found.write(arguments.out)
         try:
-            written.append(found.plot(arguments.out / "tensile.png"))
+            written.append(found.plot(arguments.out / PICTURE))
         except ImportError as missing:
             print(f"no picture: {missing}", file=sys.stderr)
-    except OSError as problem:
+    except (OSError, ValueError) as problem:
         print(f"cannot write: {problem}", file=sys.stderr)
         return BAD_INPUT
     print("written: " + ", ".join(map(str, written)))

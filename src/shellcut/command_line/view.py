@@ -6,11 +6,13 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from shellcut.files.file_list import target
 from shellcut.results.run_results import Results, read
 from shellcut.scene_page import view_html
 from shellcut.view import STRESSES, draw_movie, draw_scene, why_no_window
 
 from .exit_code import DONE, refuse
+from .named_path import named
 
 _STRESS = "largest principal"
 
@@ -28,9 +30,9 @@ def add_to(commands: Any) -> None:
         "(shellcut[view]), otherwise Matplotlib. An MP4 needs shellcut[movie], a GIF does not.",
         epilog="example: shellcut view out --html out/cut.html --frames 50 --field displacement",
     )
-    parser.add_argument("out", metavar="OUT", type=Path, help="folder of the run")
+    parser.add_argument("out", metavar="OUT", type=named, help="folder of the run")
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--html", metavar="FILE", type=Path, help="write the run as one HTML page")
+    what.add_argument("--html", metavar="FILE", type=named, help="write the run as one HTML page")
     what.add_argument(
         "--frame",
         metavar="N",
@@ -38,13 +40,13 @@ def add_to(commands: Any) -> None:
         help="draw this frame, counted from 0, or from the end: -1 is the last",
     )
     what.add_argument(
-        "--movie", metavar="FILE", type=Path, help="draw all frames as a movie, .mp4 or .gif"
+        "--movie", metavar="FILE", type=named, help="draw all frames as a movie, .mp4 or .gif"
     )
     parser.add_argument(
         "-o",
         "--output",
         metavar="FILE",
-        type=Path,
+        type=named,
         help="draw a frame, the last one without --frame, to this picture [OUT/frame_N.png]",
     )
     _add_scene_options(parser)
@@ -92,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.html is not None:
             page = view_html(
                 results,
-                arguments.html,
+                target(arguments.html, arguments.html),
                 frames=arguments.frames,
                 fields=arguments.field,
                 max_mb=arguments.max_mb,
@@ -133,12 +135,13 @@ def _drawn(arguments: argparse.Namespace, results: Results) -> Path:
         "stress_limits": tuple(arguments.limits) if arguments.limits else None,
     }
     if arguments.movie is not None:
-        draw_movie(arguments.movie, list(results.frames()), fps=arguments.fps, **look)
-        return Path(arguments.movie)
+        movie = target(arguments.movie, arguments.movie)
+        draw_movie(movie, list(results.frames()), fps=arguments.fps, **look)
+        return movie
     number = -1 if arguments.frame is None else arguments.frame
     frame = results.frame(number)  # raises if there is none
-    named = arguments.out / f"frame_{number % results.n_frame:04d}.png"
-    path = Path(arguments.output or named)
+    beside = arguments.out / f"frame_{number % results.n_frame:04d}.png"
+    path = target(arguments.output, beside)
     draw_scene(path, frame, together_with=list(results.frames()), **look)
     return path
 

@@ -47,6 +47,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline
@@ -77,6 +78,7 @@ _PENALTY, _STRETCHING = 1e4, 1678.0 * 0.074
 _THIN = 0.125
 
 
+@checked
 @dataclass(frozen=True)
 class Contact:
     """Parameters of the penalty contact.

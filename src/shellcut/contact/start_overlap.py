@@ -7,29 +7,87 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .missed_penetration import ToolWires
 
+_FAR = 0.25
+"""Of the tool's extent along its way: a start this far in is no small error of its place."""
+_ROUND_OFF = 1e-9  # of the speed: an advance along the axis below it is none
+_STEPS = 20, 40  # of the search, along the tool's extent and past the film
 
-def check_tool_outside(mesh: Mesh, tool: Tool, grid: ClosestTriangleGrid, pose: Pose) -> None:
-    """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad."""
-    _, inside, _, _ = grid.query(pose.to_body(mesh.nodes))
+
+def check_tool_outside(
+    mesh: Mesh,
+    tool: Tool,
+    grid: ClosestTriangleGrid,
+    pose: Pose,
+    motion: Motion | None = None,
+) -> None:
+    """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad.
+
+    Parameters
+    ----------
+    mesh, tool, grid, pose
+        The pose is that of the start.
+    motion : Motion, optional
+        Tells how far back on its way the tool is free.
+    """
+    wires = ToolWires(tool)
+
+    def overlap(at: Pose) -> tuple[Ints, Ints]:
+        _, inside, _, _ = grid.query(at.to_body(mesh.nodes))
+        nowhere = np.zeros(mesh.n_node, np.bool_)
+        return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, at)[0]
+
     problems = []
-    if inside.any():
-        problems.append(f"nodes {_some(np.flatnonzero(inside), mesh.nodes)} lie inside the tool")
-    nowhere = np.zeros(mesh.n_node, np.bool_)
-    pierced, _ = ToolWires(tool).crossed_quads(mesh.nodes, mesh.quads, nowhere, pose)
+    inside, pierced = overlap(pose)
+    if inside.size:
+        problems.append(f"nodes {_some(inside, mesh.nodes)} lie inside the tool")
     if pierced.size:
         centres = mesh.nodes[mesh.quads].mean(axis=1)
         problems.append(f"the tool passes through quads {_some(pierced, centres)}")
-    if problems:
-        raise ValueError(
-            "the tool must start outside the sheet, but "
-            + " and ".join(problems)
-            + ": move the tool's start back or cut a notch for it (Mesh.cut)"
-        )
+    if not problems:
+        return
+    way = _first_way(motion)
+    reach = float(np.ptp(pose.to_space(tool.vertices) @ way))
+    past = 1.01 * (reach + float(np.ptp(mesh.nodes @ way)))
+    fine, coarse = (
+        np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
+    )
+    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
+    starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
+    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
+    free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
+    raise ValueError(
+        f"the tool must start outside the sheet, but {' and '.join(problems)}: "
+        f"{_cure(way, float(free), reach)}"
+    )
+
+
+def _first_way(motion: Motion | None) -> Floats:
+    # unit vector of the first advance, along the axis of a screw; 0 of a tool that only turns
+    for time in 2.0 ** np.arange(-20, 1) if motion else ():  # from a microsecond to a second
+        spin, way = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
+        speed = float(np.linalg.norm(way))
+        if spin.any():
+            axis = spin / np.linalg.norm(spin)
+            way = axis * (axis @ way)
+        if (length := float(np.linalg.norm(way))) > _ROUND_OFF * speed:
+            return np.asarray(way / length)
+    return np.zeros(3)
+
+
+def _cure(way: Floats, back: float, reach: float) -> str:
+    notch = "cut a notch for it (Mesh.cut)"
+    turn = "turn it: its axis or the direction of its motion may be wrong"
+    if not back:
+        return f"move the tool's start, {turn}, or {notch}"
+    x, y, z = way + 0.0
+    move = f"move the tool's start back by {back:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
+    return f"{move}, or {notch}" if back <= _FAR * reach else f"{move}, or {turn}; or {notch}"
 
 
 def _some(ids: Ints, places: Floats) -> str:

@@ -1,7 +1,9 @@
-"""``run.files``: the names of the files that a run has written in its folder, one per line.
+"""Records of the files that shellcut has written in a folder, one name per line.
 
-A name is listed before its file is created, so that none is missed if the run is killed. A new run
-removes exactly the files of this list; other files in the folder stay, whatever their names.
+``run.files`` is that of a run, ``shellcut.files`` that of the other commands. A name is listed
+before its file is created, so that none is missed if the process is killed. What a record does not
+list is somebody else's, and so is anything behind a link: it is never replaced and never removed. A
+new run removes exactly the files of ``run.files``.
 """
 
 from __future__ import annotations
@@ -11,65 +13,111 @@ from collections.abc import Iterable
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from .regular_file import read_regular
-from .whole_file import atomic_write, temporary_path, write_all
+from .whole_file import opened, unfinished, write_all, write_text
 
-FILES = "run.files"
+FILES, OTHERS = "run.files", "shellcut.files"
 
-_HEADING = (
-    "# Written here by a run of shellcut; another run in this folder removes these files only."
-)
+LOCK = "run.lock"
+
+_HEADINGS = {
+    FILES: "# Written here by a run of shellcut; another run in this folder removes these files "
+    "only.",
+    OTHERS: "# Written here by commands of shellcut, which replace these files only.",
+}
+_TEXT = "utf-8", "surrogateescape"  # as Python holds names that are no text
+_LARGEST = 100_000_000  # bytes
+_MOST_NAMED = 5
 
 
 class FileList:
-    """The list in a folder; only the run that holds the folder's lock may change it.
+    """A record in a folder; of ``run.files`` only the run that holds the folder changes it.
 
     Parameters
     ----------
     folder : Path
-        The folder; the list need not exist.
+        The folder; the record need not exist.
+    record : {"run.files", "shellcut.files"}
+        Its name.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self.names = names_in(folder)
+    def __init__(self, folder: Path, record: str = FILES) -> None:
+        self._folder, self._record = folder, record
+        found = _read(folder, record)
+        self._is_there = found is not None
+        self.names = found or []
         """Names relative to the folder, in the order they were added, with ``/`` between parts."""
 
-    def add(self, name: str) -> None:
-        """Add a name, if it is new.
+    def refuse_foreign(self, names: Iterable[str]) -> None:
+        """Raise if files that are about to be written, or the record, are somebody else's.
 
         Raises
         ------
-        OSError
-            If the list cannot be written.
+        FileExistsError
+            With their names.
         """
-        if name in self.names:
+        known = {*self.names, self._record} if self._is_there else set()
+        foreign = [
+            name
+            for name in (self._record, *names)
+            if (name not in known and os.path.lexists(self._folder / name))
+            or _leads_away(self._folder, name)
+        ]
+        if foreign:
+            more = f" and {n} more" if (n := len(foreign) - _MOST_NAMED) > 0 else ""
+            who = "this run" if self._record == FILES else "shellcut"
+            by = "no run" if self._record == FILES else "no command of it"
+            raise FileExistsError(
+                f"{self._folder} has {', '.join(foreign[:_MOST_NAMED])}{more}, which {who} would "
+                f"replace although {by} wrote it ({self._record} does not list it): move it away, "
+                "or choose another folder"
+            )
+
+    def add(self, *names: str) -> None:
+        """Add those of some names that are new, before their files are created.
+
+        Raises
+        ------
+        FileExistsError
+            If one of them belongs to somebody else's file.
+        OSError
+            If the record cannot be written.
+        """
+        new = [name for name in names if name not in self.names]
+        if not new:
             return
-        with (self._folder / FILES).open("ab", buffering=0) as file:
-            write_all(file, f"{name}\n".encode())
-        self.names.append(name)
+        self.refuse_foreign(new)
+        if not self._is_there:
+            self.write(new)
+            return
+        with opened(self._folder / self._record, "a+") as file:
+            write_all(file, "".join(f"{name}\n" for name in new).encode(*_TEXT))
+        self.names += new
 
     def write(self, names: Iterable[str]) -> None:
-        """Replace the list.
+        """Replace the record.
 
         Raises
         ------
         OSError
-            If it cannot be written; the old list then stays.
+            If it cannot be written; the old one then stays.
         """
         self.names = list(dict.fromkeys(names))
-        with atomic_write(self._folder / FILES) as temporary:
-            temporary.write_text("".join(f"{line}\n" for line in (_HEADING, *self.names)), "utf-8")
+        lines = (_HEADINGS[self._record], *self.names)
+        write_text(self._folder / self._record, "".join(f"{line}\n" for line in lines), *_TEXT)
+        self._is_there = True
 
     def there(self) -> list[str]:
         """Return the names of the listed files that exist."""
-        return _there(self._folder, self.names)
+        return [name for name in self.names if os.path.lexists(self._folder / name)]
 
     def remove(self, names: Iterable[str]) -> None:
         """Remove listed files, including partly written ones, and folders left empty."""
         for name in names:
+            if _leads_away(self._folder, name):
+                continue
             path = self._folder / name
-            path.unlink(missing_ok=True)
-            temporary_path(path).unlink(missing_ok=True)
+            for one in (path, *unfinished(path)):
+                one.unlink(missing_ok=True)
             if path.parent != self._folder:
                 try:
                     path.parent.rmdir()
@@ -77,30 +125,133 @@ class FileList:
                     continue
 
 
-def names_in(folder: Path) -> list[str]:
-    """Return the names in the list of a folder; none without a list.
+def claim(
+    folder: str | os.PathLike[str],
+    names: Iterable[str],
+    inputs: Iterable[str | os.PathLike[str]] = (),
+) -> None:
+    """List files that a command is about to write in a folder under names of its own choice.
 
-    An unfinished last line is ignored, as are paths outside the folder, which no run writes.
+    Parameters
+    ----------
+    folder : path
+        The folder; created if missing.
+    names : iterable of str
+        In the folder.
+    inputs : iterable of path
+        What the command reads: none of these is written.
+
+    Raises
+    ------
+    FileExistsError
+        If one of the names belongs to an input or to somebody else's file; nothing has been changed
+        then.
+    ValueError
+        If the path of the folder is empty.
+    OSError
+        If the folder cannot be written.
     """
-    try:
-        text = read_regular(folder / FILES).decode("utf-8", errors="replace")
-    except (FileNotFoundError, NotADirectoryError):
-        return []
-    heading, *names = text.split("\n")[:-1] or [""]
-    if heading != _HEADING:
-        return []
-    return [name for name in dict.fromkeys(names) if _is_inside(name)]
+    folder, names = folder_named(folder), list(names)
+    for name in names:
+        _refuse_needed(folder / name, inputs)
+    folder.mkdir(parents=True, exist_ok=True)
+    FileList(folder, OTHERS).add(*names)
+
+
+def target(
+    path: str | os.PathLike[str] | None,
+    default: Path,
+    inputs: Iterable[str | os.PathLike[str]] = (),
+) -> Path:
+    """Return the file that a command writes: the one that a user names, or one that is claimed.
+
+    Parameters
+    ----------
+    path : path, optional
+        As named: replaced if it exists.
+    default : Path
+        Without one: never replaces somebody else's.
+    inputs : iterable of path
+        What the command reads.
+
+    Raises
+    ------
+    FileExistsError
+        If it is an input or belongs to a run, or the default to somebody else.
+    OSError
+        If the folder of the default cannot be written.
+    """
+    if path is None:
+        claim(default.parent, [default.name], inputs)
+        return default
+    _refuse_needed(Path(path), inputs)
+    return Path(path)
+
+
+def refuse_input(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None:
+    """Raise if a file that is about to be replaced is an input.
+
+    Raises
+    ------
+    FileExistsError
+        If it is.
+    """
+    if path.exists() and any(os.path.exists(i) and os.path.samefile(path, i) for i in inputs):
+        raise FileExistsError(
+            f"{path} is read here and would be replaced: choose another place for the results"
+        )
+
+
+def _refuse_needed(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None:
+    refuse_input(path, inputs)
+    if path.name in (FILES, OTHERS, LOCK, *names_in(path.parent)):
+        raise FileExistsError(f"{path} is a file of a run, which needs it: choose another name")
+
+
+def names_in(folder: Path, record: str = FILES) -> list[str]:
+    """Return the names in the record of a folder; none without one."""
+    return _read(folder, record) or []
 
 
 def files_there(folder: Path) -> list[str]:
     """Return the names of the files in a folder that a run has written and that still exist."""
-    return _there(folder, names_in(folder))
+    return FileList(folder).there()
 
 
-def _there(folder: Path, names: Iterable[str]) -> list[str]:
-    return [name for name in names if os.path.lexists(folder / name)]
+def folder_named(path: str | os.PathLike[str]) -> Path:
+    """Return the path of a folder to write to.
+
+    Raises
+    ------
+    ValueError
+        If it is empty, which would be the present folder.
+    """
+    if not os.fspath(path):
+        raise ValueError("the folder for the results must have a name, got an empty one; . is here")
+    return Path(path)
+
+
+def _read(folder: Path, record: str) -> list[str] | None:
+    """Return the names in the record of a folder; None if there is none, or something else.
+
+    An unfinished last line is ignored, as are paths outside the folder, which nothing here writes.
+    """
+    path = folder / record
+    try:
+        text = "" if path.is_symlink() else read_regular(path, _LARGEST).decode(*_TEXT)
+    except OSError:
+        return None
+    heading, *names = text.split("\n")[:-1] or [""]
+    if heading != _HEADINGS[record]:
+        return None
+    return [name for name in dict.fromkeys(names) if _is_inside(name)]
 
 
 def _is_inside(name: str) -> bool:
     parts = PurePosixPath(name).parts
     return bool(parts) and ".." not in parts and not PureWindowsPath(name).anchor
+
+
+def _leads_away(folder: Path, name: str) -> bool:
+    """Whether a link lies on the way from a folder to a file in it."""
+    return any((folder / above).is_symlink() for above in PurePosixPath(name).parents if above.name)

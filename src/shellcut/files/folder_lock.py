@@ -23,12 +23,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from .file_list import LOCK
+from .whole_file import opened
+
 if sys.platform == "win32":
     import msvcrt
 else:
     import fcntl
-
-LOCK = "run.lock"
 
 _log = logging.getLogger(__name__)
 
@@ -38,6 +39,9 @@ _LOCKED_BYTE = 1 << 20
 # Attempts, if the lock file vanishes between opening and locking it; after that the file system is
 # assumed unable to tell files apart.
 _MOST_TRIES = 100
+
+# How the text of a holder begins; a full disk may have cut it short.
+_BEGINS = b'{"process": '
 
 _HELD_BY_ANOTHER = {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}
 
@@ -58,6 +62,8 @@ class FolderLock:
     ------
     FolderInUse
         If another run, of this or another process, holds it.
+    FileExistsError
+        If ``run.lock`` is a file of another origin.
     OSError
         If the folder cannot be written.
     """
@@ -114,9 +120,15 @@ class FolderLock:
 
     def _opened(self) -> Any:
         """Return the file, opened and locked."""
-        file = self._path.open("a+b", buffering=0)
+        file: Any = opened(self._path, "a+")
         try:
             self._take(file)
+            file.seek(0)
+            if not _BEGINS.startswith(start := file.read(len(_BEGINS))):
+                raise FileExistsError(
+                    f"{self._path} must be the lock of a run, but no run wrote it (it begins with "
+                    f"{start!r}): move it away, or choose another folder"
+                )
         except BaseException:
             file.close()
             raise
@@ -147,7 +159,7 @@ class FolderLock:
     def _is_in_place(self, file: Any) -> bool:
         """Whether the open file is still the one in the folder."""
         try:
-            return os.path.samestat(os.fstat(file.fileno()), self._path.stat())
+            return os.path.samestat(os.fstat(file.fileno()), self._path.lstat())
         except FileNotFoundError:
             return False
 
@@ -160,7 +172,7 @@ def refuse_if_in_use(folder: Path) -> None:
     FolderInUse
         If a run is writing there.
     """
-    if (folder / LOCK).exists():
+    if os.path.lexists(folder / LOCK):
         FolderLock(folder).close()
 
 

@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
-from .whole_file import write_all
+from .whole_file import opened, write_all
 
 
 class HdfTarget(io.RawIOBase):
@@ -36,7 +36,7 @@ class HdfTarget(io.RawIOBase):
 
     def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
         self._path = path
-        self._file: Any = path.open({"w": "w+b", "r+": "r+b"}[mode], buffering=0)
+        self._file: Any = opened(path, mode)
         self._at = 0
         self._kept = self._file.seek(0, os.SEEK_END)  # size when last consistent
         self._replaced: list[tuple[int, bytes]] = []  # overwritten since then: offset, old bytes

@@ -6,10 +6,9 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from .file_list import FILES, FileList
+from .file_list import FILES, FileList, folder_named
 from .folder_lock import FolderLock
-
-_MOST_NAMED = 5
+from .whole_file import unfinished
 
 
 class TakenFolder:
@@ -24,12 +23,14 @@ class TakenFolder:
     ------
     FolderInUse
         If another run writes there.
+    ValueError
+        If the path is empty.
     OSError
         If it cannot be created or written.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = folder_named(path)
         self.path.mkdir(parents=True, exist_ok=True)
         self._lock = FolderLock(self.path)
         self._list = FileList(self.path)
@@ -62,19 +63,7 @@ class TakenFolder:
         earlier, names = self._list.there(), list(names)
         if earlier and not replace:
             raise FileExistsError(f"{self.path} already holds a run, with {earlier[0]}")
-        known = {*self._list.names, FILES} if self._list.names else set()
-        foreign = [
-            name
-            for name in (FILES, *names, *later)
-            if name not in known and os.path.lexists(self.path / name)
-        ]
-        if foreign:
-            more = f" and {n} more" if (n := len(foreign) - _MOST_NAMED) > 0 else ""
-            raise FileExistsError(
-                f"{self.path} has {', '.join(foreign[:_MOST_NAMED])}{more}, which this run would "
-                f"replace although no run wrote it ({FILES} does not list it): move it away, or "
-                "choose another folder"
-            )
+        self._list.refuse_foreign([*names, *later])
         self._list.remove(self._list.names)
         self._list.write(names)
 
@@ -83,9 +72,15 @@ class TakenFolder:
 
         Raises
         ------
+        FileExistsError
+            If one of the names belongs to a file of another origin.
         OSError
             If the list cannot be written.
         """
+        self._list.refuse_foreign(names := list(names))
+        for name in self._list.names:
+            for of_killed in unfinished(self.path / name):
+                of_killed.unlink(missing_ok=True)
         self._list.write([*self._list.names, *names])
 
     def add(self, path: Path) -> None:
@@ -93,6 +88,8 @@ class TakenFolder:
 
         Raises
         ------
+        FileExistsError
+            If it is there and no run wrote it.
         OSError
             If the list cannot be written.
         """

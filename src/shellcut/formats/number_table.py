@@ -10,7 +10,8 @@
 Columns are separated by semicolons, tabs, commas or blanks, whichever turns most lines into rows of
 numbers; a comma in a cell is then a decimal comma. Lines above the first row are a preamble; its
 last line contains the headings if it has one cell per column; a line of units may follow them.
-Lines starting with ``#``, ``%`` or ``//`` are comments, as is text after ``#`` in a row.
+Lines starting with ``#``, ``%`` or ``//`` are comments, as is text after ``#`` in a row; where no
+other line holds the headings, the last such comment above the numbers does.
 """
 
 from __future__ import annotations
@@ -20,21 +21,30 @@ import csv
 import re
 from collections import Counter
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.unit import canonical
+from shellcut.unit import dimension
 
 from .errors import FileError, read_bytes
 
 _SEPARATORS = (";", "\t", ",", " ")
 _MOST_PROBLEMS = 6  # problems listed in a message
+_FEW = 10  # rows of a table for each of the results above it
+_SHOWN = 40  # columns in a message, and letters of each
 _COMMENTS = ("#", "%", "//")
+_MARK = re.compile(r"\s*(#+|%|//)\s*")
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf(inity)?)", re.I)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(([.,'’\u00a0\u202f ])\d{3})((\2\d{3})*[.,]\d+|(\2\d{3})+)")
-_HEADING = re.compile(r"(?P<name>.*?)\s*(\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|/\s*(?P<c>[^/]*?))\s*")
+_BRACKETS = re.compile(r"(?P<name>.*?)\s*(\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\))\s*")
+_SLASH = re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>[^/]*?)\s*")
+_PER_CENT_FIRST = re.compile(r"(%|percent(age)?\b|prozent\b)\s*", re.I)
+_BEFORE_UNIT = re.compile(r"[\s,:;_/]+")
+_MOST_WORDS = 4  # of a unit, as "N / mm ²"
+_LONGEST = 300  # characters of a heading
 
 
 @dataclass(frozen=True)
@@ -100,6 +110,55 @@ class NumberTable:
             raise FileError(self.path, _listed(problems))
         return values
 
+    def column(self, which: str | int) -> int:
+        """Return the index of a column given by heading, with or without unit, or number from 1.
+
+        Raises
+        ------
+        ValueError
+            If there is none, or more than one; the message lists the columns.
+        """
+        if isinstance(which, str):
+            hits = self.headed(which)
+            if len(hits) > 1:
+                numbers = " and ".join(str(k + 1) for k in hits)
+                raise ValueError(f"{which!r} is the heading of columns {numbers}: give the number")
+            if hits:
+                return hits[0]
+            if not which.strip().isdecimal():
+                names = {heading.name.casefold(): heading.name for heading in self.headings}
+                near = get_close_matches(which.strip().casefold(), names, n=1)
+                hint = f"did you mean {names[near[0]]!r}? " if near else ""
+                raise ValueError(f"no column {which!r}: {hint}there are {self.listing()}")
+            which = int(which)
+        if not 1 <= which <= self.n_column:
+            raise ValueError(
+                f"column must be a number from 1 to {self.n_column}, got {which}; there are "
+                f"{self.listing()}"
+            )
+        return which - 1
+
+    def headed(self, name: str) -> list[int]:
+        """Return the columns with a heading, in any case, with its unit or without."""
+        wanted = name.strip().casefold()
+        whole = [k for k, h in enumerate(self.headings) if h.text.strip().casefold() == wanted]
+        return whole or [k for k, h in enumerate(self.headings) if h.name.casefold() == wanted]
+
+    def name(self, column: int) -> str:
+        """Return the name of a column, its number where it has none."""
+        name = self.headings[column].name if self.headings else ""
+        return name or f"column {column + 1}"
+
+    def listing(self) -> str:
+        """Return all columns with their numbers in words."""
+        if not self.headings:
+            commas = self.separator == ","
+            hint = "; if these are decimal commas, separate the columns by semicolons"
+            return f"{self.n_column} columns without headings{hint if commas else ''}"
+        shown = [f"{k}: {h.text[:_SHOWN]!r}" for k, h in enumerate(self.headings[:_SHOWN], 1)]
+        more = [f"and {self.n_column - _SHOWN} more"] if self.n_column > _SHOWN else []
+        return ", ".join(shown + more)
+
 
 def read_number_table(path: str | Path) -> NumberTable:
     """Read a table of numbers; its cells are converted only when columns are requested.
@@ -110,11 +169,12 @@ def read_number_table(path: str | Path) -> NumberTable:
         If the file cannot be read or contains only comments.
     """
     path = Path(path)
-    lines = [
+    written = [
         (number, text.rstrip())
         for number, text in enumerate(_decode(read_bytes(path)).splitlines(), start=1)
-        if text.strip() and not text.lstrip().startswith(_COMMENTS)
+        if text.strip()
     ]
+    lines = [(number, text) for number, text in written if not _is_comment(text)]
     if not lines:
         raise FileError(path, "a table must have a line of headings and lines of numbers")
     separator, first = _layout([text for _, text in lines])
@@ -123,7 +183,18 @@ def read_number_table(path: str | Path) -> NumberTable:
     if rows and all(len(cells) > 1 and not cells[-1] for cells in rows):
         rows = [cells[:-1] for cells in rows]
     n = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
-    headings, heading_line = _headings(lines[:first], separator, n)
+    before = lines[first][0] if first < len(lines) else 0
+    marked = [
+        (number, _MARK.sub("", text, count=1))
+        for number, text in written
+        if number < before and _is_comment(text)
+    ]
+    headings, heading_line = (
+        _headings(lines[:first], separator, n)
+        or _headings(marked, separator, n)
+        or next(filter(_tell, (_headings(marked, other, n) for other in _SEPARATORS)), None)
+        or ([], 0)
+    )
     return NumberTable(
         path=path,
         headings=tuple(headings),
@@ -135,51 +206,118 @@ def read_number_table(path: str | Path) -> NumberTable:
 
 
 def split_heading(text: str) -> Heading:
-    """Split ``torque [N*mm]``, ``torque (N*mm)`` or ``torque / N*mm`` into name and unit.
+    """Split a heading into name and unit.
+
+    The unit stands in brackets, ``torque [N*mm]`` or ``torque (N*mm)``, or at the end,
+    ``torque / N*mm``, ``Strain, %``, ``Stress MPa``, ``Kraft in N``; at the end without a slash,
+    and in front as in ``% strain``, only known units count.
 
     Examples
     --------
     >>> split_heading("Winkel [Grad]")
     Heading(name='Winkel', unit='Grad', text='Winkel [Grad]')
+    >>> split_heading("Strain, %").unit, split_heading("Load cell in N").name
+    ('%', 'Load cell')
     """
-    found = _HEADING.fullmatch(text)
-    if not found or not found["name"]:
+    if len(text) > _LONGEST:
         return Heading(text, "", text)
-    unit = next(u for u in (found["a"], found["b"], found["c"]) if u is not None)
-    return Heading(found["name"], unit.strip(), text)
+    found = _BRACKETS.fullmatch(text)
+    brackets = (found["name"], (found["a"] or found["b"] or "").strip()) if found else ("", "")
+    if found and (not brackets[1] or dimension(brackets[1])):
+        return Heading(*brackets, text)
+    if first := _PER_CENT_FIRST.match(text):
+        return Heading(text[first.end() :] or text, "%", text)
+    _, word, end = text.rpartition(" in ")
+    starts = [len(text) - len(end)] * bool(word)
+    starts += [0, *(gap.end() for gap in _BEFORE_UNIT.finditer(text))][-_MOST_WORDS:]
+    for start in starts:  # the longest unit first
+        name, unit = text[:start].rstrip(" \t,:;_/-").removesuffix(" in"), text[start:].strip()
+        if _is_unit(unit) and not (text[:start].endswith("/") and _ends_in_unit(name)):
+            return Heading(name or text, unit, text)
+    if found:  # "Stress MPa (MD)"
+        inner = split_heading(brackets[0])
+        if inner.unit and dimension(inner.unit):
+            return Heading(f"{inner.name} {brackets[1]}", inner.unit, text)
+        return Heading(*brackets, text)
+    slash = _SLASH.fullmatch(text)
+    if slash and not _ends_in_unit(slash["name"]):
+        return Heading(slash["name"], slash["unit"], text)
+    return Heading(text, "", text)
+
+
+def _is_unit(text: str) -> bool:
+    # a number is none, though 1 is a way to write the unit of ratios
+    return not text[:1].isdecimal() and text[:2] != "- " and dimension(text) is not None
+
+
+def _ends_in_unit(name: str) -> bool:
+    _, blank, last = name.rpartition(" ")
+    return bool(blank) and _is_unit(last)
 
 
 def _decode(content: bytes) -> str:
-    # Spreadsheets write UTF-8 with or without BOM, UTF-16 with BOM, or the Western code page.
+    # Spreadsheets write UTF-8 and UTF-16 with or without BOM, or the Western code page.
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
+    if b"\0" in content:
+        order = "le" if content.index(b"\0") % 2 else "be"
+        return content.decode(f"utf-16-{order}", errors="replace")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("cp1252", errors="replace")
 
 
+def _is_comment(text: str) -> bool:
+    # A line of units may begin with that of per cent.
+    if not text.lstrip().startswith(_COMMENTS):
+        return False
+    units = (_units(_cells(text, separator)) for separator in _SEPARATORS)
+    return not any(len(given) > 1 and all(map(dimension, given)) for given in units)
+
+
+def _units(cells: list[str]) -> list[str]:
+    return [cell.strip("[]() ") for cell in cells if cell]
+
+
+def _are_units(cells: list[str]) -> bool:
+    # half of them known: a test machine has more
+    given = _units(cells)
+    known = sum(dimension(unit) is not None for unit in given)
+    return 0 < known >= len(given) - known and not any(map(_is_number, given))
+
+
 def _cells(text: str, separator: str) -> list[str]:
     if separator == " ":
         return text.split()
-    return [
-        cell.strip()
-        for cell in next(csv.reader([text], delimiter=separator, skipinitialspace=True))
-    ]
+    try:
+        (cells,) = csv.reader([text], delimiter=separator, skipinitialspace=True)
+    except csv.Error:  # longer than any number
+        return [text]
+    return [cell.strip() for cell in cells]
 
 
 def _layout(lines: list[str]) -> tuple[str, int]:
     """Return the separator and the index of the first row of numbers."""
-    best: tuple[int, str, int] = (0, "", 0)
+    most = 0
     for separator in _SEPARATORS:
-        widths = [_row_width(_cells(text.split("#", 1)[0], separator)) for text in lines]
-        rows = Counter(width for width in widths if width)
-        if rows:
-            width, count = rows.most_common(1)[0]
-            if count > best[0]:
-                best = (count, separator, widths.index(width))
-    if best[0]:
-        return best[1:]
+        each = [_row_width(_cells(text.split("#", 1)[0], separator)) for text in lines]
+        rows = Counter(width for width in each if width)
+        if rows and rows.most_common(1)[0][1] > most:
+            ((width, most),) = rows.most_common(1)
+            best, widths = separator, each
+    if most:
+        first = k = widths.index(width)
+        before, after = 0, most
+        while _FEW * before <= after and k < len(lines):
+            counted = widths[k] == width
+            before, after = before + counted, after - counted
+            # a table of results above the record: few rows, and headings with units below
+            cells = [] if widths[k] else _cells(lines[k], best)
+            if len(cells) == width and any(split_heading(cell).unit for cell in cells):
+                first, before = widths.index(width, k), 0
+            k += 1
+        return best, first
     # One column, or no line like a row: use the headings; later checks report the rest.
     separator = next((s for s in _SEPARATORS[:2] if s in lines[0]), ",")
     alone = (i for i, text in enumerate(lines) if _is_number(text.split("#", 1)[0].strip(' "')))
@@ -197,15 +335,21 @@ def _is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell) or _THOUSANDS.fullmatch(cell))
 
 
-def _headings(preamble: list[tuple[int, str]], separator: str, n: int) -> tuple[list[Heading], int]:
+def _tell(found: tuple[list[Heading], int] | None) -> bool:
+    return found is not None and any(dimension(heading.unit) for heading in found[0])
+
+
+def _headings(
+    preamble: list[tuple[int, str]], separator: str, n: int
+) -> tuple[list[Heading], int] | None:
     found = [
         (line, cells) for line, text in preamble if (cells := _heading_cells(text, separator, n))
     ]
     if not found:
-        return [], 0
+        return None
     line, cells = found[-1]
-    units = [cell.strip("[]() ") for cell in cells]
-    if len(found) > 1 and all(not u or canonical(u) for u in units):
+    if len(found) > 1 and _are_units(cells):
+        units = [cell.strip("[]() ") for cell in cells]
         line, names = found[-2]
         return [Heading(name, unit, name) for name, unit in zip(names, units, strict=True)], line
     return [split_heading(cell) for cell in cells], line
@@ -215,10 +359,15 @@ def _heading_cells(text: str, separator: str, n: int) -> list[str]:
     """Return the ``n`` cells of a heading line, or an empty list if their number differs."""
     if separator == " ":
         # "angle [deg]" is one cell; so are words with one blank if cells are separated by two.
+        text = re.sub(r"[,;](?=\s|$)", "", text)
         ways = [re.split(r"\s+(?![\[(])", text.strip()), re.split(r"\s{2,}|\t", text.strip())]
+        ways.append(re.split(r"(?<=[\])])\s+", text.strip()))
     else:
         cells = _cells(text, separator)
         ways = [cells, cells[:-1] if not cells[-1] else cells]
+    names, units = ways[0][::2], ways[0][1::2]
+    if len(units) == n and all(map(dimension, units)):  # "Strain, %, Stress, MPa"
+        ways.append([f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)])
     return next((cells for cells in ways if len(cells) == n and any(cells)), [])
 
 

@@ -20,9 +20,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Anisotropy:
     """How much of the law's strength and energy a crack meets, by its direction.

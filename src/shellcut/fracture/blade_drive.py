@@ -32,6 +32,7 @@ from shellcut.tool.cutting_edge import (
 )
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body
+from shellcut.tool.pose_of_motion import pose_at
 
 from .tip import Place
 
@@ -122,7 +123,7 @@ class BladeDrive:
         pose : Pose
             The present one where the edge rests or goes away from the point.
         """
-        pose, later = Pose.of(*motion.pose(time)), time
+        pose, later = pose_at(motion, time), time
         segment = self.edges.segments[edge]
         for _ in range(TURNS):
             gap = pose.to_body(x[None])[0] - segment[START]
@@ -136,7 +137,7 @@ class BladeDrive:
             if speed >= 0.0:  # the edge goes away from it, or rests
                 break
             later -= left / speed
-            pose = Pose.of(*motion.pose(later))
+            pose = pose_at(motion, later)
         return float((pose.to_body(x[None])[0] - segment[START]) @ segment[NORMAL]), pose
 
     def directions(

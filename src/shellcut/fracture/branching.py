@@ -178,8 +178,7 @@ def rayleigh_speed(material: ShellMaterial) -> float:
     material : ShellMaterial
         Of the film, which has no axes.
     """
-    _, weights, materials = material.thickness_points()
-    plane = np.sum([w * m.plane_stress() for w, m in zip(weights, materials, strict=True)], axis=0)
+    plane = material.membrane_stiffness
     along, across, shear = plane[0, 0], plane[0, 1], plane[2, 2]
 
     def beyond(x: float) -> float:

@@ -33,6 +33,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.nodal_stress import recover
@@ -49,7 +50,7 @@ from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
 Measure: TypeAlias = Literal["force", "stress"]
 StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
 Candidates: TypeAlias = Literal["tips", "all"]
-Path: TypeAlias = Literal["free", "imprint", "edges"]
+Path: TypeAlias = Literal["free", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
 DropLoose: TypeAlias = Literal["never", "clear"]
 
@@ -57,6 +58,14 @@ _ONLY_ALONG_EDGES = "criterion", "candidates", "blade_cut", "turn_limit_deg", "e
 _ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
 
 
+def instead_of(path: object) -> str:
+    """Return what to write for the path ``"imprint"`` of earlier versions, nothing for another."""
+    if path != "imprint":
+        return ""
+    return "; cracks go through the quads of any mesh: take path = 'free', or leave it out"
+
+
+@checked
 @dataclass(frozen=True)
 class Fracture:
     """How cracks start and run.
@@ -78,13 +87,12 @@ class Fracture:
     equilibrium_start : bool
         Start a cable with the very force that the node carried, fading over an
         eightieth of the opening at which the cable breaks.
-    path : {"free", "imprint", "edges"}, optional
-        Through the quads, on any mesh (docs/theory/free-cracks.md); along edges of the mesh, into
-        which the ready models put the blade's path first; or along the edges there are, which must
-        lie under the path. Left out it is ``"free"``, or ``"edges"`` where another option exists
-        for these only: ``criterion``, ``candidates``, ``blade_cut``, ``turn_limit_deg`` or
-        ``equilibrium_start`` that differ from their defaults. A ready model takes ``"edges"`` too
-        where edges lie under the whole path, and ``"imprint"`` where an option asks for edges.
+    path : {"free", "edges"}, optional
+        Through the quads, on any mesh (docs/theory/free-cracks.md), or along edges of the mesh,
+        which must lie under the path. Left out it is ``"free"``, or ``"edges"`` where another
+        option exists for these only: ``criterion``, ``candidates``, ``blade_cut``,
+        ``turn_limit_deg`` or ``equilibrium_start`` that differ from their defaults. A ready model
+        takes ``"edges"`` too where edges lie under the whole path.
     anisotropy : Anisotropy, optional
         How strength and energy depend on the direction of a crack, for cracks through the quads
         that no blade drives.
@@ -138,7 +146,7 @@ class Fracture:
             problems.append(
                 f"turn_limit_deg must lie between 0 and 180, got {self.turn_limit_deg!r}"
             )
-        if not (isinstance(self.check_every, int) and self.check_every > 0):
+        if self.check_every < 1:
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
         if self.largest_speed is not None and not 0.0 < self.largest_speed < np.inf:
             problems.append(f"largest_speed must be positive, got {self.largest_speed!r}")
@@ -150,7 +158,7 @@ class Fracture:
         """Yield what does not go with the path, or with another option."""
         of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
         if self.path not in (None, *get_args(Path)):
-            yield f"path must be one of {get_args(Path)}, got {self.path!r}"
+            yield f"path must be one of {get_args(Path)}, got {self.path!r}" + instead_of(self.path)
         elif self.path == "free":
             for name in of_edges:
                 needed = type(self).__dataclass_fields__[name].default

@@ -149,6 +149,15 @@ class CutTopology:
         """Return whether the side between two nodes of the mesh is broken at the first."""
         return (node, far) in self._broken
 
+    def open_parts(self, row: int, side: int) -> list[tuple[float, float]]:
+        """Return from where to where a side of a row is broken or torn, as fractions of it."""
+        ring = self._quads[self.parent(row)].tolist()
+        a, b = ring[side], ring[(side + 1) % 4]
+        if self.is_broken(a, b) and self.is_broken(b, a):
+            return [(0.0, 1.0)]
+        parts = self._torn.get((min(a, b), max(a, b)), ())
+        return [part if a < b else (1.0 - part[1], 1.0 - part[0]) for part in parts]
+
     def corners_at(self, node: int) -> list[Corner]:
         """Return all copies around a node of the mesh with their corner there, by quad and row."""
         quads = self._quads_at[node, : self._n_quad_at[node]].tolist()

@@ -9,7 +9,7 @@ which tips a blade drives (:mod:`.blade_drive`), in which direction the others r
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -91,7 +91,7 @@ class FreeCracks:
         gauss = fracture.cable_places == "gauss"
         self._path = CrackPath(topology, shell)
         self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
-        self._direction = FreeDirection(shell, self._path, law, film, loads)
+        self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:
@@ -126,7 +126,7 @@ class FreeCracks:
                 continue
             if tip.branch and self._branching is not None:
                 tip.branch = not self._branching.is_alone(*self._apart(state, tip))
-            ways = self._direction.ways(state, tip, alone=not tip.branch)
+            ways = self._direction.ways(state, tip, self.tips, alone=not tip.branch)
             found = (self._path.segment_from(state, tip, way, others=self.tips) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None or self._is_held(state, segment):
@@ -190,17 +190,27 @@ class FreeCracks:
 
         points : (n, 3) [mm].
         """
-        line = NotchLine(points)
-        tip = self._path.rim_tip(state, points[0], points[1]) or self._slit(state, line)
+        line, before = NotchLine(points), len(state.split_log)
+        tip = self._slit(state, line)
+        for start, stop in pairwise(points):
+            # The line may have more than its first point before the rim.
+            tip = tip or self._path.rim_tip(state, start, stop)
+            if tip is not None or row_at(state, stop) is not None:
+                break
         if tip is None:
             raise ValueError(
                 f"a notch must begin at the rim of the film or within it: {points[0].tolist()} mm "
-                f"lies outside, and no side of the rim between it and {points[1].tolist()} mm is "
+                f"lies outside, and no side of the rim between it and {stop.tolist()} mm is "
                 "nearer to that line than it is long"
             )
         while tip is not None and (at := self._path.place_of(state, tip)) is not None:
             way, lean = line.direction(self._path.reference_of(state, tip), at)
             segment = self._path.segment_from(state, tip, way, lean, self.tips)
+            if segment is None and len(state.split_log) == before:
+                raise ValueError(
+                    f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
+                    "leaves it there: move its first point into the film, off the sides of quads"
+                )
             if segment is None:
                 return
             cut = self._cut(state, segment, NOTCH, 0.0)
@@ -339,6 +349,8 @@ class FreeCracks:
         if joined is not None and joined.heading @ came < ONCOMING:
             self.tips.remove(joined)
             return None
+        if cut.kind != NOTCH and self._drive is None:
+            return None  # a tear begins at no edge of the film
         self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
         way = cut.way(state, heading)
         return tip_across(state, self._cuts.topology, self._path, segment, heading, way)

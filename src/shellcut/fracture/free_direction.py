@@ -24,13 +24,21 @@ p is the traction that the mean Cauchy stress of the mid-surface ahead exerts ac
 pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
 lengths. On a curved film each stress is first turned into the sheet at the tip by the least
 rotation that takes one normal to the other: the mean of tensors in planes that lean against each
-other would lose the part across the lean. What a film would give back is not known if its law keeps
+other would lose the part across the lean. Film that does not hang together with the tip's counts
+for neither J nor p.
+
+The domain of J reaches back as far as the cables hold, twice over, so that J is what goes into all
+of the process zone: over that length film bends that is torn out of its plane, and a smaller domain
+turns J aside. Where another edge of the film or another tip is nearer than ``LEAST`` no domain is
+left to tell where energy is released, and J is taken to lie along the crack.
+
+What a film would give back is not known if its law keeps
 a history and cannot be frozen; there the stress decides alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,19 +48,32 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import KnownTopology, State
+from shellcut.state import BROKEN, KnownTopology, State
 
 from .anisotropy import Anisotropy
 from .crack_path import CrackPath
+from .cut_topology import CutTopology
 from .quad_polygon import shape_functions
 from .tip import Tip
+from .tip_domain import TipDomain
 from .tip_force import TipForce, gives_back
 
 AVERAGE = 2.5
 """Standard deviation of the weights around a tip, in local edge lengths."""
 
-REACH = 4.0
-"""Radius of the domain around a tip in which energy is released, in local edge lengths."""
+REACHES = (4, 8)
+"""Least and largest radius of the domain around a tip in which energy is released, in local edge
+lengths."""
+
+_HELD = 2.0
+"""Reach over the way back to the farthest cable that still holds: q is 1 halfway, so that the force
+is that into all of the process zone, where the edges of the film allow it."""
+
+LEAST = 1.5
+"""Local edge lengths between a tip and what does not go along with it, below which no domain shows
+where energy is released: the crack keeps its way."""
+
+_ALONG = np.array([1.0, 0.0])
 
 # Of 1 + c, for film folded back onto itself, where no rotation is the least one.
 _FOLDED = 1e-3
@@ -84,6 +105,8 @@ class _Ahead(NamedTuple):
     factors: Floats
     """On strength and energy in the directions compared, shape (n_way,)."""
     force: TipForce | None
+    straight: bool
+    """Whether no domain shows where energy is released, and the crack keeps its way."""
     quads: Ints
     """Rows ahead whose stress counts, shape (n,)."""
     weight: Floats
@@ -95,8 +118,8 @@ class FreeDirection:
 
     Parameters
     ----------
-    shell, path : MITC4Shell, CrackPath
-        The film, and what lies ahead of a tip.
+    shell, topology, path : MITC4Shell, CutTopology, CrackPath
+        The film, how it is cut, and what lies ahead of a tip.
     law : CohesiveLaw
         Gives sigma_F.
     anisotropy : Anisotropy, optional
@@ -108,17 +131,21 @@ class FreeDirection:
     def __init__(
         self,
         shell: MITC4Shell,
+        topology: CutTopology,
         path: CrackPath,
         law: CohesiveLaw,
         anisotropy: Anisotropy | None = None,
         loads: LoadSet | None = None,
     ) -> None:
-        self._shell, self._path, self._strength = shell, path, law.strength
+        self._shell, self._topology, self._path = shell, topology, path
+        self._strength = law.strength
         self._anisotropy, self._loads = anisotropy, loads
         self._known = KnownTopology()
-        self._ahead: dict[Tip, _Ahead] = {}
+        self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
-    def ways(self, state: State, tip: Tip, *, alone: bool = True) -> Iterator[Floats]:
+    def ways(
+        self, state: State, tip: Tip, tips: Sequence[Tip] = (), *, alone: bool = True
+    ) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
         Parameters
@@ -127,6 +154,8 @@ class FreeDirection:
             Present positions.
         tip : Tip
             With film ahead.
+        tips : sequence of Tip
+            All of them, which end its domain.
         alone : bool
             Whether what surrounds the tip is its own; near to another branch it is not, and the
             heading comes first.
@@ -134,9 +163,10 @@ class FreeDirection:
         if not self._known.is_of(state):
             self._ahead.clear()
             self._known.take(state)
-        if tip not in self._ahead:
-            self._ahead[tip] = self._look(state, tip)
-        ahead = self._ahead[tip]
+        key = tip, self._reach(state, tip)
+        if key not in self._ahead:
+            self._ahead[key] = self._look(state, *key, tips)
+        ahead = self._ahead[key]
         nodes = state.quads[ahead.row]
         t = ahead.weights @ state.node.t[nodes]
         t /= np.linalg.norm(t)
@@ -145,8 +175,8 @@ class FreeDirection:
             yield _unit(moved[0])
         ways = _WAYS @ moved
         phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
-        if ahead.force is not None:
-            force = ahead.force.of(state, moved)
+        if ahead.force is not None or ahead.straight:
+            force = _ALONG if ahead.force is None else ahead.force.of(state, moved)
             released = _WAYS @ force / ahead.factors
             phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
         angle = _between(phi, int(np.argmax(phi)))
@@ -154,39 +184,59 @@ class FreeDirection:
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
             yield _unit(ways[k])
 
-    def _look(self, state: State, tip: Tip) -> _Ahead:
+    def _reach(self, state: State, tip: Tip) -> int:
+        """Return the radius of the domain around a tip, in local edge lengths."""
+        row, _ = self._path.rows_ahead(tip)[0]
+        edge, c = self._path.size(row) / _HELD, state.cable
+        holds = c.status[: state.n_cable] != BROKEN
+        ends = state.node.X[c.ends[: state.n_cable][holds, 0]]
+        gaps = np.linalg.norm(ends - self._path.reference_of(state, tip), axis=1) / edge
+        least, most = REACHES
+        return int(np.ceil(gaps[gaps < most].max(initial=least)))
+
+    def _look(self, state: State, tip: Tip, reach: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
         row, entry = self._path.rows_ahead(tip)[0]
         T = self._path.reference_director(row, entry)
         forward = _unit(tip.heading - (tip.heading @ T) * T)
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._path.reference_of(state, tip), self._path.size(row)
-        force = None
-        if gives_back(self._shell.material):
-            force = TipForce(state, self._shell, place, base, REACH * size, self._loads)
-        near, weight = self._near(state, place, forward, T, AVERAGE * size)
+        others = [self._path.reference_of(state, one) for one in tips if one is not tip]
+        domain = TipDomain.of(
+            state,
+            self._shell,
+            self._topology,
+            place,
+            base,
+            reach * size,
+            [row for row, _ in self._path.rows_ahead(tip)],
+            np.array(others).reshape(-1, 3),
+        )
+        known, force = gives_back(self._shell.material), None
+        if known and domain.room > LEAST * size:
+            force = TipForce(state, self._shell, domain, base, self._loads)
+        near, weight = self._near(state, domain.rows, place, forward, AVERAGE * size)
         return _Ahead(
             row=row,
             weights=np.array(shape_functions(entry)),
             base=np.stack([self._path.carried_on(row, entry, way) for way in base]),
             factors=self._factors(base, T),
             force=force,
+            straight=known and force is None,
             quads=near,
             weight=weight,
         )
 
     def _near(
-        self, state: State, place: Floats, forward: Floats, T: Floats, width: float
+        self, state: State, rows: Ints, place: Floats, forward: Floats, width: float
     ) -> tuple[Ints, Floats]:
-        """Return the rows ahead of a place whose stress counts, and by how much, shapes (n,)."""
+        """Return which rows ahead of a place count with their stress, and how much, shapes (n,)."""
         film = self._shell.reference
-        corners = film.x[film.quads]
-        gap = corners.mean(axis=1) - place
+        gap = film.x[film.quads[rows]].mean(axis=1) - place
         squared = np.einsum("ij,ij->i", gap, gap)
-        near = np.flatnonzero((squared < (_FAR * width) ** 2) & (gap @ forward > 0.0))
-        # The far wall of a tube is not ahead.
-        near = near[corner_normals(corners[near]) @ T > 0.0]
-        weight = np.exp(-0.5 * squared[near] / width**2)
+        ahead = (squared < (_FAR * width) ** 2) & (gap @ forward > 0.0)
+        near, squared = rows[ahead], squared[ahead]
+        weight = np.exp(-0.5 * squared / width**2)
         weight *= self._shell.area[near] * state.quad.share[near]
         return near, weight / max(float(weight.sum()), _TINY)
 

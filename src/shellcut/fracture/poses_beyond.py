@@ -15,6 +15,7 @@ from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import cross, dot, load, sub
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges, segment_part
 from shellcut.tool.motion import Motion
+from shellcut.tool.pose_of_motion import pose_at
 
 from .blade_drive import LOOK_AHEAD, NEAR, TURNS, nearest_edge
 
@@ -82,7 +83,7 @@ class PosesBeyond:
         if len(x) != len(self.found.time):
             self._allocate(len(x))
         found, tried, motion = self.found, self._tried, self._motion
-        tried.rotation[:], tried.translation[:] = motion.pose(time)
+        tried.rotation[:], tried.translation[:] = pose_at(motion, time)
         tried.spin[:], tried.velocity[:] = motion.twist(time)
         found.time[:], found.seeking[:] = time, True
         count = self._try_poses(x, size, self.edges, tried, found, True, True)
@@ -91,7 +92,7 @@ class PosesBeyond:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    tried.rotation[i], tried.translation[i] = motion.pose(later)
+                    tried.rotation[i], tried.translation[i] = pose_at(motion, later)
                     tried.spin[i], tried.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
             count = self._try_poses(x, size, self.edges, tried, found, False, more)

@@ -123,6 +123,11 @@ def holds(polygon: Polygon, point: Point) -> bool:
     )
 
 
+def beyond(a: Point, b: Point) -> list[int]:
+    """Return the corners of the quad to the right of the way from a to b, outside its film."""
+    return [c for c in range(4) if _cross(a, b, CORNERS[c]) < -_SAME]
+
+
 def centre_of(polygon: Polygon) -> Point:
     """Return the mean of a polygon's points."""
     n = len(polygon.points)

@@ -1,9 +1,9 @@
 """The force on the tip of a crack: the energy that the film gives up per mm of its advance.
 
 Let the reference slide by q(X) e below the film, q being 1 around the tip and falling to 0 at the
-distance ``reach``, and let the film in space follow by q(X) c, c being what e has become there. The
-energy Pi of the film then changes as if the tip with all that surrounds it were a little further
-along e, so that
+border of its domain (:mod:`.tip_domain`), and let the film in space follow by q(X) c, c being what
+e has become there. The energy Pi of the film then changes as if the tip with all that surrounds it
+were a little further along e, so that
 
     J · e = - dPi / d(slide)
 
@@ -18,9 +18,9 @@ of over a strain, and hide the energy released. Pressure and weight on the film 
 motions, which is part of Pi (:mod:`shellcut.loads.sliding_loads`).
 
 The domain holds the process zone as far as it reaches; J then is the energy that goes into the
-cables, too: in steady tearing J = G h. The flanks slide with the film. Across the crack that adds
-film to one flank and takes it from the other: J · e has the difference of their energies per area
-times the reach in it, none where both sides are alike.
+cables, too: in steady tearing J = G h. The crack's own flanks slide with the film, no other edge.
+Across the crack that adds film to one flank and takes it from the other: J · e has the difference
+of their energies per area times the reach in it, none where both sides are alike.
 
 The energy psi is what the film would give back: what has flowed stays where it is in the film. A
 point that slides comes to film that has flowed differently, which adds the stress times the slope
@@ -45,6 +45,8 @@ from shellcut.mitc4.sliding_history import SlidingHistory
 from shellcut.mitc4.sliding_points import SlidingPoints
 from shellcut.state import State
 
+from .tip_domain import TipDomain
+
 
 def gives_back(material: ShellMaterial) -> bool:
     """Whether the energy is known that a film would give back."""
@@ -61,12 +63,10 @@ class TipForce:
         Of the topology.
     shell : MITC4Shell
         Whose law keeps no history, or can be frozen.
-    place : ndarray, shape (3,)
-        Of the tip in the reference film [mm].
+    domain : TipDomain
+        Which of the film slides, and how far.
     base : ndarray, shape (2, 3)
         Unit vectors of the sheet at the tip.
-    reach : float
-        Radius of the domain [mm]; within half of it the film slides as one.
     loads : LoadSet, optional
         On the film.
 
@@ -80,9 +80,8 @@ class TipForce:
         self,
         state: State,
         shell: MITC4Shell,
-        place: Floats,
+        domain: TipDomain,
         base: Floats,
-        reach: float,
         loads: LoadSet | None = None,
     ) -> None:
         if not gives_back(shell.material):
@@ -93,13 +92,11 @@ class TipForce:
             )
         film = shell.reference
         X, T = film.x[film.quads], film.t[film.quads]
-        q = np.clip(2.0 - 2.0 * np.linalg.norm(X - place, axis=2) / reach, 0.0, 1.0)
-        # The far wall of a tube is not in the domain.
-        q[T.sum(axis=1) @ np.cross(*base) <= 0.0] = 0.0
+        q = np.zeros((len(X), 4))
+        q[domain.rows] = domain.q
         material, rule = shell.material, shell.points.rule
         # Where all corners slide alike nothing changes but the history below.
-        moves = q.max(axis=1) if rule.n_history else np.ptp(q, axis=1)
-        moves[state.quad.dropped[: len(moves)]] = 0.0
+        moves = np.abs(q).max(axis=1) if rule.n_history else np.ptp(q, axis=1)
         self._rows: Ints = np.flatnonzero(moves > 0.0)
         self._q = q[self._rows]
         slides = np.einsum("ea,ki->keai", self._q, base)
@@ -116,7 +113,7 @@ class TipForce:
         self._loads: SlidingLoads | None = None
         if loads is not None and any(loads.on_film):
             # Within the domain the loads move even where all corners slide alike.
-            rows = np.flatnonzero(q.max(axis=1) > 0.0)
+            rows = np.flatnonzero(np.abs(q).max(axis=1) > 0.0)
             X, T, q = X[rows], T[rows], q[rows]
             slides, _ = slid(X, T, np.einsum("ea,ki->keai", q, base))
             whole, _ = lumped_mass(X, T, shell.material)

@@ -79,3 +79,25 @@ class FollowingPressure:
             rows[~cut] = self.rows(state, which[~cut], pressure)
             rows[cut] = self.rows(state, which[cut], pressure)
         return rows
+
+    def add_stiffness(self, state: State, pressure: float, stiffness: Floats) -> None:
+        """Add -df/dx of whole quads to stiffness : (n_quad, 12, 12) [N/mm], its symmetric part.
+
+        A pressure on a closed surface, or one whose rim is held, has a potential, and the rest of
+        all quads cancels.
+        """
+        which = np.flatnonzero(self._pressed)
+        corners = state.node.x[state.quads[which]].reshape(-1, 3)
+        own = np.arange(corners.shape[0]).reshape(-1, 4)
+        size = float(np.ptp(corners, axis=0).max())
+        change = np.empty((which.size, 12, 12))
+        for column in range(12):
+            step = np.zeros((4, 3))
+            step.flat[column] = size
+            ahead, behind = np.empty((2, which.size, 4, 3))
+            for sign, rows in ((1.0, ahead), (-1.0, behind)):
+                moved = corners + np.tile(sign * step, (which.size, 1))
+                pressure_rows(moved, own, np.arange(which.size), pressure, rows)
+            # The forces are quadratic in x: this is their derivative.
+            change[:, :, column] = (behind - ahead).reshape(-1, 12) / (2.0 * size)
+        stiffness[which] += 0.5 * (change + change.transpose(0, 2, 1))

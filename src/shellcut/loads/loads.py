@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, Number
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
@@ -42,6 +43,7 @@ def _vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
     return v
 
 
+@checked
 @dataclass(frozen=True)
 class Gravity:
     """Body force, acceleration [mm/s²] times mass; factor(time) scales it.
@@ -55,6 +57,7 @@ class Gravity:
     factor: Factor = steady
 
 
+@checked
 @dataclass(frozen=True)
 class Pressure:
     """Pressure [MPa] along the director's side of the quads; all quads unless a set is given.
@@ -73,6 +76,7 @@ class Pressure:
     factor: Factor = steady
 
 
+@checked
 @dataclass(frozen=True)
 class NodalForce:
     """Dead force [N] on every node of a set or list.
@@ -87,6 +91,7 @@ class NodalForce:
     factor: Factor = steady
 
 
+@checked
 @dataclass(frozen=True)
 class NodalMoment:
     """Dead moment [N·mm] on the director of every node of a set or list.
@@ -103,6 +108,7 @@ class NodalMoment:
     factor: Factor = steady
 
 
+@checked
 @dataclass(frozen=True)
 class EdgeTraction:
     """Dead force per reference length [N/mm] on the boundary edges between nodes of a set.
@@ -219,6 +225,15 @@ class LoadSet:
         for ids, force, factor in self._nodal:
             np.add.at(every, ids, factor(state.time) * force)
         return float(np.abs(every).max(initial=0.0))
+
+    def stiffness(self, state: State) -> Floats | None:
+        """Return the stiffness of following pressure, shape (n_quad, 12, 12) [N/mm], or None."""
+        if not self._following:
+            return None
+        stiffness = np.zeros((state.quads.shape[0], 12, 12))
+        for push in self._following:
+            push.add_stiffness(state, push.at(state.time), stiffness)
+        return stiffness
 
     @property
     def on_film(self) -> tuple[Sequence[DeadLoad], Sequence[FollowingPressure]]:

@@ -30,6 +30,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.state import KnownTopology, State
@@ -58,6 +59,7 @@ def choose_nodes(mesh: Mesh, nodes: NodeChoice) -> Ints:
     return ids.astype(np.int64)
 
 
+@checked
 @dataclass(frozen=True)
 class Support:
     """Hold components of the motion of a set of nodes.

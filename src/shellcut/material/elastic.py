@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.lane_functions import larger, square_root
 
@@ -32,6 +33,7 @@ def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
     return square_root(larger(1.0 - 2.0 * lateral * (strain[0] + strain[1]), 0.0))
 
 
+@checked
 @dataclass(frozen=True)
 class Elastic(Material):
     """Isotropic St.Venant-Kirchhoff material in plane stress ([Frangi2010] 5.1).

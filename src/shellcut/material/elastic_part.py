@@ -31,10 +31,3 @@ class WithElasticPart(Material):
     def transverse_shear(self) -> Floats:
         """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
         return self.elastic.transverse_shear()
-
-
-def elastic_problems(elastic: object) -> list[str]:
-    """Return in sentences why this is no set of elastic moduli."""
-    if isinstance(elastic, Elastic | Orthotropic):
-        return []
-    return [f"elastic must be an Elastic or an Orthotropic, got {elastic!r}"]

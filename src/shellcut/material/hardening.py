@@ -25,6 +25,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number
 from shellcut.numerics.lane_exponentials import any_above, exponential, power
 from shellcut.numerics.lane_functions import larger, where_above
@@ -169,6 +170,7 @@ def positive(**values: float) -> list[str]:
     ]
 
 
+@checked
 @dataclass(frozen=True)
 class Linear(Hardening):
     """σ_0 + H p.
@@ -211,6 +213,7 @@ class Linear(Hardening):
         return [self.modulus]
 
 
+@checked
 @dataclass(frozen=True)
 class Swift(Hardening):
     """K (ε_0 + p)^n.
@@ -255,6 +258,7 @@ class Swift(Hardening):
         return [self.strength, self.start, self.exponent, self.first_yield]
 
 
+@checked
 @dataclass(frozen=True)
 class Voce(Hardening):
     """σ_0 + Q (1 - exp(-p/p_c)) + H p.
@@ -306,6 +310,7 @@ class Voce(Hardening):
         return [self.gain, 1.0 / self.strain, self.modulus]
 
 
+@checked
 @dataclass(frozen=True)
 class Table(Hardening):
     """Straight between given points, constant beyond the last.

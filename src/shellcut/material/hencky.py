@@ -7,19 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import exponential
 
 from .elastic import Elastic
-from .elastic_part import WithElasticPart, elastic_problems
+from .elastic_part import WithElasticPart
 from .logarithmic_strain import (
     is_small,
     logarithmic_strain,
     second_piola_kirchhoff,
     small_isotropic,
 )
-from .material import refuse
 from .orthotropic import Orthotropic
 from .point_law import History, PointLaw, register
 
@@ -65,6 +65,7 @@ def elastic_row(elastic: Elastic | Orthotropic) -> Floats:
     return np.concatenate([elastic.plane_stress()[np.triu_indices(3)], elastic.thickness_slope()])
 
 
+@checked
 @dataclass(frozen=True)
 class Hencky(WithElasticPart):
     """Elastic by the logarithmic strain, for stretches beyond some 10 %.
@@ -86,9 +87,6 @@ class Hencky(WithElasticPart):
     """
 
     elastic: Elastic | Orthotropic
-
-    def __post_init__(self) -> None:
-        refuse(elastic_problems(self.elastic))
 
     @property
     def law(self) -> PointLaw:  # type: ignore[override]

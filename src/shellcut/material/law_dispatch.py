@@ -90,11 +90,6 @@ def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> Hist
     return tuple(pick(history.old, history.block, first + i, lane) for i in range(len(law.history)))
 
 
-def all_linear(laws: PointLaws) -> bool:
-    """Whether all laws are linear."""
-    return all(law.linear for law in laws.laws)
-
-
 def dissipates(laws: PointLaws) -> bool:
     """Whether any law has a history; without one, no dissipation is summed."""
     return any(law.history for law in laws.laws)
@@ -171,13 +166,6 @@ def borrowed_history(history: HistoryStep) -> HistoryStep:
         history.new_block,
         history.dt,
     )
-
-
-@overload(all_linear, jit_options=OVERLOAD_OPTIONS)
-def _all_linear(laws):
-    if all(law.linear for law in _laws_of(laws)):
-        return lambda laws: True
-    return lambda laws: False
 
 
 @overload(dissipates, jit_options=OVERLOAD_OPTIONS)

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.lane_functions import larger, square_root
 
@@ -39,6 +40,7 @@ def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
     return square_root(larger(1.0 - 2.0 * thinner, 0.0))
 
 
+@checked
 @dataclass(frozen=True)
 class Orthotropic(Material):
     """Orthotropic St.Venant-Kirchhoff material in plane stress.
@@ -57,12 +59,13 @@ class Orthotropic(Material):
     density : float
         Reference density [t/mm³].
     shear_through : float, optional
-        Transverse shear modulus, along and across [MPa]; that of the plane by default. Films are so
-        thin that it has no effect.
+        Transverse shear modulus G_13 [MPa]; that of the plane by default.
     poisson_through : float, optional
         ν_13 = ν_23 of the thinning; that of the plane by default.
     angle_deg : float
         From the film's direction to axis 1 [degrees].
+    shear_through_across : float, optional
+        Transverse shear modulus G_23 [MPa]; that of ``shear_through`` by default.
 
     Raises
     ------
@@ -96,10 +99,12 @@ class Orthotropic(Material):
     shear_through: float | None = None
     poisson_through: float | None = None
     angle_deg: float = 0.0
+    shear_through_across: float | None = None
 
     def __post_init__(self) -> None:
         problems = []
-        for name in ("young_along", "young_across", "shear", "shear_through"):
+        moduli = ("young_along", "young_across", "shear", "shear_through", "shear_through_across")
+        for name in moduli:
             value = getattr(self, name)
             if not (value is None or (math.isfinite(value) and value > 0.0)):
                 problems.append(f"{name} must be a positive modulus in MPa, got {value!r}")
@@ -135,8 +140,13 @@ class Orthotropic(Material):
         return np.concatenate([self.plane_stress()[np.triu_indices(3)], self.thickness_slope()])
 
     def transverse_shear(self) -> Floats:
-        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
-        return np.eye(2) * (self.shear if self.shear_through is None else self.shear_through)
+        """Return G, shape (2, 2) [MPa], for (2 E_13, 2 E_23) in the film's axes."""
+        along = self.shear if self.shear_through is None else self.shear_through
+        across = along if self.shear_through_across is None else self.shear_through_across
+        twice = 2.0 * math.radians(self.angle_deg)
+        c, s = math.cos(twice), math.sin(twice)
+        mean, half = 0.5 * (along + across), 0.5 * (along - across)
+        return mean * np.eye(2) + half * np.array([[c, s], [s, -c]])
 
     def thickness_slope(self) -> Floats:
         """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12), in the film's axes."""

@@ -34,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above, exponential
@@ -41,7 +42,7 @@ from shellcut.numerics.lane_functions import zero_like
 from shellcut.numerics.processor import seldom
 
 from .elastic import Elastic
-from .elastic_part import WithElasticPart, elastic_problems
+from .elastic_part import WithElasticPart
 from .hardening import Hardening, hardening_problems
 from .logarithmic_strain import (
     is_small,
@@ -250,6 +251,7 @@ def hill_matrix(r_values: tuple[float, float, float]) -> Floats:
     return np.array([[G + H, -H, 0.0], [-H, F + H, 0.0], [0.0, 0.0, 2.0 * N]])
 
 
+@checked
 @dataclass(frozen=True)
 class Plastic(WithElasticPart):
     """A film that yields, up to any strain.
@@ -298,8 +300,7 @@ class Plastic(WithElasticPart):
     angle_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        problems = elastic_problems(self.elastic)
-        problems += hardening_problems(self.hardening) + rate_problems(self.rate)
+        problems = hardening_problems(self.hardening) + rate_problems(self.rate)
         if not (math.isfinite(self.kinematic) and self.kinematic >= 0.0):
             problems.append(f"kinematic must not be negative in MPa, got {self.kinematic!r}")
         if not math.isfinite(self.angle_deg):

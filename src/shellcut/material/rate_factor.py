@@ -17,6 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number
 from shellcut.numerics.lane_exponentials import logarithm, power
 from shellcut.numerics.lane_functions import larger, where_above
@@ -55,6 +56,7 @@ class RateFactor:
         return []
 
 
+@checked
 @dataclass(frozen=True)
 class CowperSymonds(RateFactor):
     """f = 1 + (p'/D)^(1/q).
@@ -89,6 +91,7 @@ class CowperSymonds(RateFactor):
         return [1.0 / self.rate, 1.0 / self.exponent]
 
 
+@checked
 @dataclass(frozen=True)
 class JohnsonCook(RateFactor):
     """f = 1 + C ln(p'/p'_0) where the rate p' is above p'_0, else 1.

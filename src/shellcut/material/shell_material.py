@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import TypeAlias
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 
 from .elastic import Elastic
 from .material import Material, refuse
+from .shear_factors import shear_factors
 
 # Gauss points per layer when a section is integrated through the thickness. The integrand is a
 # rational function of xi^3 whose departure from a cubic is of order (thickness / radius)^4.
@@ -30,6 +32,7 @@ POINTS_OF_HISTORY = 5
 Direction: TypeAlias = tuple[float, float, float] | Callable[[Floats], Floats]
 
 
+@checked
 @dataclass(frozen=True)
 class Layer:
     """One ply of a film.
@@ -60,12 +63,11 @@ class Layer:
     thickness: float
 
     def __post_init__(self) -> None:
-        if not isinstance(self.material, Material):
-            refuse([f"material must be a Material, such as Elastic, got {self.material!r}"])
         if not (math.isfinite(self.thickness) and self.thickness > 0):
             refuse([f"thickness must be positive in mm, got {self.thickness!r}"])
 
 
+@checked
 @dataclass(frozen=True)
 class ShellMaterial:
     """The section of a shell: layers from the bottom (xi^3 = -h/2) to the top.
@@ -74,8 +76,9 @@ class ShellMaterial:
     ----------
     layers : sequence of Layer
         At least one.
-    shear_factor : float
-        Factor on the transverse shear stiffness, 5/6 by default.
+    shear_factor : float, optional
+        Factor on the transverse shear moduli of every layer, in place of those that follow from the
+        layers (:attr:`shear_factors`); many published benchmarks take 1.
     points_per_layer : int, optional
         Integrate with this many points (1 to 9) in each layer, at every step. By default a section
         of linear layers is integrated once, before the run; one with a law that keeps a history
@@ -99,7 +102,7 @@ class ShellMaterial:
     """
 
     layers: Sequence[Layer]
-    shear_factor: float = 5.0 / 6.0
+    shear_factor: float | None = None
     points_per_layer: int | None = None
     direction: Direction = (1.0, 0.0, 0.0)
 
@@ -117,8 +120,9 @@ class ShellMaterial:
                 object.__setattr__(self, "direction", tuple(way.tolist()))
         if not self.layers:
             problems.append("layers must name at least one layer, got none")
-        if not (math.isfinite(self.shear_factor) and self.shear_factor > 0):
-            problems.append(f"shear_factor must be positive, got {self.shear_factor!r}")
+        factor = self.shear_factor
+        if not (factor is None or (math.isfinite(factor) and factor > 0)):
+            problems.append(f"shear_factor must be positive, got {factor!r}")
         if self.points_per_layer is not None and self.points_per_layer not in range(1, 10):
             problems.append(
                 f"points_per_layer must be a count from 1 to 9, got {self.points_per_layer!r}"
@@ -126,6 +130,7 @@ class ShellMaterial:
         refuse(problems)
 
     @classmethod
+    @checked
     def homogeneous(
         cls,
         *,
@@ -133,7 +138,7 @@ class ShellMaterial:
         poisson: float = 0.3,
         density: float = 1.0e-9,
         thickness: float = 0.074,
-        shear_factor: float = 5.0 / 6.0,
+        shear_factor: float | None = None,
         points_per_layer: int | None = None,
     ) -> ShellMaterial:
         """Build a single isotropic layer; the defaults are the film of [Frangi2010] 5.1."""
@@ -193,6 +198,19 @@ class ShellMaterial:
         return tuple(self.layers) == tuple(reversed(self.layers))
 
     @property
+    def membrane_stiffness(self) -> Floats:
+        """A, the integral of C over the thickness, shape (3, 3) [N/mm]."""
+        points = zip(*self.thickness_points(), strict=True)
+        return np.asarray(np.sum([w * one.plane_stress() for _, w, one in points], axis=0))
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """The integral of the effective transverse shear moduli, shape (2, 2) [N/mm]."""
+        points = zip(*self.thickness_points(), strict=True)
+        moduli = np.sum([w * one.transverse_shear() for _, w, one in points], axis=0)
+        return self.transverse_shear(moduli)
+
+    @property
     def bending_ratio(self) -> float | None:
         """Bending over membrane stiffness [mm²] if it is one number without coupling, else None.
 
@@ -201,10 +219,8 @@ class ShellMaterial:
         """
         if not self.is_symmetric:
             return None
-        place, weight, materials = self.thickness_points()
-        plane = [w * m.plane_stress() for w, m in zip(weight, materials, strict=True)]
-        membrane = np.sum(plane, axis=0)
-        bending = np.sum([z * z * one for z, one in zip(place, plane, strict=True)], axis=0)
+        membrane, points = self.membrane_stiffness, zip(*self.thickness_points(), strict=True)
+        bending = np.sum([z * z * (w * one.plane_stress()) for z, w, one in points], axis=0)
         ratio = float(bending[0, 0] / membrane[0, 0])
         shear = 0.5 * (membrane[0, 0] - membrane[0, 1])
         aside = [membrane[1, 1] - membrane[0, 0], membrane[2, 2] - shear, *membrane[:2, 2]]
@@ -212,6 +228,22 @@ class ShellMaterial:
             return None
         round_off = 1e-14 * bending[0, 0]
         return ratio if np.abs(bending - ratio * membrane).max() <= round_off else None
+
+    @cached_property
+    def shear_factors(self) -> Floats:
+        """K of :mod:`.shear_factors`, shape (2, 2), in the film's axes; of the elastic moduli."""
+        if self.shear_factor is not None:
+            return self.shear_factor * np.eye(2)
+        return shear_factors(
+            np.array([layer.thickness for layer in self.layers]),
+            np.array([layer.material.plane_stress() for layer in self.layers]),
+            np.array([layer.material.transverse_shear() for layer in self.layers]),
+        )
+
+    def transverse_shear(self, moduli: Floats) -> Floats:
+        """Return the effective ones of transverse shear moduli G, the symmetric part of K G."""
+        effective = self.shear_factors @ moduli
+        return np.asarray(0.5 * (effective + effective.T))
 
     def thickness_points(
         self, points_per_layer: int = POINTS_PER_LAYER

@@ -138,11 +138,7 @@ def _quad_pairs(one: Ints, two: Ints, X: Floats, Q: Ints) -> str:
 
 
 def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
-    try:
-        X = np.array(nodes, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        problems.append("nodes must be an array of numbers of shape (n_node, 3) or (n_node, 2)")
-        return None
+    X = np.array(nodes, dtype=np.float64, order="C")
     if X.ndim != 2 or X.shape[1] not in (2, 3) or len(X) == 0:
         problems.append(
             f"nodes must have shape (n_node, 3) or (n_node, 2), got {X.shape}; one row per node"
@@ -154,10 +150,7 @@ def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
 
 
 def _cast_quads(quads: npt.ArrayLike, problems: list[str]) -> Ints | None:
-    try:
-        Q = np.array(quads, order="C")
-    except ValueError:
-        Q = np.empty(0)  # rows of different length
+    Q = np.array(quads, order="C")
     if Q.ndim != 2 or Q.shape[1] != 4 or len(Q) == 0:
         problems.append(
             f"quads must have shape (n_quad, 4), got {Q.shape}; one row of four node ids per quad, "
@@ -227,10 +220,7 @@ def _cast_directors(
 ) -> Floats | None:
     if directors is None:
         return None
-    try:
-        T = np.array(directors, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        T = np.empty(0)
+    T = np.array(directors, dtype=np.float64, order="C")
     if T.shape != (n_node, 3) or not np.isfinite(T).all():
         state = f"shape {T.shape}" if T.shape != (n_node, 3) else "nan or inf"
         problems.append(
@@ -414,13 +404,18 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
 
 
 def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
-    """Return a named set; an unknown name raises an error with the existing names."""
-    try:
+    """Return a named set; an unknown name raises an error with the existing names.
+
+    Letters may have any case where that leaves one set, as Abaqus and LS-DYNA compare names.
+    """
+    if name in sets:
         return sets[name]
-    except KeyError:
-        near = get_close_matches(name, sorted(sets), n=len(sets) or 1, cutoff=0.0)
-        names = ", ".join(near) or "none"
-        hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
-        raise MeshError(
-            f"{kind} set must be one of those present ({names}), got {name!r}{hint}"
-        ) from None
+    folded = [one for one in sorted(sets) if one.casefold() == name.casefold()]
+    if len(folded) == 1:
+        return sets[folded[0]]
+    by_letters = {one.casefold(): one for one in sorted(sets)}
+    close = get_close_matches(name.casefold(), by_letters, n=len(sets) or 1, cutoff=0.0)
+    near = folded or [by_letters[one] for one in close]
+    names = ", ".join(dict.fromkeys([*near, *sorted(sets)])) or "none"
+    hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
+    raise MeshError(f"{kind} set must be one of those present ({names}), got {name!r}{hint}")

@@ -38,6 +38,8 @@ _JOIN = 1e-6
 _FINEST = 1e-8  # chord deviation over the diagonal: finer is lost in round-off
 
 _NAMED = 4  # gaps named in a message
+_GAP = 0.005
+"""A wider one, over the drawing's diagonal, is a missing curve: no end was drawn to meet there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,8 +264,17 @@ def _check_ends(
             "remove lines drawn twice"
         )
     if problems:
-        more = "; join=... (mm) closes gaps" if alone else ""
+        more = _closing(ends, alone) if alone else ""
         raise FileError(path, f"curves must form closed loops: {'; '.join(problems)}{more}")
+
+
+def _closing(ends: Floats, alone: list[int]) -> str:
+    # what closes the gaps between ends that meet no other; an end finds itself first
+    distance, _ = scipy.spatial.cKDTree(ends[alone]).query(ends[alone], k=2)
+    widest = float(distance[:, 1].max())
+    if widest <= _GAP * extent_of(ends):
+        return f"; join={1.01 * widest:.3g} (mm) closes gaps"
+    return "; a curve is missing, or lies on a layer that was not chosen"
 
 
 def _cleaned(points: Floats, reach: float) -> Floats:

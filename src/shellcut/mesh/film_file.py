@@ -168,7 +168,7 @@ class _Cells:
         for block in file.blocks:
             number = first + np.arange(len(block.nodes))
             first += len(block.nodes)
-            if block.kind in leave_out:
+            if block.kind.casefold() in map(str.casefold, leave_out):
                 self.notes.append(
                     f"{len(number)} cells of kind {block.kind!r} are left out, as chosen"
                 )

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 
 from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place, some
@@ -98,6 +99,7 @@ class Mesh:
         )
 
     @classmethod
+    @checked
     def from_arrays(
         cls,
         nodes: npt.ArrayLike,
@@ -214,11 +216,23 @@ class Mesh:
         return edge_lengths(self.nodes, self.quads)
 
     def node_set(self, name: str) -> Ints:
-        """Return the node ids of a named set; an unknown name raises with the existing names."""
+        """Return the node ids of a named set, in any case where one set has the name so.
+
+        Raises
+        ------
+        MeshError
+            With the names that exist.
+        """
         return look_up("node", self.node_sets, name)
 
     def quad_set(self, name: str) -> Ints:
-        """Return the quad ids of a named set; an unknown name raises with the existing names."""
+        """Return the quad ids of a named set, in any case where one set has the name so.
+
+        Raises
+        ------
+        MeshError
+            With the names that exist.
+        """
         return look_up("quad", self.quad_sets, name)
 
     def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:
@@ -244,6 +258,7 @@ class Mesh:
             )
         return np.flatnonzero(mask).astype(np.int64)
 
+    @checked
     def with_sets(
         self,
         *,
@@ -290,6 +305,7 @@ class Mesh:
             origin=new[self.origin[order]],
         )
 
+    @checked
     def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
         """Return the mesh with a pre-cut (notch) along a line of mesh edges.
 

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 
 from .film_size import check_film_size
@@ -43,6 +44,7 @@ _OPTIONS = {
 }
 
 
+@checked
 def mesh_from_outline(
     outline: npt.ArrayLike, *, size: float, holes: Sequence[npt.ArrayLike] = ()
 ) -> Mesh:

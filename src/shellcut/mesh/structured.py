@@ -22,12 +22,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, isfinite, pi, sqrt
-from numbers import Integral, Real
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 
 from .film_size import MOST_QUADS, check_film_size
@@ -50,6 +50,7 @@ _OPENINGS: dict[str, tuple[int, int, tuple[float, ...]]] = {
 }
 
 
+@checked
 def rectangle(
     length: float,
     width: float,
@@ -98,6 +99,7 @@ def rectangle(
     return Mesh.from_arrays(nodes, _strip_quads(ids), node_sets=_four_sides(ids))
 
 
+@checked
 def disc(
     radius: float,
     *,
@@ -186,6 +188,7 @@ def disc(
     return Mesh.from_arrays(nodes, quads, node_sets=node_sets)
 
 
+@checked
 def opening_disc(name: OpeningName) -> Mesh:
     """Return the sheet of the opening problem: radius 10.2 mm, a ring of edges at r = 9.4 mm.
 
@@ -208,6 +211,7 @@ def opening_disc(name: OpeningName) -> Mesh:
     return mesh.with_sets(node_sets={"ring": mesh.node_set(f"ring_{_OPENING_PATH:g}")})
 
 
+@checked
 def annulus(r_inner: float, r_outer: float, *, n_around: int, n_radial: int) -> Mesh:
     """Return a plane ring about the origin, nodes evenly spaced by angle and by radius.
 
@@ -239,6 +243,7 @@ def annulus(r_inner: float, r_outer: float, *, n_around: int, n_radial: int) -> 
     )
 
 
+@checked
 def cylinder(
     radius: float, length: float, *, n_around: int, n_along: int, arc_deg: float = 360.0
 ) -> Mesh:
@@ -350,13 +355,13 @@ def _four_sides(ids: Ints) -> dict[str, npt.ArrayLike]:
 
 def _check_positive(**lengths: float) -> None:
     for name, value in lengths.items():
-        if not isinstance(value, Real) or not isfinite(value) or value <= 0.0:
+        if not isfinite(value) or value <= 0.0:
             raise MeshError(f"{name} must be a finite number above 0, got {value!r}")
 
 
 def _check_whole(*, least: int = 1, **counts: int) -> None:
     for name, value in counts.items():
-        if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
+        if value < least:
             raise MeshError(f"{name} must be a whole number of {least} or more, got {value!r}")
         if value > MOST_QUADS:
             raise MeshError(f"{name} must be {MOST_QUADS:,} at most, the quads of the largest film")

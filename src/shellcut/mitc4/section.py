@@ -136,12 +136,11 @@ def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     material : ShellMaterial
         With a ``bending_ratio``.
     """
-    plane, _ = _integrated_laws(material)
     points = gauss_geometry(X, T)
     volume = [np.einsum("ei,ei->e", _cross(A1, A2), T0) for _, A1, A2, T0, _, _ in points]
     J = np.stack(volume, axis=1)
     # Products round alike on all processors; NumPy's powers do not.
-    return np.asarray(plane[0, 0] / 2**14 / (J * J * J))
+    return np.asarray(material.membrane_stiffness[0, 0] / 2**14 / (J * J * J))
 
 
 def flat_moduli(material: ShellMaterial) -> FlatModuli:
@@ -154,20 +153,12 @@ def flat_moduli(material: ShellMaterial) -> FlatModuli:
     """
     if material.bending_ratio is None:
         raise ValueError("flat quads need a material with a bending_ratio, this one has none")
-    plane, shear = _integrated_laws(material)
+    plane = material.membrane_stiffness
     return FlatModuli(
         material.bending_ratio,
         float(2.0 * plane[2, 2] / plane[0, 0]),
-        float(material.shear_factor * shear[0, 0] / (8.0 * plane[0, 0])),
+        float(material.shear_stiffness[0, 0] / (8.0 * plane[0, 0])),
     )
-
-
-def _integrated_laws(material: ShellMaterial) -> tuple[Floats, Floats]:
-    """Return C, shape (3, 3), and the transverse shear moduli over the thickness [N/mm]."""
-    _, weight, layers = material.thickness_points()
-    plane = np.sum([w * one.plane_stress() for w, one in zip(weight, layers, strict=True)], axis=0)
-    shear = [w * one.transverse_shear() for w, one in zip(weight, layers, strict=True)]
-    return plane, np.sum(shear, axis=0)
 
 
 def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
@@ -178,7 +169,7 @@ def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     X, T : ndarray, shape (n_quad, 4, 3)
         Reference positions [mm] and directors.
     material : ShellMaterial
-        Layers and shear factor.
+        Layers.
     """
     H = np.zeros((len(X), N_STRAIN, N_STRAIN))
     for q, point in enumerate(GAUSS):
@@ -197,7 +188,7 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
         volume = weight * np.einsum("ei,ei->e", _cross(G1, G2), T0)
         C = np.zeros((5, 5))
         C[:3, :3] = layer.plane_stress()
-        C[3:, 3:] = material.shear_factor * layer.transverse_shear()
+        C[3:, 3:] = material.transverse_shear(layer.transverse_shear())
         P = np.zeros((5, 8))
         P[:3, :3], P[:3, 3:6], P[3:, 6:] = np.eye(3), z * np.eye(3), np.eye(2)
         Q, _ = cartesian_map(G1, G2, T0)

@@ -24,11 +24,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number, Numbers, Vec3, Vector
+from shellcut.arrays import Floats, Number, Numbers, Vector
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
-    all_linear,
     borrowed_history,
     chosen_by_laws,
     dissipates,
@@ -62,7 +61,7 @@ class PointRule(NamedTuple):
     laws: PointLaws
     """Material laws of the points."""
     shear: Annotated[Floats, "(n_point, 3)"]
-    """Transverse shear moduli 11, 12, 22 with the shear factor [MPa]."""
+    """Effective transverse shear moduli 11, 12, 22 [MPa]."""
     whole_shear: Annotated[Floats, "(3,)"]
     """Their integrals over the thickness [N/mm]."""
     n_history: int
@@ -103,7 +102,7 @@ def build_rule(material: ShellMaterial) -> PointRule:
     parameters = np.zeros((len(rows), max(1, *(row.size for row in rows))))
     for row, given in zip(parameters, rows, strict=True):
         row[: given.size] = given
-    moduli = [material.shear_factor * layer.transverse_shear() for layer in layers]
+    moduli = [material.transverse_shear(layer.transverse_shear()) for layer in layers]
     shear = np.array([[one[0, 0], one[0, 1], one[1, 1]] for one in moduli])
     return PointRule(
         place,
@@ -200,14 +199,13 @@ def _add_resultants(
 @always_inline
 def _flat_layers(
     rule: PointRule, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number, Vec3]:
-    """Return n, m, stored and just dissipated energy, and shear moduli over the thickness.
+) -> tuple[Vector, Vector, Number, Number]:
+    """Return n, m, the stored energy of these and the just dissipated energy of flat quads.
 
-    Of flat quads.  e, k : strain of the mid-surface and curvature at Gauss point ``q``.
+    e, k : strain of the mid-surface and curvature at Gauss point ``q``.
     """
     none, n_point = zero(lane), rule.place.shape[0]
     n, m, density, lost = (none, none, none), (none, none, none), none, none
-    g11, g12, g22 = 0.0, 0.0, 0.0
     for j in range(n_point):
         z = rule.place[j]
         first = (q * n_point + j) * rule.n_history
@@ -219,26 +217,20 @@ def _flat_layers(
         density = density + w * energy
         if dissipates(rule.laws):
             lost = lost + w * dissipated
-        if all_linear(rule.laws):
-            g11 += w * rule.shear[j, 0]
-            g12 += w * rule.shear[j, 1]
-            g22 += w * rule.shear[j, 2]
-    if not all_linear(rule.laws):
-        g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
-    return n, m, density, lost, (g11, g12, g22)
+    return n, m, density, lost
 
 
 @always_inline
 def _flat_layers_within(
     place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number, Vec3]:
+) -> tuple[Vector, Vector, Number, Number]:
     return _flat_layers(place.points.rule, q, e, k, history, lane)
 
 
 @apart
 def _flat_layers_apart(
     points: PointTables, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number, Vec3]:
+) -> tuple[Vector, Vector, Number, Number]:
     not_inlined()
     return _flat_layers(borrowed(points).rule, q, e, k, borrowed_history(history), lane)
 
@@ -246,7 +238,7 @@ def _flat_layers_apart(
 @always_inline
 def _call_flat_layers(
     place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number, Vec3]:
+) -> tuple[Vector, Vector, Number, Number]:
     return _flat_layers_apart(place.lent, q, e, k, history, lane)
 
 
@@ -282,8 +274,8 @@ def _flat_gauss_point(
         aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
         e, k = into_axes(along, aside, e), into_axes(along, aside, k)
         e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
-    n, m, density, lost, g = _through_flat(rule.laws, place, q, e, k, history, lane)
-    g11, g12, g22 = g
+    n, m, density, lost = _through_flat(rule.laws, place, q, e, k, history, lane)
+    g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
     if has_axes(rule.laws):

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.imprinting import ImprintError
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.models import Case, free_cut, guillotine, opening_test, oscillating, trouser
@@ -54,15 +53,14 @@ class _Build:
         if film.kind != "opening":
             with self._blame(("membrane", "clamp")):
                 mesh = _with_set(mesh, "rim", film.clamp)
-        with self._blame_film():
-            return opening_test(
-                mesh,
-                tool=self._made("tool"),
-                pitch=motion.pitch,
-                angle_deg=motion.angle_deg,
-                duration=motion.duration,
-                **self._options(mesh),
-            )
+        return opening_test(
+            mesh,
+            tool=self._made("tool"),
+            pitch=motion.pitch,
+            angle_deg=motion.angle_deg,
+            duration=motion.duration,
+            **self._options(mesh),
+        )
 
     def _guillotine(self) -> Case:
         film, motion = self._of["membrane"], self._of["motion"]
@@ -79,16 +77,15 @@ class _Build:
             shape = {"mesh": mesh}
             extent = float(np.ptp(mesh.nodes[:, 0]))
         blade = as_long_as(self._of["tool"], extent)
-        with self._blame_film():
-            return guillotine(
-                **shape,
-                notch=film.notch,
-                travel=motion.travel,
-                speed=motion.speed,
-                slice_ratio=motion.slice_ratio,
-                tool=self._made("tool", blade),
-                **self._options(mesh),
-            )
+        return guillotine(
+            **shape,
+            notch=film.notch,
+            travel=motion.travel,
+            speed=motion.speed,
+            slice_ratio=motion.slice_ratio,
+            tool=self._made("tool", blade),
+            **self._options(mesh),
+        )
 
     def _free(self) -> Case:
         film, motion = self._of["membrane"], self._made("motion")
@@ -105,16 +102,15 @@ class _Build:
             with self._blame(("supports", n)):
                 choose_nodes(mesh, one.nodes)
                 supports.append(one.made())
-        with self._blame_film():
-            return free_cut(
-                mesh,
-                tool=self._made("tool"),
-                motion=motion,
-                duration=duration,
-                notch=film.notch,
-                supports=supports,
-                **self._options(mesh),
-            )
+        return free_cut(
+            mesh,
+            tool=self._made("tool"),
+            motion=motion,
+            duration=duration,
+            notch=film.notch,
+            supports=supports,
+            **self._options(mesh),
+        )
 
     def _trouser(self) -> Case:
         film, motion = self._of["membrane"], self._of["motion"]
@@ -163,6 +159,7 @@ class _Build:
             "damping_alpha": damping.alpha,
             "damping_beta": damping.beta,
             "directional": head.directional,
+            "imperfection": head.imperfection,
             "precision": head.precision,
             "threads": head.threads,
             "loads": loads,
@@ -172,15 +169,6 @@ class _Build:
     def _made(self, title: str, section: Section | None = None) -> Any:
         with self._blame((title,)):
             return (section or self._of[title]).made()
-
-    @contextmanager
-    def _blame_film(self) -> Iterator[None]:
-        try:
-            yield
-        except ImprintError as problem:
-            raise ModelFileError(
-                [Problem(self._model.source.place(("membrane",)), f"[membrane]: {problem}")]
-            ) from problem
 
     @contextmanager
     def _blame(self, path: KeyPath) -> Iterator[None]:

@@ -48,9 +48,10 @@ class ModelFileError(ValueError):
 
 
 def guess(name: str, names: Iterable[str]) -> str:
-    """Return "; did you mean x?" for the most similar name, "" if none is similar."""
-    close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.6)
-    return f"; did you mean {close[0]}?" if close else ""
+    """Return "; did you mean x?" for the most similar name in any case, "" if none is similar."""
+    by_letters = {one.casefold(): one for one in names}
+    close = difflib.get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.6)
+    return f"; did you mean {by_letters[close[0]]}?" if close else ""
 
 
 def listed(names: Iterable[str]) -> str:

@@ -12,6 +12,7 @@ are taken. ``shellcut tensile`` writes such files. More points than a law may ha
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from shellcut.material.hardening import Table
 from shellcut.material.hardening_points import fewer_points
 from shellcut.unit import conversion
 
-_STRAIN_UNITS = {"": 1.0, "-": 1.0, "1": 1.0, "mm/mm": 1.0, "%": 0.01}
+_OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
 
 
 def read_hardening(path: str | Path) -> Table:
@@ -60,11 +61,18 @@ def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[i
                 f"[MPa]', got {', '.join(repr(one.text) for one in table.headings)}",
             )
         found[word] = places[0]
-    unit = table.headings[found["strain"]].unit
-    if unit not in _STRAIN_UNITS:
-        raise FileError(path, f"strains must have the unit - or %, got {unit!r}")
-    try:
-        factor = conversion(table.headings[found["stress"]].unit or "MPa", "MPa")
-    except ValueError as problem:
-        raise FileError(path, f"stress {problem}") from None
-    return (found["strain"], _STRAIN_UNITS[unit]), (found["stress"], factor)
+    if wrong := [h.text for h in table.headings if _OTHER.search(h.name)]:
+        raise FileError(
+            path,
+            f"a hardening table must have plastic strains and true stresses, got {wrong[0]!r}; "
+            "shellcut tensile makes one of nominal curves",
+        )
+    factors, problems = [], []
+    for word, usual in (("strain", "-"), ("stress", "MPa")):
+        try:
+            factors.append(conversion(table.headings[found[word]].unit or usual, usual))
+        except ValueError as problem:
+            problems.append(f"{word} {problem}")
+    if problems:
+        raise FileError(path, "; ".join(problems))
+    return (found["strain"], factors[0]), (found["stress"], factors[1])

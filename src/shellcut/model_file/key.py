@@ -224,13 +224,13 @@ def count(least: int) -> Kind:
     return Kind(f"whole number from {least} on", read)
 
 
-def choice(*allowed: str) -> Kind:
-    """Return the kind of a name out of several."""
+def choice(*allowed: str, instead_of: Callable[[Any], str] = lambda _: "") -> Kind:
+    """Return the kind of a name out of several; a refusal ends with what to write instead."""
     listed = ", ".join(f'"{name}"' for name in allowed)
 
     def read(value: Any) -> str:
         if value not in allowed:
-            raise ValueError(f"must be one of {listed}, got {value!r}")
+            raise ValueError(f"must be one of {listed}, got {value!r}{instead_of(value)}")
         return str(value)
 
     return Kind(listed, read)

@@ -101,6 +101,9 @@ def _contradictions(
     if (keys.young_across is None) != (keys.shear is None):
         there, missing = ("shear", "young_across")[:: 1 if keys.shear is not None else -1]
         yield f"{there} needs {missing} too: both make the layer orthotropic"
+    for name in ("shear_through", "shear_through_across"):
+        if keys.young_across is None and getattr(keys, name) is not None:
+            yield f"{name} needs young_across and shear too: an isotropic layer has one modulus"
     oriented = keys.young_across is not None or keys.r_values is not None
     if keys.angle_deg and not oriented:
         yield (
@@ -121,6 +124,8 @@ def _moduli(keys: Any, law: str) -> Elastic | Orthotropic:
         shear=keys.shear,
         density=keys.density,
         angle_deg=keys.angle_deg,
+        shear_through=keys.shear_through,
+        shear_through_across=keys.shear_through_across,
     )
     return found
 

@@ -7,19 +7,11 @@ from typing import Any
 from shellcut.material.elastic import Elastic
 from shellcut.material.shell_material import Layer, ShellMaterial
 
-from .key import Section, choice, default_of, file, key, number, numbers, section, tables, whole
+from .key import Section, choice, file, key, number, numbers, section, tables, whole
 from .material_of_keys import made_with, material_of
 from .presets import preset_names
 
-_SHEAR = "factor on the transverse shear stiffness"
-_POINTS = "points through the thickness of each layer, 1 to 9"
-_ONCE = "once before the run; 5 for a law that is not linear"
-_ALONG = (1.0, 0.0, 0.0)
 _PRESET = "published numbers by name, for keys that are not given; docs/materials.md"
-
-
-def _of_film(parameter: str) -> Any:
-    return default_of(ShellMaterial.homogeneous, parameter)
 
 
 @section("material.layers", of=Elastic)
@@ -47,6 +39,12 @@ class Ply(Section):
     )
     shear: float | None = key(
         number("MPa"), "shear modulus in the plane", default=None, unset="isotropic"
+    )
+    shear_through: float | None = key(
+        number("MPa"), "G_13, transverse shear along young", default=None, unset="shear"
+    )
+    shear_through_across: float | None = key(
+        number("MPa"), "G_23, along young_across", default=None, unset="shear_through"
     )
     yield_stress: float | None = key(
         number("MPa"), "at which it yields, true", default=None, unset="from another hardening"
@@ -109,8 +107,42 @@ class Ply(Section):
         return Layer(material_of(self), self.thickness)
 
 
+@section("material", of=ShellMaterial)
+class Film(Section):
+    """What films of one layer and of several have."""
+
+    machine_direction: tuple[float, ...] = key(
+        numbers(count=3),
+        "the film's direction, in the plane",
+        default=(1.0, 0.0, 0.0),
+        parameter="direction",
+    )
+    shear_factor: float | None = key(
+        number(),
+        "on the transverse shear moduli of every layer",
+        unset="what follows from the layers, 5/6 of one",
+    )
+    points_per_layer: int | None = key(
+        whole,
+        "points through the thickness of each layer, 1 to 9",
+        unset="once before the run; 5 for a law that is not linear",
+    )
+
+    def film(self, layers: list[Layer]) -> ShellMaterial:
+        """Return the layers as a film."""
+        film: ShellMaterial = made_with(
+            ShellMaterial,
+            {"direction": "machine_direction"},
+            layers=layers,
+            shear_factor=self.shear_factor,
+            points_per_layer=self.points_per_layer,
+            direction=self.machine_direction,
+        )
+        return film
+
+
 @section("material", of=ShellMaterial.homogeneous)
-class Homogeneous(Ply):
+class Homogeneous(Film, Ply):
     """A single layer."""
 
     preset: str | None = key(choice(*preset_names()), _PRESET, default=None, unset="none")
@@ -121,49 +153,21 @@ class Homogeneous(Ply):
     angle_deg: float = key(
         number("deg"), "of the material's axes against machine_direction", default=0.0
     )
-    machine_direction: tuple[float, ...] = key(
-        numbers(count=3),
-        "the film's direction, in the plane",
-        default=_ALONG,
-        parameter="direction",
-    )
-    shear_factor: float = key(number(), _SHEAR)
-    points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
 
     def made(self) -> ShellMaterial:
         """Return the layer as a film."""
-        return _film([super().made()], self)
+        return self.film([super().made()])
 
 
 @section("material", sign="layers", of=ShellMaterial)
-class Laminate(Section):
+class Laminate(Film):
     """Layers through the thickness."""
 
     preset: str | None = key(
         choice(*preset_names(layers=True)), _PRESET, default=None, unset="none"
     )
-    machine_direction: tuple[float, ...] = key(
-        numbers(count=3),
-        "the film's direction, in the plane",
-        default=_ALONG,
-        parameter="direction",
-    )
-    shear_factor: float = key(number(), _SHEAR)
-    points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
     layers: tuple[Ply, ...] = key(tables(Ply), "from the bottom to the top")
 
     def made(self) -> ShellMaterial:
         """Return the layers as a film."""
-        return _film([ply.made() for ply in self.layers], self)
-
-
-def _film(layers: list[Layer], keys: Any) -> ShellMaterial:
-    film: ShellMaterial = made_with(
-        ShellMaterial,
-        {"direction": "machine_direction"},
-        layers=layers,
-        shear_factor=keys.shear_factor,
-        points_per_layer=keys.points_per_layer,
-        direction=keys.machine_direction,
-    )
-    return film
+        return self.film([ply.made() for ply in self.layers])

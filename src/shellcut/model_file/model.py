@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shellcut.files.regular_file import read_regular
+from shellcut.files.whole_file import write_text
 
 from .key import Section
 from .run_sections import Head
@@ -90,7 +91,7 @@ class Model:
         """Write the model with every default filled in; reading it back gives the same model."""
         from .writer import model_text
 
-        Path(path).write_text(model_text(self), encoding="utf-8")
+        write_text(Path(path), model_text(self))
 
     def files(self) -> list[str]:
         """Return the absolute paths of the files the model reads."""

@@ -15,6 +15,7 @@ from shellcut.fracture.criterion import (
     Measure,
     Path,
     StressPlace,
+    instead_of,
 )
 from shellcut.loads.loads import (
     EdgeTraction,
@@ -61,6 +62,12 @@ class Head(Section):
         flag,
         "whether cables meet the blade; false: classical cohesive elements",
         default=default_of(Simulation, "directional"),
+    )
+    imperfection: int | None = key(
+        count(0),
+        "number of the small shape with which the film begins, so that it can buckle; 0: none",
+        default=default_of(Simulation, "imperfection"),
+        unset="1 with a tool that cuts, otherwise 0",
     )
     precision: str = key(
         choice(*get_args(Precision)),
@@ -132,10 +139,9 @@ class FractureSection(Section):
     check_every: int = key(whole, "steps between two checks")
     equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
     path: str | None = key(
-        choice(*get_args(Path)),
-        "of cracks: free through quads, along edges, or along edges after the blade's path has "
-        "been put into the mesh",
-        unset="edges if they lie under the whole path, imprint if an option needs edges, else free",
+        choice(*get_args(Path), instead_of=instead_of),
+        "of cracks: free through quads, or along edges",
+        unset="edges if they lie under the whole path or another option needs them, else free",
     )
     cable_places: str = key(
         choice(*get_args(CablePlaces)),

@@ -137,7 +137,7 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
 """By model: the sections that may occur several times, like [[loads]]."""
 
 GONE: Mapping[tuple[str, str], str] = {
-    ("membrane", "imprint"): '[fracture] path = "imprint" puts the blade\'s path into the mesh, '
-    '"edges" takes the mesh as it is, "free" cuts through its quads',
+    ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
+    '"edges" along the edges there are',
 }
 """Keys of earlier versions, by section, and what to write instead."""

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import Any
 
 from shellcut.checks import ModelCheck, check_model
-from shellcut.imprinting import ImprintResult
 from shellcut.recording.recorder import Recorder, RunEnded
 from shellcut.recording.signals import Interruption
 from shellcut.simulation.hooks import Hook, StopWhen
@@ -51,15 +50,11 @@ class Case:
         At t = 0.
     duration : float
         End of the run [s].
-    imprint : ImprintResult or None
-        Of the line of edges under the blade's path; None where cracks do not need one, or the
-        mesh was to be taken as it is.
     """
 
     name: str
     simulation: Simulation
     duration: float
-    imprint: ImprintResult | None = None
 
     @cached_property
     def check(self) -> ModelCheck:

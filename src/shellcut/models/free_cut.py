@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.notch_line import row_at
-from shellcut.imprinting import ImprintResult
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.simulation.simulation import Simulation
@@ -23,6 +24,7 @@ from .crack_way import crack_way
 _ROUND_OFF = 1e-9
 
 
+@checked
 def free_cut(
     mesh: Mesh,
     *,
@@ -58,55 +60,41 @@ def free_cut(
     Returns
     -------
     Case
-
-    Raises
-    ------
-    ImprintError
-        If the path cannot be put into the mesh.
     """
     if not (np.isfinite(duration) and duration > 0):
         raise ValueError(f"duration must be a positive time in s, got {duration!r}")
     if not (np.isfinite(notch) and notch >= 0):
         raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
-    section = material or ShellMaterial.homogeneous()
-    way = crack_way(
-        mesh,
-        tool,
-        motion,
-        duration,
-        material=section,
-        law=law,
-        fracture=options.pop("fracture", None),
-    )
-    film = way.mesh
-    if notch and not way.through_quads:
-        film = film.cut(_first_edges(film, way.imprint, notch))
+    fracture = crack_way(mesh, tool, motion, duration, options.pop("fracture", None))
+    through_quads, film = fracture.path == "free", mesh
+    if notch and not through_quads:
+        film = mesh.cut(_first_edges(Sweep.of(mesh, tool, motion, duration), notch))
     simulation = Simulation(
         film,
-        section,
+        material or ShellMaterial.homogeneous(),
         tool=tool,
         motion=motion,
         law=law or CohesiveLaw(),
-        fracture=way.fracture,
+        fracture=fracture,
         **options,
     )
-    if notch and way.through_quads and tool.n_edge:
-        points, before = _first_way(Sweep.of(mesh, tool, motion, duration, law), notch)
+    if notch and through_quads and tool.n_edge:
+        points, before = _first_way(Sweep.of(mesh, tool, motion, duration), notch)
         outside = row_at(simulation.state, before) is None
         simulation.notch(*([before] if outside else []), *points)
     check_length(simulation, duration)
-    return Case("free", simulation, duration, way.imprint)
+    return Case("free", simulation, duration)
 
 
-def _first_edges(mesh: Mesh, line: ImprintResult | None, notch: float) -> Ints:
-    """Return the nodes of a notch along the line of edges under the path, shape (n,)."""
-    if line is None:
+def _first_edges(sweep: Sweep, notch: float) -> Ints:
+    """Return the nodes of a notch along the row of edges under the first edge, shape (n,)."""
+    if not lies_under(sweep):
         raise ValueError(
-            "a notch follows the path, which path = 'edges' does not look for: take path = "
-            "'imprint', which leaves a line of edges that lies there as it is, 'free', or notch=0"
+            "a notch along edges needs a row of them under the whole path, got none: take path = "
+            "'free', or notch=0"
         )
-    chain = line.chains[0][line.first[0] :]
-    way = np.cumsum(np.linalg.norm(np.diff(mesh.nodes[chain], axis=0), axis=1))
+    chain = row_of(sweep, _first_to_meet(sweep))
+    way = np.cumsum(np.linalg.norm(np.diff(sweep.mesh.nodes[chain], axis=0), axis=1))
     first = chain[: 1 + np.searchsorted(way, notch * (1.0 + _ROUND_OFF), side="right")]
     if len(first) < 2:
         raise ValueError(
@@ -116,14 +104,19 @@ def _first_edges(mesh: Mesh, line: ImprintResult | None, notch: float) -> Ints:
     return np.asarray(first)
 
 
+def _first_to_meet(sweep: Sweep) -> int:
+    """Return the number of the edge that meets the film first, -1 if none does."""
+    begins = [(fate.first, fate.chain) for fate in sweep.fates if fate.first is not None]
+    return min(begins, default=(0.0, -1))[1]
+
+
 def _first_way(sweep: Sweep, notch: float) -> tuple[Floats, Floats]:
     """Return the way of the first edge that meets the film, of a given length, shape (n, 3) [mm].
 
     And the point an edge of the film before it, shape (3,): outside the film the notch begins at
     the rim.
     """
-    begins = [(fate.first, fate.chain) for fate in sweep.fates if fate.first is not None]
-    mine = sweep.along_edge & sweep.within & (sweep.chain == min(begins, default=(0.0, -1))[1])
+    mine = sweep.along_edge & (sweep.chain == _first_to_meet(sweep))
     _, first = np.unique(sweep.time[mine], return_index=True)
     places = sweep.place[mine][first]
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)

@@ -18,8 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.checks.row import ON_ROW
 from shellcut.fracture.criterion import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
@@ -31,7 +33,7 @@ from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .crack_way import CrackWay, crack_way
+from .crack_way import crack_way
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -58,6 +60,7 @@ def strip_of(length: float, width: float, size: float) -> Mesh:
     return rectangle(length, width, size=size)
 
 
+@checked
 def guillotine(
     size: float = 0.4,
     *,
@@ -82,7 +85,7 @@ def guillotine(
     mesh : Mesh, optional
         A flat strip of your own in z = 0 instead, with node sets ``bottom`` and ``top`` at its
         long sides; ``size``, ``length`` and ``width`` are then unused. The blade enters at the
-        strip's end, on y = 0.
+        strip's end, on the y of its edge, 0 by default.
     length, width, notch : float
         Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. Along
         edges the notch ends at the last node of the path within ``notch``, through quads at the
@@ -95,24 +98,20 @@ def guillotine(
     slice_ratio : float
         Speed of the blade along its edge, upwards, over ``speed``; the edge must be long enough.
     tool : Tool, optional
-        Moves along +x with its edge at the origin; :func:`straight_blade` by default: edge at 90°
+        Moves along +x from x = 0, where its edge must be, on the y at which that goes through the
+        film; the notch lies there too. :func:`straight_blade` by default: edge at 90°
         to the film, half-angle 10°, half thickness 0.3 mm, as long as the strip, because flanks
         closing behind a short blade push it forward, and 3 mm high or as high as it slides.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
         Options of :class:`Simulation`. Without a ``fracture.path`` cracks follow edges where a line
-        of them lies on y = 0, as in the strip with an even ``width / size``, and go through quads
+        of them lies on that y, as in the strip with an even ``width / size``, and go through quads
         elsewhere.
 
     Returns
     -------
     Case
-
-    Raises
-    ------
-    ImprintError
-        If the path cannot be put into the mesh.
 
     Examples
     --------
@@ -120,37 +119,36 @@ def guillotine(
     >>> case.simulation.mesh.n_quad
     24
     """
-    section = material or ShellMaterial.homogeneous()
     strip = strip_of(length, width, size) if mesh is None else mesh
     cables = law or CohesiveLaw()
+    if not (np.isfinite(notch) and notch >= 0.0):
+        raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
     blade, motion, duration = blade_before(
         strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables
     )
-    fracture, line = options.pop("fracture", None) or Fracture(), _line_of(strip)
+    fracture, y = options.pop("fracture", None) or Fracture(), _lane_of(blade, strip)
+    line = _line_of(strip, y)
     if mesh is None and len(line) and fracture.needed_path != "free":
-        way = CrackWay(strip, replace(fracture, path="edges"), None)
+        fracture = replace(fracture, path="edges")
     else:
-        way = crack_way(
-            strip, blade, motion, duration, material=section, law=cables, fracture=fracture
-        )
-    film = way.mesh
-    if notch > 0.0 and not way.through_quads:
-        film = _notched(film, line if way.imprint is None else way.imprint.chains[0], notch)
+        fracture = crack_way(strip, blade, motion, duration, fracture)
+    through_quads = fracture.path == "free"
+    film = strip if through_quads or notch <= 0.0 else _notched(strip, line, notch)
     simulation = Simulation(
         film,
-        section,
+        material or ShellMaterial.homogeneous(),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=blade,
         motion=motion,
         law=cables,
-        fracture=way.fracture,
+        fracture=fracture,
         **options,
     )
-    if notch > 0.0 and way.through_quads:
+    if notch > 0.0 and through_quads:
         begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
-        simulation.notch((begin - extent, 0.0, 0.0), (begin + notch, 0.0, 0.0))
+        simulation.notch((begin - extent, y, 0.0), (begin + notch, y, 0.0))
     check_length(simulation, duration)
-    return Case("guillotine", simulation, duration, way.imprint)
+    return Case("guillotine", simulation, duration)
 
 
 def blade_before(
@@ -165,6 +163,8 @@ def blade_before(
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     way = extent - _LEFT * law.opening_u if travel is None else travel
+    if not (np.isfinite(way) and way > 0.0):
+        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
     if not np.isfinite(slice_ratio):
         raise ValueError(f"slice_ratio must be a finite number, got {slice_ratio!r}")
     blade = tool or straight_blade(
@@ -204,10 +204,36 @@ def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
         )
 
 
-def _line_of(mesh: Mesh) -> Ints:
-    """Return the nodes on y = 0 in the order of x, shape (n,)."""
-    off = _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))
-    on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < off)
+def _lane_of(blade: Tool, film: Mesh) -> float:
+    """Return the y on which a blade goes through the film z = 0 [mm]; 0 for a tool without edges.
+
+    Raises
+    ------
+    ValueError
+        If it goes past the film.
+    """
+    low, high = film.nodes[:, 1].min(), film.nodes[:, 1].max()
+    ends = blade.vertices[blade.edges]
+    z = ends[:, :, 2]
+    through = ends[(z.min(axis=1, initial=0.0) <= 0.0) & (z.max(axis=1, initial=0.0) >= 0.0)]
+    if not len(through):
+        return 0.0
+    rise = through[:, 1, 2] - through[:, 0, 2]
+    part = np.divide(-through[:, 0, 2], rise, out=np.zeros(len(rise)), where=rise != 0.0)
+    places = through[:, 0] + part[:, None] * (through[:, 1] - through[:, 0])
+    y = float(places[places[:, 0].argmax(), 1])
+    if not low < y < high:
+        raise ValueError(
+            f"the tool's edge must go through the strip, between y = {low:.4g} and {high:.4g} mm, "
+            f"got y = {y:.4g} mm: move the tool"
+        )
+    return y if abs(y) > _ON_LINE * float(np.ptp(film.nodes[:, 0])) else 0.0
+
+
+def _line_of(mesh: Mesh, lane: float) -> Ints:
+    """Return the nodes on y = ``lane`` in the order of x, shape (n,)."""
+    off = ON_ROW * float(np.median(mesh.edge_lengths()))
+    on_line = mesh.nodes_where(lambda x, y, z: np.abs(y - lane) < off)
     return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0])])
 
 

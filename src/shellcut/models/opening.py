@@ -18,6 +18,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from shellcut.arguments import checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.loads.supports import Support
@@ -33,6 +34,7 @@ from .case import Case, check_length
 from .crack_way import crack_way
 
 
+@checked
 def opening_test(
     mesh: OpeningName | Mesh = "M1",
     *,
@@ -69,11 +71,6 @@ def opening_test(
     -------
     Case
 
-    Raises
-    ------
-    ImprintError
-        If the path cannot be put into the mesh.
-
     Examples
     --------
     >>> case = opening_test("quick", angle_deg=40.0)
@@ -83,32 +80,23 @@ def opening_test(
     film = opening_disc(mesh) if isinstance(mesh, str) else mesh
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
-    section = material or ShellMaterial.homogeneous()
-    way = crack_way(
-        film,
-        cutter,
-        motion,
-        duration,
-        material=section,
-        law=law,
-        fracture=options.pop("fracture", None),
-    )
+    fracture = crack_way(film, cutter, motion, duration, options.pop("fracture", None))
     contact = options.pop("contact", None) or Contact()
     if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
         contact = replace(contact, film_edges=True)
     simulation = Simulation(
-        way.mesh,
-        section,
+        film,
+        material or ShellMaterial.homogeneous(),
         supports=[Support.clamped("rim")],
         tool=cutter,
         motion=motion,
         law=law or CohesiveLaw(),
-        fracture=way.fracture,
+        fracture=fracture,
         contact=contact,
         **options,
     )
     check_length(simulation, duration)
-    return Case("opening", simulation, duration, way.imprint)
+    return Case("opening", simulation, duration)
 
 
 def steady_work_per_radian(

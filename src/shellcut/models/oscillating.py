@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
@@ -112,6 +113,7 @@ def _rows(half: float, size: float, band: float) -> Floats:
     return np.concatenate([-up[:0:-1], up])
 
 
+@checked
 def oscillating(
     size: float = 0.5,
     *,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.checks.finding import Finding
@@ -17,7 +18,7 @@ from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
 
@@ -46,6 +47,7 @@ class ModelParts:
         return Sweep.of(self.mesh, self.tool, self.motion, self.duration)
 
 
+@checked
 def preview(
     simulation: Simulation,
     path: str | os.PathLike[str],
@@ -164,7 +166,7 @@ def _draw(
             tool=poses,
             triangles=none.astype(np.int64) if tool is None else np.asarray(tool.triangles),
             edges=[] if tool is None else list(_edge_groups(tool, sweep)),
-            way=none if sweep is None else sweep.place[sweep.within],
+            way=none if sweep is None else sweep.place,
             titles=titles,
         ),
         path,
@@ -183,7 +185,7 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
         return [tool.vertices], ["the tool as given"]
     poses, titles = [], []
     for at in [0.0] if parts.duration is None else [0.0, parts.duration]:
-        poses.append(Pose.of(*motion.pose(at)).to_space(tool.vertices))
+        poses.append(pose_at(motion, at).to_space(tool.vertices))
         place, unit = motion.coordinate(at), motion.coordinate_unit
         where = f"{np.degrees(place):.4g}°" if unit == "rad" else f"{place:.4g} {unit}"
         titles.append(f"t = {1e3 * at:.4g} ms, {where}")

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Fracture
 from shellcut.loads.supports import Support
@@ -92,6 +93,7 @@ def duration_of(
     return way / speed + 0.5 * ramp
 
 
+@checked
 def trouser(
     size: float = 0.5,
     *,

@@ -12,7 +12,6 @@ from itertools import product
 import numpy as np
 
 from shellcut.fracture.criterion import Fracture, Measure, Path
-from shellcut.imprinting import PathCurve, imprint
 from shellcut.mesh.structured import rectangle
 from shellcut.view._raster import Canvas
 
@@ -24,7 +23,7 @@ def warmup(
     precisions: Sequence[str] = ("double",),
     paths: Sequence[Path] = ("edges", "free"),
 ) -> None:
-    """Run a film of a few quads through every mechanism: shells, contact, cables, cuts, imprint.
+    """Run a film of a few quads through every mechanism: shells, contact, cables, cuts.
 
     Also compile the kernels for pictures of the film.
 
@@ -45,7 +44,7 @@ def warmup(
     along_edges = [Fracture(criterion=name, path="edges") for name in criteria]
     ways = {"edges": along_edges, "free": [Fracture(path="free")]}
     between_lines = rectangle(6.0, 4.0, n_x=6, n_y=5)
-    for path, precision in product({"edges" if p == "imprint" else p for p in paths}, precisions):
+    for path, precision in product(paths, precisions):
         film = {"mesh": between_lines, "notch": 0.0} if path == "free" else {"notch": 1.0}
         for fracture in ways[path]:
             case = guillotine(
@@ -58,7 +57,6 @@ def warmup(
                 **film,
             )
             case.simulation.run(case.duration)
-    imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))
     canvas = Canvas((1, 1))
     canvas.draw(np.zeros((0, 3, 3)), np.ones(3))
     canvas.blend(canvas, 0.5)

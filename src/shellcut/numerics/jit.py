@@ -60,28 +60,32 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
     compiled: Any = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
-        compiled.compile = _uncollected(_despite_an_older_cache(compiled, compiled.compile))
+        compiled.compile = _uncollected(compiled.compile)
+        compiled._cache.load_overload = _if_readable(compiled._cache)
     return cast("Callable[P, R]", compiled)
 
 
-def _despite_an_older_cache(compiled: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap the compilation of a kernel, which may have a cache that Numba cannot open.
+def _if_readable(cache: Any) -> Callable[..., Any]:
+    """Wrap the loading of machine code: a cache that Numba cannot read is emptied.
 
-    The index of a cache names the classes of the tables among the arguments. If an older version
-    has written it, and one of them has another name by now, Numba fails before it sees that the
-    cache is out of date.
+    A full disk or a power cut leaves files cut short, and an older version ones that name classes
+    of tables that have another name by now; Numba fails at both instead of compiling again.
     """
+    load = cache.load_overload
 
-    def compile_anew(types: object) -> Any:
+    def load_or_none(*what: Any) -> Any:
         try:
-            return compile_(types)
-        except (AttributeError, ImportError):
-            if compiled.overloads:  # the cache has been opened before: it is another fault
-                raise
-            compiled.recompile()  # empties the cache
-            return compile_(types)
+            return load(*what)
+        except MemoryError:
+            raise
+        except Exception:  # unpickling a damaged file can raise any
+            try:
+                cache.flush()
+            except OSError:  # it cannot be written either
+                cache.disable()
+            return None
 
-    return compile_anew
+    return load_or_none
 
 
 def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from shellcut.arguments import checked
 
+
+@checked
 @dataclass
 class Trigger:
     """Due at t = 0, then at the first step past every multiple of an interval of time [s]."""

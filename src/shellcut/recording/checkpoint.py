@@ -21,6 +21,7 @@ import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -29,8 +30,9 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.files.whole_file import atomic_write, write_all
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -56,6 +58,7 @@ class CheckpointError(ValueError):
     """The file is no checkpoint, or belongs to another model; the message lists the differences."""
 
 
+@checked
 def save_checkpoint(
     sim: Simulation,
     path: str | os.PathLike[str],
@@ -119,6 +122,7 @@ def save_checkpoint(
         os.fsync(target.fileno())
 
 
+@checked
 def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, Any]:
     """Put a newly built simulation into the state of a checkpoint; return its ``extra``.
 
@@ -160,18 +164,19 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
         )
     path = Path(path)
     content = _read_file(path)
-    known, given = json.loads(content["inputs"]), _described_inputs(sim)
-    differing = [
-        f"{name}: {known.get(name, 'nothing')} in the checkpoint, "
-        f"{given.get(name, 'nothing')} in this simulation"
-        for name in {**known, **given}
-        if known.get(name) != given.get(name)
-    ]
-    if not differing:
-        # Tables that are empty at the start have no types to compare yet.
-        differing = [*_differing_layout("run", sim.saved(), content["run"])]
-    if not differing:
-        differing = _differing_poses(sim, content["run"])
+    with content_of(path):
+        known, given = json.loads(content["inputs"]), _described_inputs(sim)
+        differing = [
+            f"{name}: {known.get(name, 'nothing')} in the checkpoint, "
+            f"{given.get(name, 'nothing')} in this simulation"
+            for name in {**known, **given}
+            if known.get(name) != given.get(name)
+        ]
+        if not differing:
+            # Tables that are empty at the start have no types to compare yet.
+            differing = [*_differing_layout("run", sim.saved(), content["run"])]
+        if not differing:
+            differing = _differing_poses(sim, content["run"])
     if differing:
         more = len(differing) - _MOST_DIFFERENCES
         lines = differing[:_MOST_DIFFERENCES] + ([f"and {more} more"] if more > 0 else [])
@@ -179,15 +184,28 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
             f"{path} belongs to another model; build the same simulation again, or start anew:\n"
             + "\n".join(f"- {line}" for line in lines)
         )
-    try:
+    with content_of(path):
         sim.restore(content["run"])
-    except (ValueError, TypeError, KeyError, IndexError, AttributeError) as problem:
+        return dict(content["extra"])
+
+
+@contextmanager
+def content_of(path: Path) -> Iterator[None]:
+    """Say of whatever the content of a checkpoint raises that another program wrote it.
+
+    Raises
+    ------
+    CheckpointError
+    """
+    try:
+        yield
+    except CheckpointError:
+        raise
+    except Exception as problem:  # what a forged content can raise has no end
         raise CheckpointError(
-            f"{path} cannot be loaded ({problem}): another program wrote it; build the simulation "
-            "again and start a new run"
+            f"{path} cannot be loaded ({type(problem).__name__}: {problem}): another program wrote "
+            "it; build the simulation again and start a new run"
         ) from problem
-    extra: dict[str, Any] = content["extra"]
-    return extra
 
 
 def _header(digest: str) -> bytes:
@@ -216,8 +234,8 @@ def _read_file(path: Path) -> dict[str, Any]:
             )
         if header != _header(digest.hexdigest()):
             raise CheckpointError(f"{damage} (wrong SHA-256); start a new run")
-        with h5py.File(path, "r") as file:
-            content = _read(file)
+        with content_of(path), h5py.File(path, "r") as file:
+            content = _read(file, path.stat().st_size)
     except OSError as problem:
         raise CheckpointError(f"{damage} ({problem}); start a new run") from problem
     if set(content) != {"inputs", "run", "extra"}:
@@ -239,12 +257,15 @@ def _write(group: Any, content: Mapping[str, Any]) -> None:
         group.create_dataset(name, data=rows)
 
 
-def _read(group: Any) -> dict[str, Any]:
+def _read(group: Any, most: int) -> dict[str, Any]:
+    """Return a group's content; no table can be larger than the file, of ``most`` bytes."""
     content: dict[str, Any] = {}
     for name, node in group.items():
         if isinstance(node, h5py.Group):
-            content[name] = _read(node)
+            content[name] = _read(node, most)
             continue
+        if node.nbytes > most:
+            raise CheckpointError(f"{node.file.filename} has {name} of {node.nbytes:,} bytes")
         text = h5py.check_string_dtype(node.dtype) is not None
         rows = np.asarray((node.asstr() if text else node)[()])
         content[name] = rows.item() if rows.ndim == 0 else rows
@@ -320,7 +341,7 @@ def _differing_poses(sim: Simulation, run: dict[str, Any]) -> list[str]:
     if sim.motion is None:
         return []
     time = run["state"]["time"]
-    pose = Pose.of(*sim.motion.pose(time))._asdict()
+    pose = pose_at(sim.motion, time)._asdict()
     return [
         f"motion: the {name} at {time:.6g} s is {run['pose'][name].tolist()} in the checkpoint, "
         f"{found.tolist()} in this simulation"

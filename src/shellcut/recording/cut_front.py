@@ -30,7 +30,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.state import JOINTED, NOT_MET
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
 from .crack_ends import CrackEnds, directors_at
@@ -191,7 +191,7 @@ class CutFront:
         local = sim.pose.rotation.T @ (here - sim.pose.translation)
         places = []
         for k in (1, 2):
-            then = Pose.of(*motion.pose(sim.state.time + k * self._look))
+            then = pose_at(motion, sim.state.time + k * self._look)
             places.append(then.rotation @ local + then.translation - here)
         first, second = (p - (p @ director) * director for p in places)
         length = float(np.linalg.norm(first))

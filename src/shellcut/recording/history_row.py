@@ -17,6 +17,7 @@ _ENERGIES = (
     "tool_work",
     "load_work",
     "support_work",
+    "initial",
     "kinetic_translation",
     "kinetic_rotation",
     "strain",

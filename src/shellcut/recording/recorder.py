@@ -16,14 +16,16 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from pathlib import Path
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.checks import ModelCheck, check_model
+from shellcut.files.file_list import folder_named
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import write_text
 from shellcut.frame import Frame
 from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
@@ -31,7 +33,7 @@ from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
 from shellcut.view.progress import Progress
 
-from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
 from .cut_evidence import cut_evidence
 from .cut_front import CutFront
 from .frame_capture import Exposure
@@ -107,6 +109,7 @@ class Recorder:
         During the run, if a file cannot be written, as on a full disk; ``resume`` continues it.
     """
 
+    @checked
     def __init__(
         self,
         sim: Simulation,
@@ -118,6 +121,9 @@ class Recorder:
         also: Sequence[str] = (),
         **options: Any,
     ) -> None:
+        if not (isfinite(until) and until > 0.0):
+            raise ValueError(f"until must be a positive time in s, got {until!r}")
+        self.folder = folder_named(folder)
         self.resistance = resistance_of(sim, until)
         chosen = RunOptions(**options)
         self._check = check or check_model(sim, until)
@@ -125,7 +131,6 @@ class Recorder:
             self._check.enforce(force=chosen.force)
         self._check.say()
         self.verdict: tuple[Line, ...] = ()
-        self.folder = Path(folder)
         self.name = name
         self._sim = sim
         self._front = CutFront(sim, until)
@@ -286,8 +291,9 @@ class Recorder:
         """Load the checkpoint into the simulation; return the schedule."""
         path = self.folder / CHECKPOINT
         saved = load_checkpoint(self._sim, path)
-        self._front.restore(saved.pop("cut_front", self._front.saved()))
-        schedule = Schedule.restored(saved)
+        with content_of(path):
+            self._front.restore(saved.pop("cut_front", self._front.saved()))
+            schedule = Schedule.restored(saved)
         if schedule is None:
             raise CheckpointError(
                 f"{path} was saved by hand: resume it with load_checkpoint, in another folder"
@@ -417,8 +423,7 @@ class Recorder:
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
         write_splits(self.folder / SPLITS, self._sim.state.splits)
-        with atomic_write(self.folder / SUMMARY) as temporary:
-            temporary.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+        write_text(self.folder / SUMMARY, json.dumps(said, indent=2) + "\n")
         if self._draws_curves and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from shellcut.arguments import checked
 
+
+@checked
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
     """Options of :class:`Recorder` and of ``Case.run``, under the same names.
@@ -13,7 +16,7 @@ class RunOptions:
     Raises
     ------
     ValueError
-        If a wall time is negative.
+        If a wall time is negative, or a count.
     """
 
     n_row: int = 1900
@@ -53,6 +56,9 @@ class RunOptions:
     """Whether the files of an earlier run in the folder may be removed."""
 
     def __post_init__(self) -> None:
+        for name, least in (("n_row", 1), ("n_frame", 1), ("n_snapshot", 0)):
+            if not (value := getattr(self, name)) >= least:
+                raise ValueError(f"{name} must be a count of {least} or more, got {value!r}")
         if self.checkpoint_every is not None and not self.checkpoint_every >= 0:
             raise ValueError(
                 f"checkpoint_every must be a wall time in s, or None, got {self.checkpoint_every!r}"

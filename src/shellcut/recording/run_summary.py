@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.results.energy_balance import largest_shares, trusted_rows
+from shellcut.contact.edge_contact import EdgeContact
+from shellcut.results.energy_account import energy_figures, largest_shares, trusted_rows
 from shellcut.results.steady_window import steady_figures
 from shellcut.state.pieces import Pieces
 
@@ -28,7 +29,7 @@ def run_summary(
     stepping: float,
     drawing: float,
     unfelt: Unfelt,
-) -> dict[str, float | str]:
+) -> dict[str, Any]:
     """Return the figures by name; counts are integers, reasons are texts.
 
     Figures that are not finite (a film that blew up) are left out: JSON cannot express them.
@@ -55,7 +56,7 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
-        **_of_energies(sim),
+        **_of_energies(sim, history),
         **largest_shares(history, trusted_rows(history)),
         "n_cable_created": s.n_cable,
         "n_cable_broken": sim.cables.n_broken,
@@ -64,13 +65,15 @@ def run_summary(
         **_of_self_contact(sim),
         **_of_pieces(sim),
         "added_inertia_factor": sim.shell.added_inertia_factor,
+        "n_imperfection": sim.imperfection.number,
+        "imperfection_mm": sim.imperfection.amplitude,
         **_peaks(history, r),
     }
     if sim.cracks is not None and sim.cracks.edges is not None:
         figures["n_recovery_borrowed"] = sim.cracks.edges.criterion.n_borrowed
     if sim.cracks is not None and sim.cracks.free is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
-    finite: dict[str, float | str] = {
+    finite: dict[str, Any] = {
         name: int(value) if name.startswith("n_") else float(value)
         for name, value in figures.items()
         if isfinite(value)
@@ -79,35 +82,39 @@ def run_summary(
     finite |= steady_figures(history, coordinate, r.columns[0])
     if sim.cracks is not None:
         finite["crack_path"] = "edges" if sim.cracks.free is None else "free"
-    return finite | {"resistance": r.meaning}
+    return finite | {"resistance": r.meaning, "options": _options(sim)}
 
 
-def _of_energies(sim: Simulation) -> dict[str, float]:
-    """Return the entries of the ledger [N·mm] that every film has."""
-    ledger = sim.close_ledger()
-    driven = "tool_work" if sim.tool is not None else "support_work"
+def _of_energies(sim: Simulation, history: Mapping[str, Floats]) -> dict[str, float]:
+    """Return the account of the work, and what makes up that of the cables [N·mm].
+
+    Of a run that broke off within a step it is that of the last row: its state means nothing.
+    """
+    entries = vars(sim.close_ledger())
+    if not sim.between_steps:
+        entries = {name: float(history[name][-1]) for name in entries if name in history}
+    of_cables = ("cohesive_work", "cohesive_dissipated", "cohesive_stored")
+    return energy_figures(entries) | {f"{name}_Nmm": entries[name] for name in of_cables}
+
+
+def _options(sim: Simulation) -> dict[str, Any]:
+    """Return the options on which it depends what may be done about a doubt."""
     return {
-        f"{driven}_Nmm": getattr(ledger, driven),
-        "kinetic_Nmm": ledger.kinetic,
-        "strain_Nmm": ledger.strain,
-        "material_dissipated_Nmm": ledger.material_dissipated,
-        "cohesive_work_Nmm": ledger.cohesive_work,
-        "cohesive_dissipated_Nmm": ledger.cohesive_dissipated,
-        "cohesive_stored_Nmm": ledger.cohesive_stored,
-        "damping_Nmm": ledger.damping,
+        "path": None if sim.cracks is None else sim.fracture.path,
+        "only_along_edges": bool(sim.fracture.only_along_edges),
+        "check_every": sim.fracture.check_every,
+        "film_edges": any(isinstance(term, EdgeContact) for term in sim.tool_terms),
+        "fixed_step": sim.time_step.stepping.fixed is not None,
+        "opening_u_mm": None if sim.law is None else sim.law.opening_u,
     }
 
 
 def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
     """Return the figures of contact and of cables that meet the tool, none without a tool."""
-    s, ledger = sim.state, sim.ledger
+    s = sim.state
     if sim.contact is None:
         return {}
     return {
-        **({"joint_friction_Nmm": ledger.joint_friction} if ledger.joint_friction else {}),
-        "contact_Nmm": ledger.contact_work,
-        "contact_absorbed_Nmm": ledger.contact_absorbed,
-        "friction_dissipated_Nmm": ledger.friction_dissipated,
         "n_cable_jointed": sim.cables.n_joint_made,
         "deepest_penetration_mm": sim.contact.deepest,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,
@@ -123,9 +130,6 @@ def _of_self_contact(sim: Simulation) -> dict[str, float]:
     if sim.self_contact is None:
         return {}
     return {
-        "self_contact_Nmm": sim.ledger.self_contact_work,
-        "self_contact_lost_Nmm": sim.ledger.self_contact_lost,
-        "friction_dissipated_Nmm": sim.ledger.friction_dissipated,
         "self_contact_deepest_mm": sim.self_contact.deepest,
         "n_self_contact_looked": sim.self_contact.n_looked,
     }
@@ -137,7 +141,7 @@ def _of_pieces(sim: Simulation) -> dict[str, float]:
         return {}
     figures: dict[str, float] = {"n_loose": Pieces.of(sim.state).n_loose}
     if sim.state.n_dropped:
-        figures |= {"n_dropped": sim.state.n_dropped, "dropped_Nmm": sim.ledger.dropped}
+        figures["n_dropped"] = sim.state.n_dropped
     return figures
 
 

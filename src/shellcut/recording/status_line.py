@@ -79,25 +79,14 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
     """
     r, s, ledger = resistance, sim.state, sim.ledger
     figure, unit = r.columns[0]
-    energies = {
-        "kin": ledger.kinetic,
-        "int": ledger.strain,
-        **({"material": ledger.material_dissipated} if ledger.material_dissipated else {}),
-        "cohesive": ledger.cohesive_work + ledger.cohesive_start_work,
-        **({"joint friction": ledger.joint_friction} if ledger.joint_friction else {}),
-        "contact": ledger.contact_work,
-        **({"self contact": ledger.self_contact_work} if ledger.self_contact_work else {}),
-        **({"dropped": ledger.dropped} if ledger.dropped else {}),
-        **({"friction": ledger.friction_work} if ledger.friction_work else {}),
-        "damping": ledger.damping,
-        "ext": ledger.put_in,
-    }
+    energies = ", ".join(
+        f"{name} {energy:.4g}" for name, energy in ledger.entries().items() if energy
+    )
     felt = r.felt(sim)[0]
-    parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
         f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
-        f"E: {parts} N*mm | balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
+        f"E: {energies} N*mm | balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
         f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
         f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
     )

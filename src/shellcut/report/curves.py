@@ -10,7 +10,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.results.comparison_table import rows_of, scope_of
-from shellcut.results.energy_balance import energy_shares, is_pulled, work_put_in
+from shellcut.results.energy_account import PUT_IN, account, energy_shares, is_pulled, total
 from shellcut.results.summary_figures import window_of
 
 from .chart import Curve, chart
@@ -100,8 +100,14 @@ def energy(run: Gathered) -> str:
     curves = [
         Curve(name, share, f"a{k}", area=stacked) for k, (name, share) in enumerate(shares.items())
     ]
-    curves.append(Curve("work put in", work_put_in(h), "work"))
-    ledger = _chart(run, curves, "energy", "N·mm", "energies and the work put in")
+    curves.append(Curve("work put in", total(PUT_IN, h), "work"))
+    rows = [
+        (words, f"{energy:.4g} N·mm", f"{100.0 * share:.1f} %")
+        for lines in account(run.figures)
+        for words, energy, share in lines
+    ]
+    at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
+    ledger = at_end + _chart(run, curves, "energy", "N·mm", "energies and the work put in")
     trusted = run.trusted
     if trusted.sum() < 2:
         return ledger

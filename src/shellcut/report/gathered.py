@@ -15,7 +15,7 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SUMMARY
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
-from shellcut.results.energy_balance import driving_work, is_pulled, largest_shares, trusted_rows
+from shellcut.results.energy_account import energy_figures, largest_shares, trusted_rows
 from shellcut.results.history import read_history
 from shellcut.results.run_results import Results, read
 from shellcut.results.steady_window import steady_figures
@@ -89,22 +89,13 @@ class Gathered:
         h = self.history
         if self.summary or "tool_work" not in h:
             return self.summary
-        driver = "support" if is_pulled(h) else "tool"
-        figures = {
-            f"{driver}_work_Nmm": float(driving_work(h)[-1]),
+        return {
+            **energy_figures({name: float(column[-1]) for name, column in h.items()}),
             **largest_shares(h, self.trusted),
-            "damping_Nmm": float((h["damping_stiffness"] + h["damping_mass"])[-1]),
             "crack_length_mm": float(h["crack_length"][-1]),
+            "n_cable_broken": int(h["cables_broken"][-1]),
             **steady_figures(h, self.coordinate, self.resistance),
         }
-        if driver == "tool":
-            figures["contact_Nmm"] = float(h["contact_work"][-1])
-        if driver == "tool" and "contact_absorbed" in h:  # runs of older versions lack it
-            figures["contact_absorbed_Nmm"] = float(h["contact_absorbed"][-1])
-        itself = h.get("self_contact_work", np.zeros(0))
-        if itself.any():
-            figures["self_contact_lost_Nmm"] = float((itself - h["self_contact_stored"])[-1])
-        return figures
 
     @property
     def last_frame(self) -> Frame | None:

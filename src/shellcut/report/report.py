@@ -6,6 +6,8 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from shellcut.files.file_list import target
+from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.scene_page import scene_scripts, scene_style
@@ -47,6 +49,8 @@ def report(
     ------
     FileNotFoundError
         If the folder does not exist or nothing in it belongs to a run.
+    FileExistsError
+        If the file is an input, or one of the run, or, without a path, somebody else's.
     ValueError
         If the measured curve cannot be compared with the run.
 
@@ -58,7 +62,8 @@ def report(
     FileNotFoundError: no/such/folder must be the folder of a run, ...; there is no such folder
     """
     run = gather(Path(folder))
-    out = run.folder / "report.html" if path is None else Path(path)
+    inputs = [measured] if isinstance(measured, str | os.PathLike) else []
+    out = target(path, run.folder / "report.html", inputs)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
     body = _body(run, out)
@@ -70,7 +75,7 @@ def report(
         style=scene_style(),
         last=scene_scripts() if scene.MARK in body else "",
     )
-    out.write_text(html, encoding="utf-8")
+    write_text(out, html, errors="backslashreplace")
     return out
 
 

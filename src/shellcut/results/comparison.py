@@ -35,6 +35,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.files.whole_file import write_text
 from shellcut.numerics.broken_line import BrokenLine
 from shellcut.numerics.trapezoid import integral
 from shellcut.unit import conversion, dimension
@@ -168,7 +169,7 @@ class Comparison:
             },
         }
         path = Path(path)
-        path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        write_text(path, json.dumps(content, indent=1) + "\n")
         return path
 
     def plot(self, path: str | os.PathLike[str]) -> Path:

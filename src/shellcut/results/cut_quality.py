@@ -29,7 +29,7 @@ has no held node; if nothing is held, if it is not the largest. A piece connecte
 live cables is loose, too.
 
 The cut-out and flaps are found in the plane that best fits the line, so the film should be flat or
-gently curved in the reference, like an imprinted one.
+gently curved in the reference.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.files.appendable_file import AppendableFile
 from shellcut.files.regular_file import read_regular
-from shellcut.files.whole_file import write_all
+from shellcut.files.whole_file import opened, write_all
 
 _FORBIDDEN = ',"[]\r\n'
 _SHOWN_BYTES = 120  # part of a foreign file's first line quoted in an error message
@@ -74,11 +74,11 @@ class HistoryWriter(AppendableFile):
         self._check_columns()
         if self.appending:
             kept = self._kept_bytes(until)
-            self._file: BinaryIO = self.path.open("r+b", buffering=0)
+            self._file: BinaryIO = opened(self.path, "r+")
             self._file.truncate(kept)
             self._file.seek(kept)
         else:
-            self._file = self.path.open("wb", buffering=0)
+            self._file = opened(self.path, "w")
             write_all(self._file, (_header(self.columns) + "\n").encode())
         self._can_be_told = self._is_the_one_there()
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy.typing as npt
 from shellcut.arrays import Floats
 from shellcut.formats.errors import FileError, named
 from shellcut.formats.number_table import NumberTable, read_number_table
-from shellcut.unit import DIMENSIONS, LIBRARY_UNITS, canonical, conversion, dimension
+from shellcut.unit import DIMENSIONS, LIBRARY_UNITS, conversion, dimension
 
 _JITTER = 0.01
 """Relative to the range: backward motion of a coordinate up to this is encoder noise."""
@@ -61,7 +60,7 @@ class MeasuredCurve:
         problems += [
             f"{name}: {_unknown(unit)}"
             for name, unit in (("x_unit", self.x_unit), ("y_unit", self.y_unit))
-            if canonical(unit) is None
+            if dimension(unit) is None
         ]
         if problems:
             raise ValueError("; ".join(problems))
@@ -119,14 +118,15 @@ def read_measured_curve(
     """
     table = read_number_table(path)
     given = _split_units(units)
-    found = [
-        _column(table, which, k, name)
-        for k, (which, name) in enumerate(zip((x, y), expected or ("", ""), strict=True))
-    ]
-    problems = [which for which in found if isinstance(which, str)]
-    columns = [which for which in found if isinstance(which, int)]
+    problems: list[str] = []
+    columns = []
+    for k, (which, name) in enumerate(zip((x, y), expected or ("", ""), strict=True)):
+        try:
+            columns.append(_column(table, which, k, name))
+        except ValueError as problem:
+            problems.append(str(problem))
     if len(columns) == 2 and columns[0] == columns[1]:
-        problems.append(f"x and y must be two columns, both are {_name(table, columns[0])}")
+        problems.append(f"x and y must be two columns, both are {table.name(columns[0])}")
     if problems:
         raise FileError(path, "; ".join(dict.fromkeys(problems)))
     return curve_of_columns(table, columns, given)
@@ -147,13 +147,13 @@ def curve_of_columns(
     taken = []
     for column, unit in zip(columns, units, strict=True):
         written = table.headings[column].unit if table.headings else ""
-        name = _name(table, column)
+        name = table.name(column)
         taken.append(unit or written)
         if not unit and not written:
             problems.append(f'the unit of {name} must be given, as units="deg, N*mm"')
-        elif canonical(unit or written) is None:
+        elif dimension(unit or written) is None:
             problems.append(f"{name}: {_unknown(unit or written)}")
-        elif unit and written and canonical(written) != canonical(unit):
+        elif unit and written and not _same(written, unit):
             notes.append(f"{name} has the heading unit {written}, but is read as {unit} as given")
     if problems:
         raise FileError(path, "; ".join(problems))
@@ -168,8 +168,8 @@ def curve_of_columns(
             values[:, 1],
             x_unit=taken[0],
             y_unit=taken[1],
-            x_name=_name(table, columns[0]),
-            y_name=_name(table, columns[1]),
+            x_name=table.name(columns[0]),
+            y_name=table.name(columns[1]),
             notes=tuple(notes),
         )
     except _RunsBack as back:
@@ -188,52 +188,23 @@ def _split_units(units: str | Sequence[str] | None) -> list[str]:
     return parts
 
 
-def _name(table: NumberTable, column: int) -> str:
-    name = table.headings[column].name if table.headings else ""
-    return name or f"column {column + 1}"
+def _same(written: str, unit: str) -> bool:
+    return dimension(written) == dimension(unit) and conversion(written, unit) == 1.0
 
 
-def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int | str:
-    """Return the index of a column, or a description of the problem."""
-    n = table.n_column
-    if which is None:
-        hits = _headed(table, name) if name else []
-        if len(hits) == 1:
-            return hits[0]
-        if n == 2:
-            return position
-        return f"a table of {n} columns needs a choice of columns; there are {_listing(table)}"
-    if isinstance(which, str):
-        hits = _headed(table, which)
-        if len(hits) > 1:
-            numbers = " and ".join(str(k + 1) for k in hits)
-            return f"{which!r} is the heading of columns {numbers}: give the number"
-        if hits:
-            return hits[0]
-        if not which.strip().isdecimal():
-            names = {heading.name.casefold(): heading.name for heading in table.headings}
-            near = get_close_matches(which.strip().casefold(), names, n=1)
-            hint = f"did you mean {names[near[0]]!r}? " if near else ""
-            return f"no column {which!r}: {hint}there are {_listing(table)}"
-        which = int(which)
-    if not 1 <= which <= n:
-        return f"column must be a number from 1 to {n}, got {which}; there are {_listing(table)}"
-    return which - 1
-
-
-def _headed(table: NumberTable, name: str) -> list[int]:
-    """Return the columns with a heading, with its unit or without."""
-    wanted = name.strip().casefold()
-    whole = [k for k, h in enumerate(table.headings) if h.text.strip().casefold() == wanted]
-    return whole or [k for k, h in enumerate(table.headings) if h.name.casefold() == wanted]
-
-
-def _listing(table: NumberTable) -> str:
-    if not table.headings:
-        commas = table.separator == ","
-        hint = "; if these are decimal commas, separate the columns by semicolons" if commas else ""
-        return f"{table.n_column} columns without headings{hint}"
-    return ", ".join(f"{k}: {heading.text!r}" for k, heading in enumerate(table.headings, start=1))
+def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int:
+    """Return the index of a column; ValueError describes the problem."""
+    if which is not None:
+        return table.column(which)
+    hits = table.headed(name) if name else []
+    if len(hits) == 1:
+        return hits[0]
+    if table.n_column == 2:
+        return position
+    raise ValueError(
+        f"a table of {table.n_column} columns needs a choice of columns; there are "
+        f"{table.listing()}"
+    )
 
 
 def _unknown(unit: str) -> str:
@@ -251,6 +222,23 @@ class _RunsBack(ValueError):
         self.row = row
 
 
+def _reversal(x: Floats, sign: float) -> _RunsBack:
+    # x in the order of the file, increasing but for the fault; sign times x was written
+    def in_order(rows: Floats) -> bool:
+        back = (np.maximum.accumulate(rows) - rows).max()
+        return bool(back <= _JITTER * float(np.ptp(rows)))
+
+    behind = np.maximum.accumulate(x) - x
+    row = int(np.argmax(behind > _JITTER * float(np.ptp(x))))
+    if row < len(x) - 1 and in_order(np.delete(x, row - 1)):
+        row -= 1
+    alone = in_order(np.delete(x, row))
+    cure = "in this row alone: mend or drop it" if alone else "keep one stroke"
+    return _RunsBack(
+        f"the coordinate must go one way, but reverses at {sign * x[row]:g}: {cure}", row
+    )
+
+
 def _in_order(x: Floats, y: Floats) -> tuple[Floats, Floats, list[str]]:
     """Return the points with x strictly increasing, and the changes made to them."""
     notes = []
@@ -258,17 +246,14 @@ def _in_order(x: Floats, y: Floats) -> tuple[Floats, Floats, list[str]]:
     reach = float(np.ptp(x))
     if reach == 0.0:
         raise ValueError(f"the coordinate must increase, but all {n} points are at {x[0]:g}")
-    falling = x[-1] < x[0]
+    # the way that most rows go; one row that leaps does not turn it
+    falling = bool(np.sign(np.diff(x)).sum() < 0.0)
     if falling:
         notes.append("the coordinate decreases: the order of the points was reversed")
         x, y = x[::-1], y[::-1]
     behind = np.maximum.accumulate(x) - x
     if behind.max() > _JITTER * reach:
-        row = int(np.argmax(behind > _JITTER * reach))
-        raise _RunsBack(
-            f"the coordinate must go one way, but reverses at {x[row]:g}: keep one stroke",
-            n - 1 - row if falling else row,
-        )
+        raise _reversal(-x[::-1] if falling else x, -1.0 if falling else 1.0)
     if behind.any():
         notes.append(f"{np.count_nonzero(behind)} points ran back by up to {behind.max():.3g}")
     places, member, count = np.unique(x, return_inverse=True, return_counts=True)

@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from shellcut.files.appendable_file import AppendableFile
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import atomic_write, unfinished
 from shellcut.frame import Frame
 
 from .frame_grid import LINE, POLYGON, QUAD, TRIANGLE, FrameGrid, grid_of
@@ -60,8 +60,10 @@ class PvdWriter(AppendableFile):
             time for time in listed if self.appending and (until is None or time <= until)
         ]
         self._folder.mkdir(parents=True, exist_ok=True)
-        for k in range(len(self._times), len(listed)):
-            (self._folder / _file_name(k)).unlink(missing_ok=True)
+        later = [self._folder / _file_name(k) for k in range(len(self._times), len(listed))]
+        of_killed = unfinished(self._folder / _file_name(len(listed)))
+        for path in (*later, *of_killed):
+            path.unlink(missing_ok=True)
         self._write_list()
 
     @property

@@ -27,14 +27,11 @@ from shellcut.numerics.trapezoid import integral
 from shellcut.tool.pose import Pose
 
 from .cut_quality import UNITS, cut_quality
-from .energy_balance import energy_shares, work_put_in
+from .energy_account import PUT_IN, energy_shares, total, trusted_rows
 from .history import read_history
 from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_window
 from .vtkhdf_reader import VtkHdfReader
-
-# The imbalance of energies is drawn from this share of the run's largest work.
-_LEAST_WORK = 0.01
 
 
 class FrameFigures(dict[str, Floats]):
@@ -239,7 +236,7 @@ class Results:
     def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Draw the energy ledger; return the picture's path, by default ``energy.png``.
 
-        The imbalance is in per cent of the tool's work, from 1 % of the largest work.
+        The imbalance is in per cent of the tool's work, from a tenth of the largest work.
 
         Raises
         ------
@@ -250,15 +247,12 @@ class Results:
 
         path = self.folder / ENERGY_PICTURE if path is None else Path(path)
         coordinate, history = self.coordinate_name, self.history
-        work = work_put_in(history)
-        # At first touch there is almost no work to compare with.
-        tells = np.abs(work) >= _LEAST_WORK * np.abs(work).max(initial=0.0)
         draw_energy(
             path,
             history[coordinate],
-            work,
+            total(PUT_IN, history),
             energy_shares(history),
-            np.where(tells, 100.0 * history["imbalance_rel"], np.nan),
+            np.where(trusted_rows(history), 100.0 * history["imbalance_rel"], np.nan),
             title=self.name,
             coordinate_name=coordinate,
             coordinate_unit=self.coordinate_unit,

@@ -34,7 +34,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.trapezoid import integral
 
-from .energy_balance import driving_work, is_pulled
+from .energy_account import CABLES, STORED, driving_work, is_pulled
 
 CUT_LENGTH, PROCESS_ZONE, UNCUT_AHEAD, TO_SPARE = (
     "cut_length_edge_",
@@ -96,8 +96,9 @@ def steady_figures(
 ) -> dict[str, float | str]:
     """Return the figures of a run in its steady window, by names that include the units.
 
-    These are the window, the mean of the resistance (and of the axial force) and the work of cables
-    and of tool or supports per radian or millimetre; or ``no_window``, why there is none.
+    These are the window, the mean of the resistance (and of the axial force), the work of cables
+    and of tool or supports per radian or millimetre, and the share of the latter that has gone into
+    the energy that the film stores; or ``no_window``, why there is none.
 
     Parameters
     ----------
@@ -120,17 +121,18 @@ def steady_figures(
 
     work = driving_work(history)[window.rows]
 
-    def growth(column: str) -> float:
-        return float(history[column][window.last] - history[column][window.first]) / length
-
+    done = float(work[-1] - work[0])
+    cables, stored = (part.of(history)[window.rows] for part in (CABLES, STORED))
     per = "dtheta_Nmm" if turns else "ds_N"
     figures: dict[str, float | str] = {
         f"window_from_{x_unit}": window.low,
         f"window_to_{x_unit}": window.high,
         f"{name}_plateau_{unit.replace('*', '')}": mean(name),
-        f"dWcoh_{per}": growth("cohesive_work"),
-        f"dW_{per}": float(work[-1] - work[0]) / length,
+        f"dWcoh_{per}": float(cables[-1] - cables[0]) / length,
+        f"dW_{per}": done / length,
     }
+    if done > 0.0:
+        figures["stored_growth_rel"] = float(stored[-1] - stored[0]) / done
     if "axial_force" in history:
         figures["axial_force_plateau_N"] = mean("axial_force")
     return figures

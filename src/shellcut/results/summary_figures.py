@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
+
 # The end of a name gives the unit; longer ones first.
 _UNITS = {"ns_per_quad_step": "ns", "_Nmm": "N·mm", "_deg": "°", "_mm": "mm", "_N": "N", "_s": "s"}
 
@@ -23,28 +25,21 @@ LABELS = {
     "angle_end_deg": "angle at the end",
     "path_end_mm": "path at the end",
     "way_end_mm": "way at the end",
-    "tool_work_Nmm": "work of the tool",
-    "support_work_Nmm": "work of the supports",
+    **{f"{part.name}_Nmm": part.words for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)},
     "cohesive_work_Nmm": "work of the cables",
     "cohesive_dissipated_Nmm": "dissipated by the cables",
     "cohesive_stored_Nmm": "stored in the cables",
-    "strain_Nmm": "strain energy at the end",
-    "material_dissipated_Nmm": "dissipated in the film",
-    "kinetic_Nmm": "kinetic energy at the end",
-    "damping_Nmm": "damping",
-    "joint_friction_Nmm": "friction of the cables on the cutting edge",
-    "contact_Nmm": "contact",
-    "contact_absorbed_Nmm": "of it, taken by absorbed jumps",
-    "self_contact_Nmm": "contact of the film with itself",
-    "self_contact_lost_Nmm": "of it, lost in impacts",
-    "friction_dissipated_Nmm": "dissipated by friction",
+    "contact_stored_Nmm": "contact, held by its springs",
+    "contact_absorbed_Nmm": "contact, taken by absorbed jumps",
+    "contact_lost_Nmm": "contact, lost in impacts",
+    "self_contact_lost_Nmm": "contact of the film with itself, lost in impacts",
+    "friction_dissipated_Nmm": "friction, dissipated by slip",
     "dWcoh_dtheta_Nmm": f"cables' work per radian{_STEADY}",
     "dW_dtheta_Nmm": f"tool's work per radian{_STEADY}",
     "dWcoh_ds_N": f"cables' work per mm{_STEADY}",
     "dW_ds_N": f"work put in per mm{_STEADY}",
     "n_loose": "loose pieces at the end",
     "n_dropped": "loose pieces taken out",
-    "dropped_Nmm": "energy of pieces taken out",
     "n_cable_created": "cables made",
     "n_cable_jointed": "cables met by the blade",
     "n_cable_broken": "cables broken",
@@ -58,6 +53,8 @@ LABELS = {
     "imbalance_rel": "largest imbalance of the energies, over the work",
     "kinetic_rel": "largest kinetic energy, over the work",
     "added_inertia_factor": "scale of the rotary inertia",
+    "n_imperfection": "number of the film's imperfection",
+    "imperfection_mm": "bound of the film's imperfection",
     "deepest_penetration_mm": "deepest node in the tool",
     "tool_half_thickness_mm": "tool, half thickness",
     "self_contact_deepest_mm": "deepest point of the film in the film",
@@ -71,7 +68,9 @@ LABELS = {
 
 # Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
-_ELSEWHERE |= {"overshoot_rel", "cables_rel", "n_split_off_path", "off_path_mm", "share_done"}
+_ELSEWHERE |= {f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)}
+_ELSEWHERE |= {"overshoot_rel", "stored_growth_rel", "n_split_off_path", "off_path_mm"}
+_ELSEWHERE |= {"crack_lead_mm", "share_done", "options"}
 _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 

@@ -11,6 +11,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from .energy_account import account, dissipated, driver
+from .remedies import SMALLER_STEP, remedies
+
 LOGGER = logging.getLogger("shellcut.verdict")
 """Logs the lines at the end of a run: doubts as warnings, the others as information."""
 LOGGER.setLevel(logging.INFO)
@@ -22,7 +25,7 @@ KINETIC_LIMIT = 0.05
 DAMPING_LIMIT = 0.10
 """Largest share of the tool's work dissipated by damping."""
 CONTACT_LIMIT = 0.05
-"""Largest share of the tool's work stored by frictionless contact."""
+"""Largest share of the tool's work that contact takes, friction not counted."""
 GIVEN_LIMIT = 0.01
 """Largest energy that contact gives to the film, or that its absorbed jumps give or take, relative
 to the tool's work: as wrong as an imbalance of the ledger, so it has the same limit."""
@@ -34,8 +37,12 @@ UNFELT_LIMIT = 0.5
 OVERSHOOT_LIMIT = 0.02
 """Largest mean overshoot of the edge past the cables it meets, relative to the distance over which
 it drags them; that share of their work is missed."""
-CABLES_LIMIT = 0.85
-"""Smallest share of the dissipated work due to cables: the rest is for damping and contact."""
+ASKED_LIMIT = 0.85
+"""Smallest share of the dissipated work that goes where the laws of the run let it go: cables, film
+and friction. The rest is for damping and contact."""
+STORED_LIMIT = 0.10
+"""Largest share of the tool's work that the film stores in steady cutting. Sound runs store up to
+3 %; a flat film that does not buckle, pressed in its plane by the blade's thickness, half of it."""
 INERTIA_NOTE = 100.0
 """Scale of the rotary inertia above which it is mentioned."""
 
@@ -82,8 +89,8 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
             Line(
                 "note",
                 "A closed ledger does not prove that the crack path is right"
-                f"{_told(figures, ': the crack follows the edges of the mesh', '')} "
-                "(docs/limits.md).",
+                + ": the crack follows the edges of the mesh" * ("n_copy" not in figures)
+                + " (docs/limits.md).",
             )
         )
     order = {"doubt": 0, "good": 1, "note": 2}
@@ -98,18 +105,21 @@ def say(lines: Iterable[Line]) -> None:
 
 def _of_its_driver(figures: Figures, line: Line) -> Line:
     """Return a line that compares with the tool's work in words that fit what does the work."""
-    if "tool_work_Nmm" in figures or "support_work_Nmm" not in figures:
+    if driver(figures, "_Nmm") == "tool_work":
         return line
     return Line(line.kind, line.text.replace("the tool's work", "the supports' work"))
 
 
-def _told(figures: Figures, along_edges: str, through_quads: str) -> str:
-    """Return the one of two texts that fits how cracks ran."""
-    return through_quads if "n_copy" in figures else along_edges
-
-
 def _judged(within: bool, good: str, bad: str) -> Line:
     return Line("good", good) if within else Line("doubt", bad)
+
+
+def _limited(said: str, share: float, limit: float, why: str) -> Line:
+    """Return a line on a share that should keep to a limit; ``why`` tells what it means else."""
+    most = _percent(limit)
+    return _judged(
+        abs(share) <= limit, f"{said} (limit {most}).", f"{said}, more than {most}: {why}"
+    )
 
 
 def _percent(share: float) -> str:
@@ -118,8 +128,14 @@ def _percent(share: float) -> str:
 
 
 def _share_of_work(figures: Figures, name: str) -> float | None:
-    work = abs(figures.get("tool_work_Nmm", figures.get("support_work_Nmm", 0.0)))
-    return figures[name] / work if work > 0.0 and name in figures else None
+    """Return an energy over the driving work, None without; an energy that is not there is zero."""
+    work = abs(figures.get(f"{driver(figures, '_Nmm')}_Nmm", 0.0))
+    return figures.get(name, 0.0) / work if work > 0.0 else None
+
+
+def _is_of_a_tool(figures: Figures) -> bool:
+    # a tool at rest, against which supports move the film, does no work
+    return "tool_work_Nmm" in figures or "deepest_penetration_mm" in figures
 
 
 def _ledger(figures: Figures) -> Iterator[Line]:
@@ -131,7 +147,7 @@ def _ledger(figures: Figures) -> Iterator[Line]:
         abs(missed) <= IMBALANCE_LIMIT,
         f"The energy ledger closes within {share} of the tool's work (limit {limit}).",
         f"The imbalance of the energy ledger reaches {share} of the tool's work; it should stay "
-        f"below {limit}. Do not trust torque and energies: use a smaller time step.",
+        f"below {limit}. Do not trust forces and energies." + remedies(figures, *SMALLER_STEP),
     )
 
 
@@ -170,7 +186,7 @@ def _inertia(figures: Figures) -> Iterator[Line]:
         f"Kinetic energy stays below {share} of the tool's work (limit {limit}): inertia does "
         "not carry the load.",
         f"Kinetic energy reaches {share} of the tool's work; slow cutting has less than "
-        f"{limit}. Inertia carries part of the load: use a slower motion.",
+        f"{limit}. Inertia carries part of the load." + remedies(figures, "slower"),
     )
 
 
@@ -178,69 +194,65 @@ def _damping(figures: Figures) -> Iterator[Line]:
     damping = _share_of_work(figures, "damping_Nmm")
     if damping is None or _not_come_far(figures):
         return
-    share, limit = _percent(damping), _percent(DAMPING_LIMIT)
-    yield _judged(
-        abs(damping) <= DAMPING_LIMIT,
-        f"Damping dissipates {share} of the tool's work (limit {limit}).",
-        f"Damping dissipates {share} of the tool's work, more than {limit}: the torque is that "
-        "much too high. Film that springs open causes it: use edges shorter than half of "
-        "opening_u, a slower motion, or less damping.",
+    yield _limited(
+        f"Damping dissipates {_percent(damping)} of the tool's work",
+        damping,
+        DAMPING_LIMIT,
+        "the resistance is that much too high. Film that springs open causes it."
+        + remedies(figures, "shorter edges", "slower", "damping"),
     )
 
 
 def _contact(figures: Figures) -> Iterator[Line]:
     contact = _share_of_work(figures, "contact_Nmm")
-    if contact is None:
+    if contact is None or not _is_of_a_tool(figures):
         return
-    share, limit = _percent(contact), _percent(CONTACT_LIMIT)
-    if contact < -GIVEN_LIMIT:
-        yield Line(
-            "doubt",
-            f"Contact gave the film {_percent(-contact)} of the tool's work, more than "
-            f"{_percent(GIVEN_LIMIT)}, but contact is no source of energy: jumps were absorbed, or "
-            "nodes hit the tool so fast that a step is too long for it (Stepping.safety).",
-        )
-        return
-    yield _judged(
-        contact <= CONTACT_LIMIT,
-        f"Contact stores {share} of the tool's work (limit {limit}); friction counted "
-        "apart, it should store almost none.",
-        f"Contact stores {share} of the tool's work, more than {limit}, friction not counted: "
+    did, limit, why = (
+        "took",
+        CONTACT_LIMIT,
         "penetrations or their changes between steps are large.",
+    )
+    if contact < 0.0:
+        did, limit = "gave the film", GIVEN_LIMIT
+        why = (
+            "it is no source of energy: jumps were absorbed, or nodes hit the tool so fast that a "
+            "step is too long for it."
+        )
+    yield _limited(
+        f"Contact {did} {_percent(abs(contact))} of the tool's work, friction not counted",
+        contact,
+        limit,
+        why + remedies(figures, "finer", *SMALLER_STEP),
     )
 
 
 def _absorbed(figures: Figures) -> Iterator[Line]:
     absorbed = _share_of_work(figures, "contact_absorbed_Nmm")
-    if absorbed is None:
+    if absorbed is None or not _is_of_a_tool(figures):
         return
     if absorbed == 0.0:
         yield Line("good", "No node was set to the other flank of the blade: no jump was absorbed.")
         return
     did = "took" if absorbed > 0.0 else "gave the film"
-    share, limit = _percent(abs(absorbed)), _percent(GIVEN_LIMIT)
-    yield _judged(
-        abs(absorbed) <= GIVEN_LIMIT,
-        f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work (limit {limit}).",
-        f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work, more than {limit}: "
-        "nodes are set to the other flank of the blade. "
-        + _told(figures, "Put the blade's path into the mesh (imprint), or use", "Use")
-        + " a finer film near the tool.",
+    yield _limited(
+        f"Absorbed jumps of nodes in the tool {did} {_percent(abs(absorbed))} of the tool's work",
+        absorbed,
+        GIVEN_LIMIT,
+        "nodes are set to the other flank of the blade." + remedies(figures, "finer"),
     )
 
 
 def _self_contact(figures: Figures) -> Iterator[Line]:
     lost = _share_of_work(figures, "self_contact_lost_Nmm")
-    if lost is None:
+    if lost is None or "self_contact_Nmm" not in figures:
         return
     did = "lost" if lost >= 0.0 else "gave the film"
-    share, limit = _percent(abs(lost)), _percent(GIVEN_LIMIT)
-    yield _judged(
-        abs(lost) <= GIVEN_LIMIT,
-        f"Contact of the film with itself {did} {share} of the tool's work (limit {limit}).",
-        f"Contact of the film with itself {did} {share} of the tool's work, more than {limit}: "
-        "its parts hit each other so fast that a step is too long for it. Use a smaller "
-        "Stepping.safety.",
+    yield _limited(
+        f"Contact of the film with itself {did} {_percent(abs(lost))} of the tool's work",
+        lost,
+        GIVEN_LIMIT,
+        "its parts hit each other so fast that a step is too long for it."
+        + remedies(figures, *SMALLER_STEP),
     )
 
 
@@ -255,9 +267,8 @@ def _penetration(figures: Figures) -> Iterator[Line]:
         f"Nodes penetrate the tool by at most {depth:.3g} mm (limit {limit:.3g} mm, a quarter of "
         "its half thickness).",
         f"Nodes penetrate the tool by {depth:.3g} mm, more than a quarter of its half thickness "
-        f"({limit:.3g} mm): the film is not pushed aside as far as the tool is thick. "
-        + _told(figures, "Put the blade's path into the mesh (imprint), use", "Use")
-        + " a finer film near the tool, or a larger Contact.penalty.",
+        f"({limit:.3g} mm): the film is not pushed aside as far as the tool is thick."
+        + remedies(figures, "finer", "penalty"),
     )
 
 
@@ -271,7 +282,7 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
         f"The tool penetrates the film between nodes, without contact, by at most {depth:.3g} mm "
         f"(limit {limit:.3g} mm, half a quad's edge).",
         f"The tool penetrates the film between nodes, without contact, by {depth:.3g} mm, more "
-        f"than half a quad's edge ({limit:.3g} mm): use a finer film near the tool.",
+        f"than half a quad's edge ({limit:.3g} mm)." + remedies(figures, "finer"),
     )
 
 
@@ -282,8 +293,8 @@ def _unfelt_edges(figures: Figures) -> Iterator[Line]:
         yield Line(
             "note",
             f"Rims or flanks of the film go {depth:.3g} mm into the tool between their nodes, "
-            f"unfelt, more than half of its thickness ({limit:.3g} mm): with "
-            "Contact.film_edges = True the tool pushes them aside, or use a finer film near it.",
+            f"unfelt, more than half of its thickness ({limit:.3g} mm), and are not pushed aside."
+            + remedies(figures, "film edges", "finer"),
         )
 
 
@@ -291,11 +302,8 @@ def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
         yield Line(
             "doubt",
-            "Nothing was cut: no cable was created. "
-            + _told(
-                figures, "Put a row of edges under the path of the cutting edges (imprint); ", ""
-            )
-            + "shellcut preview draws the path.",
+            "Nothing was cut: no cable was created."
+            + " shellcut preview draws the path of the cutting edges." * _is_of_a_tool(figures),
         )
 
 
@@ -303,15 +311,15 @@ def _off_path(figures: Figures) -> Iterator[Line]:
     n, off = figures.get("n_split", 0), figures.get("n_split_off_path", 0)
     if not n:
         return
-    far = figures.get("off_path_mm", float("nan"))
+    far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
+    ahead = f", or straight ahead of it by up to {lead:.3g} mm" if lead else ""
     yield _judged(
         off == 0,
-        f"All {n:,} splits lie on the path of the cutting edges, at most {far:.2g} mm off it "
-        "(limit a fifth of an edge of the film).",
+        f"All {n:,} splits lie on the path of the cutting edges{ahead}, at most {far:.2g} mm off "
+        "it (limit a fifth of an edge of the film).",
         f"{off:,} of {n:,} splits lie more than a fifth of an edge of the film off the path of "
-        f"the cutting edges, up to {far:.3g} mm: cracks left it. "
-        + _told(figures, 'Let them go through the quads (path = "free"); the', "The")
-        + " crack map shows where.",
+        f"the cutting edges, up to {far:.3g} mm: cracks left it; the crack map shows where."
+        + remedies(figures, "through quads"),
     )
 
 
@@ -325,33 +333,50 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
         f"The edge meets cables in time: it misses {share} of the distance over which it drags "
         f"them (limit {limit}).",
         f"The edge meets cables late: it misses {share} of the distance over which it drags them, "
-        f"more than {limit}, and that share of their work. Either its motion does not go where it "
-        "points (reverse the motion), or is too fast (check more often, fracture.check_every).",
+        f"more than {limit}, and that share of their work. Its motion does not go where it points, "
+        "or is too fast." + remedies(figures, "more checks", "slower"),
     )
 
 
-def _cables(figures: Figures) -> Iterator[Line]:
-    if "cables_rel" not in figures:
+def _account(figures: Figures) -> Iterator[Line]:
+    """Yield where all that was put in went, and how much of what was dissipated was asked for."""
+    put_in, became = account(figures)
+    if not became:
         return
-    taken = figures["cables_rel"]
-    pulled = "support_work_Nmm" in figures
-    share, limit = _percent(taken), _percent(CABLES_LIMIT)
+    whole = sum(line.energy for line in put_in)
+    sources = ", ".join(f"{line.words} {line.energy:.4g}" for line in put_in)
+    parts = ", ".join(f"{line.words} {100.0 * line.share:.1f} %" for line in became)
+    yield Line("note", f"Where {whole:.4g} N·mm went ({sources}): {parts}.")
+    if not figures.get("n_cable_broken", 0):
+        return
+    asked, together = dissipated(figures)
+    if not asked:
+        return
+    first, *others = asked
+    said = f"{first.words.capitalize()} took {_percent(first.share)} of the dissipated work"
+    said += "".join(f", {line.words} {_percent(line.share)}" for line in others)
+    said += f", together {_percent(together)}" * bool(others)
+    limit = _percent(ASKED_LIMIT)
     yield _judged(
-        taken >= CABLES_LIMIT,
-        f"Cables took {share} of the dissipated work (at least {limit}).",
-        f"Cables took {share} of the dissipated work, less than {limit}: "
-        + (
-            "damping takes the rest. "
-            if pulled
-            else "the tool presses on film that does not part. "
-        )
-        + (
-            "Pull more slowly, and use"
-            if pulled
-            else _told(figures, "Put a row of edges under its path (imprint), keep", "Keep")
-            + " held nodes out of its way, and use"
-        )
-        + " edges shorter than half of opening_u.",
+        together >= ASKED_LIMIT,
+        f"{said} (at least {limit}).",
+        f"{said}, less than {limit}: damping and contact took the rest, as where "
+        + ("a tool presses on film that does not part or " * _is_of_a_tool(figures))
+        + "film springs open."
+        + remedies(figures, "shorter edges", "slower"),
+    )
+
+
+def _stored(figures: Figures) -> Iterator[Line]:
+    if "stored_growth_rel" not in figures or not _is_of_a_tool(figures):
+        return
+    stored = figures["stored_growth_rel"]
+    yield _limited(
+        f"In the steady window the film stored {_percent(stored)} of the tool's work",
+        max(stored, 0.0),
+        STORED_LIMIT,
+        "it does not give way beside the tool, as a flat film that is pressed in its plane and "
+        "does not buckle, and the resistance is higher by that much.",
     )
 
 
@@ -389,7 +414,8 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _nothing_cut,
     _off_path,
     _overshoot,
-    _cables,
+    _account,
+    _stored,
     _rotary_inertia,
     _borrowed_stress,
 )

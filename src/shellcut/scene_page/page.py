@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import write_text
 from shellcut.results.run_results import Results, read
 from shellcut.view.fields import chosen_fields
 
@@ -128,8 +128,7 @@ def view_html(
         scripts=scripts,
         footer=escape(_footer(scene, results)),
     )
-    with atomic_write(Path(path)) as temporary:
-        temporary.write_text(html, encoding="utf-8")
+    write_text(Path(path), html, errors="backslashreplace")
     names = [field.name for field in scene.taken.fields]
     size = Path(path).stat().st_size
     return ScenePage(Path(path), size, scene.taken.numbers, results.n_frame, names, scene.dropped)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
@@ -26,22 +27,12 @@ def check_parts(
 ) -> None:
     """Raise ValueError if what a simulation is given does not go together."""
     problems = [
-        *_of_other_kind("law", law, CohesiveLaw),
-        *_of_other_kind("contact", contact, Contact),
-        *_of_other_kind("fracture", fracture, Fracture),
-    ] or [
         *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
         *_without_partner(tool, motion, law, contact, fracture),
         *_not_with_path(fracture, tool),
     ]
     if problems:
         raise ValueError("; ".join(problems))
-
-
-def _of_other_kind(name: str, part: object, kind: type) -> Iterator[str]:
-    """Yield that a part is of another class than it must be."""
-    if not (part is None or isinstance(part, kind)):
-        yield f"{name} must be a {kind.__name__}, got {part!r}"
 
 
 def _negative(**numbers: float) -> Iterator[str]:
@@ -74,12 +65,6 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
     """Yield what the path of the cracks does not go with."""
     if fracture is None:
         return
-    if fracture.path == "imprint":
-        yield (
-            "Fracture.path must be 'free' or 'edges' here, got 'imprint': only ready models and "
-            "model files know how far the tool will move. Put its path into the mesh first, "
-            "imprint(mesh, blade_path(tool, motion, mesh, duration)).mesh, and take path='edges'"
-        )
     if tool is not None and fracture.anisotropy is not None:
         yield (
             "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
@@ -92,7 +77,8 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
         )
 
 
-def points_of_notch(points: Sequence[npt.ArrayLike]) -> Floats:
+@checked
+def points_of_notch(points: tuple[npt.ArrayLike, ...]) -> Floats:
     """Return the points of a notch, shape (n, 3) [mm]; refuse those that are none."""
     every = [np.asarray(point, float) for point in points]
     if (
@@ -117,6 +103,7 @@ def nodal_velocities(velocity: Floats, n_node: int) -> Floats:
     return given
 
 
+@checked
 def nodal_displacements(displacement: Floats, n_node: int) -> Floats:
     """Return displacements of all nodes, shape (n_node, 3) [mm]; refuse those that are none."""
     moved = np.asarray(displacement, float)

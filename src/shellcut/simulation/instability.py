@@ -170,7 +170,7 @@ class StabilityGuard:
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
             f"{worst} is no longer finite or explodes; the safe step was "
             f"{self._time_step.bound(s):.4g} s. "
-            + " ".join([*self._plain_causes(s), "Else lower Stepping.safety."])
+            + " ".join([*self._plain_causes(s), f"Else lower {self._of_the_step(s)}."])
         )
 
     def _balance_lost(self, s: State, book: Ledger) -> BalanceLost:
@@ -183,11 +183,17 @@ class StabilityGuard:
             f"{100 * LOST_SHARE:.0f} % of the largest energy so far (now {entries} N·mm); "
             f"{self._worst_quad(s)} is strained most. "
             + " ".join(self._plain_causes(s))
-            + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, put the "
-            "blade's path into the mesh (imprint), or lower Stepping.safety, now "
-            f"{self._time_step.stepping.safety:.3g}. A state changed by hand between two steps has "
-            "no balance either."
+            + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, or "
+            f"lower {self._of_the_step(s)}. A state changed by hand between two steps has no "
+            "balance either."
         )
+
+    def _of_the_step(self, s: State) -> str:
+        """Return the option that sets the step and its value: an unsafe fixed one does not."""
+        stepping = self._time_step.stepping
+        if stepping.fixed is not None and stepping.fixed <= self._time_step.bound(s):
+            return f"Stepping.fixed, {stepping.fixed:.4g} s"
+        return f"Stepping.safety, {stepping.safety:.3g}"
 
     def _worst_quad(self, s: State) -> str:
         return self._said(s, s.most_strained_quad())

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from shellcut.results.energy_account import PUT_IN, TAKEN_UP, total
+
 
 @dataclass
 class Ledger:
@@ -75,50 +77,18 @@ class Ledger:
         return self.damping_stiffness + self.damping_mass
 
     @property
-    def self_contact_lost(self) -> float:
-        """What the contact of the film with itself has taken and does not hold."""
-        return self.self_contact_work - self.self_contact_stored
-
-    @property
     def put_in(self) -> float:
         """Work of tool, loads and supports, and the energy at t = 0."""
-        return self.tool_work + self.load_work + self.support_work + self.initial
+        return float(total(PUT_IN, vars(self)))
 
     @property
     def taken_up(self) -> float:
         """Sum of all that the work has become."""
-        return (
-            self.kinetic
-            + self.strain
-            + self.material_dissipated
-            + self.cohesive_work
-            + self.cohesive_start_work
-            + self.joint_friction
-            + self.contact_work
-            + self.self_contact_work
-            + self.dropped
-            + self.friction_work
-            + self.damping
-        )
+        return float(total(TAKEN_UP, vars(self)))
 
     def entries(self) -> dict[str, float]:
         """Return works and energies that make up the balance, by the words for them."""
-        return {
-            "tool": self.tool_work,
-            "loads": self.load_work,
-            "supports": self.support_work,
-            "initial": self.initial,
-            "kinetic": self.kinetic,
-            "strain": self.strain,
-            "material": self.material_dissipated,
-            "cables": self.cohesive_work + self.cohesive_start_work,
-            "joint friction": self.joint_friction,
-            "contact": self.contact_work,
-            "self contact": self.self_contact_work,
-            "dropped": self.dropped,
-            "friction": self.friction_work,
-            "damping": self.damping,
-        }
+        return {part.words: part.of(vars(self)) for part in (*PUT_IN, *TAKEN_UP)}
 
     @property
     def imbalance(self) -> float:

@@ -15,12 +15,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Numbers
+from shellcut.arrays import Floats
 from shellcut.central_difference import CentralDifference
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
+from .input_checks import nodal_displacements
 from .stable_step import StableStep
 
 # Steps between two evaluations of all quads, and between two looks at what has become of their
@@ -41,13 +42,13 @@ def find_rest(
     shell: MITC4Shell,
     loads: LoadSet,
     time_step: StableStep,
+    displacement: Floats | None,
     *,
     tolerance: float,
     most_steps: int,
     most_strain: float,
-    before: tuple[Floats, Floats, Numbers],
 ) -> int:
-    """Bring the state to rest and return the number of steps it took.
+    """Move the nodes by a displacement, bring the state to rest and return the number of steps.
 
     At rest the largest nodal force that is not held is below ``tolerance`` times the largest
     reaction or load, and the largest moment on a director below that times the mean edge of a quad.
@@ -56,12 +57,17 @@ def find_rest(
     ------
     NotAtRest
         After ``most_steps``, where they have led; or when the strain energy exceeds
-        ``most_strain`` [N·mm], the film being put back to ``before``: positions, directors and
+        ``most_strain`` [N·mm], the film being put back to where it was: positions, directors and
         history.
     """
     n = state.node
+    before = n.x[: n.count].copy(), n.t[: n.count].copy(), state.history.copy()
+    if displacement is not None:
+        n.x[: n.count] += nodal_displacements(displacement, n.count)
+    n.support_rate[: n.count] = 0.0
     edge = float(np.sqrt(shell.area.mean()))
     film = _Swing(state, shell, time_step)
+    film.stop()
     for step in range(most_steps):
         loads.begin_forces(state)
         strain = shell.add_forces(state).strain_energy
@@ -100,9 +106,7 @@ class _Swing:
         self._kinetic = 0.0
 
     def stop(self) -> None:
-        n = self._state.node
-        n.velocity_half[: n.count] = 0.0
-        n.spin_half[: n.count] = 0.0
+        self._state.node.stop()
         self._dt = 0.0
 
     def kick(self, step: int) -> None:

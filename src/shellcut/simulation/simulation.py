@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
@@ -36,12 +37,8 @@ from shellcut.tool.tool import Tool
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .film_terms import FilmTerms, sums_of_stored
 from .hooks import Hook, serve
-from .input_checks import (
-    check_parts,
-    nodal_displacements,
-    nodal_velocities,
-    points_of_notch,
-)
+from .imperfection import Imperfection, number_of_shape
+from .input_checks import check_parts, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .loose_pieces import LoosePieces
@@ -75,6 +72,9 @@ class Simulation:
         Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
+    imperfection : int, optional
+        Number of the shape out of its plane with which the film begins, so that it can buckle
+        (:mod:`.imperfection`), 0 for none; by default 1 with a tool and a law, else 0.
     precision : {"double", "single"}
         Of what is kept and computed of each quad; nodes, contact and cables are double either way,
         see docs/performance.md for what it saves and what it changes.
@@ -101,6 +101,7 @@ class Simulation:
     True
     """
 
+    @checked
     def __init__(
         self,
         mesh: Mesh,
@@ -118,10 +119,12 @@ class Simulation:
         damping_alpha: float = 0.1,
         damping_beta: float = 5e-8,
         velocity: Floats | None = None,
+        imperfection: int | None = None,
         precision: Precision = "double",
         threads: int | None = None,
     ) -> None:
         check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
+        imperfection = number_of_shape(imperfection, cuts=tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
             "mesh": mesh,
@@ -138,6 +141,7 @@ class Simulation:
             "damping_beta": damping_beta,
             "precision": precision,
             "velocity": None if velocity is None else np.asarray(velocity, float),
+            "imperfection": imperfection,
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
@@ -156,7 +160,7 @@ class Simulation:
         self._let_crack(contact)
         self.time_step = StableStep(stepping, self.shell, [*touching, *self._film_terms])
         self._guard = StabilityGuard(self.mesh, self.shell, law, self.time_step)
-        self._begin()
+        self._begin(imperfection)
 
     def _bring_tool(self, contact: Contact, directional: bool) -> list[ToolTerm]:
         """Build all that touches the tool; return it in the order of evaluation."""
@@ -193,13 +197,17 @@ class Simulation:
         """Of the film with itself, if it is switched on."""
         self._film_terms = FilmTerms(own)
 
-    def _begin(self) -> None:
+    def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
         self.ledger = Ledger()
         self._mass_damping, self._dt, self._between_steps = 0.0, 0.0, True
         self._place_tool()
-        if self.contact is not None:
-            check_tool_outside(self.mesh, self.contact.tool, self.contact.grid, self.pose)
+        if (touching := self.contact) is not None:
+            check_tool_outside(self.mesh, touching.tool, touching.grid, self.pose, self.motion)
+        shape = Imperfection(imperfection, self.mesh, self.material, self.tool, self.pose)
+        shape.displace(self.state)
+        self.imperfection = shape
+        """With which the film begins."""
         self._start()
 
     def _state_at_start(self, velocity: Floats | None) -> State:
@@ -318,24 +326,16 @@ class Simulation:
         """
         if self.state.step:
             raise ValueError(f"relax before the run, not after {self.state.step} steps of it")
-        n = self.state.node
-        n.velocity_half[: n.count] = 0.0
-        n.spin_half[: n.count] = 0.0
-        n.support_rate[: n.count] = 0.0
-        history = self.state.history
-        before = n.x[: n.count].copy(), n.t[: n.count].copy(), history.copy()
-        if displacement is not None:
-            n.x[: n.count] += nodal_displacements(displacement, n.count)
         try:
             return find_rest(
                 self.state,
                 self.shell,
                 self.loads,
                 self.time_step,
+                displacement,
                 tolerance=tolerance,
                 most_steps=most_steps,
                 most_strain=self._guard.most_strain,
-                before=before,
             )
         finally:  # also where rest was not reached: a run may begin from there
             self.ledger = Ledger()
@@ -364,10 +364,11 @@ class Simulation:
             raise ValueError(
                 'cracks must go through quads, Fracture(path="free"); else cut the mesh, Mesh.cut'
             )
-        if self.state.step or self.state.is_moved:
+        if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")
         self.cracks.free.notch(self.state, points_of_notch(points))
 
+    @checked
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.
 

@@ -35,6 +35,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
@@ -66,6 +67,7 @@ _MOST_DAMPING = 1e4
 _BATCH = 32
 
 
+@checked
 @dataclass(frozen=True)
 class Stepping:
     """How the step is chosen.
@@ -93,7 +95,7 @@ class Stepping:
         problems = []
         if not 0 < self.safety <= 1:
             problems.append(f"safety must lie in (0, 1], got {self.safety!r}")
-        if not (isinstance(self.evaluate_every, int) and self.evaluate_every > 0):
+        if self.evaluate_every < 1:
             problems.append(f"evaluate_every must be a positive count, got {self.evaluate_every!r}")
         if self.fixed is not None and not 0 < self.fixed < math.inf:
             problems.append(f"fixed must be a positive time in s, got {self.fixed!r}")

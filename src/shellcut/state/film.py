@@ -100,11 +100,11 @@ class State:
         """Number of cables ever made."""
         return self.cable.count
 
-    @property
-    def is_moved(self) -> bool:
-        """Whether any node is away from its reference position."""
+    def is_moved(self, least: float) -> bool:
+        """Whether any node is farther than ``least`` [mm] from its reference position."""
         n = self.node
-        return not np.array_equal(n.x[: n.count], n.X[: n.count])
+        way = np.linalg.norm(n.x[: n.count] - n.X[: n.count], axis=1)
+        return bool(way.max() > least)
 
     def quads_at_nodes(self) -> QuadsAtNodes:
         """Return which quads are at which node now."""

@@ -72,8 +72,9 @@ class _Table:
         for name in arrays:
             old = getattr(self, name)
             shape = (max(2 * capacity, self.count + extra), *old.shape[1:])
-            # Arrays read by lanes in kernels stay stored column by column.
-            by_column = old.ndim == 2 and old.flags.f_contiguous
+            # Arrays read by lanes in kernels stay stored column by column. They have rows ahead:
+            # one row alone, which NumPy takes for both, is stored as a row.
+            by_column = old.flags.fnc
             grown = columns(*shape) if by_column else aligned_zeros(shape, old.dtype)
             grown[: self.count] = old[: self.count]
             setattr(self, name, grown)
@@ -215,6 +216,11 @@ class NodeTable(_Table):
             self.quads = np.pad(self.quads, ((0, 0), (0, max(more, self.quads.shape[1]))))
         self.quads[node, : len(quads)] = quads
         self.n_quad_at[node] = len(quads)
+
+    def stop(self) -> None:
+        """Take all velocities, and the prescribed ones, away."""
+        for rates in (self.velocity_half, self.spin_half, self.support_rate):
+            rates[: self.count] = 0.0
 
     def weigh(self, node: int, mass: float, inertia: float) -> None:
         """Set the mass [t] and rotary inertia [t·mm²] of a node."""

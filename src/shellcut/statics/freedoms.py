@@ -52,6 +52,8 @@ class Freedoms:
         Unit tangents b_1, b_2 of every director.
     free : ndarray of int, shape (n_free,)
         Indices of the free ones among the 5 n_node freedoms, in the order of the dissection.
+    load_stiffness : ndarray, shape (n_quad, 12, 12), or None
+        Of loads that follow the film, by the translations of quads [N/mm]; part of the stiffness.
     """
 
     def __init__(self, state: State) -> None:
@@ -64,7 +66,9 @@ class Freedoms:
         self._turned = np.empty(self.n_node, np.complex128)
         order = _dissection(state.node.X[: self.n_node], state.quads)
         self._order = (5 * order[:, None] + np.arange(5)).ravel()
-        self._pattern = _Pattern(_ids(state.quads), 5 * self.n_node)
+        self._ids = _ids(state.quads)
+        self._pattern = _Pattern(self._ids, 5 * self.n_node)
+        self.load_stiffness: Floats | None = None
         self.update()
 
     def update(self) -> None:
@@ -107,6 +111,8 @@ class Freedoms:
         """
         quads = self._state.quads
         tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent)
+        if self.load_stiffness is not None:
+            tangent[:, :12, :12] += self.load_stiffness
         _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
         self._cone_diagonal = self._cone_stiffness(shell)
         return self._pattern.assemble(tangent, self._cone_diagonal)
@@ -120,6 +126,10 @@ class Freedoms:
         displacement, spin = self.split(u)
         turn = np.cross(spin, self._state.node.t[: self.n_node])
         force = self.gather(*shell.tangent_product(self._state, displacement, turn, bent))
+        if self.load_stiffness is not None:
+            ids = self._ids[:, :12]
+            rows = np.einsum("eij,ej->ei", self.load_stiffness, u[ids])
+            force += np.bincount(ids.ravel(), rows.ravel(), force.size)
         return force if self._cone_diagonal is None else force + self._cone_diagonal * u
 
     def _cone_stiffness(self, shell: MITC4Shell) -> Floats | None:

@@ -26,7 +26,12 @@ the iteration, but only up to a bound, and not around a bend: where an increment
 last one, or the first one from the tangent, by more than 30°, it is repeated with half the length,
 so that the path does not change to another branch or jump over a snap.
 
-A step that does not converge is repeated from the last equilibrium with half the length.
+A step that does not converge is repeated from the last equilibrium with half the length. So is a
+load step that ends in an unstable equilibrium though it began in a stable one: Newton's iteration
+may have changed to a branch that hangs together with no other, and smaller steps stay on the
+stable one. Where the path itself loses its stability, at a bifurcation, they bracket it; the path
+then goes on along its branch. If no smaller step gets on, at a limit point, the unstable
+equilibrium is taken.
 
 *Equilibrium* is a residual below 1e-8 of the largest force. In a thin film, the round-off of
 coordinates can cause membrane forces larger than a small load; then the residual need only be below
@@ -35,8 +40,10 @@ the round-off level, but the last correction must also be small compared with th
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,6 +56,8 @@ from .freedoms import Freedoms
 from .static_results import Equilibrium
 from .tangent_solver import NoConvergence, TangentSolver
 
+_log = logging.getLogger(__name__)
+
 # At equilibrium the residual is this small relative to the largest nodal load or reaction,
 _TOLERANCE = 1e-8
 # or is at round-off level with the last correction this small relative to the path so far.
@@ -60,10 +69,37 @@ _MOST_ITERATIONS = 30
 _LARGEST_TURN = 3.0
 # Largest number of halvings of a step before the path is abandoned.
 _MOST_HALVINGS = 10
+_SMALLEST_SHARE = 0.5**_MOST_HALVINGS
+# Relative difference of load factors that are one.
+_SAME_FACTOR = 1e-12
+
+_AFTER_STEPS = (
+    "a bifurcation or a limit point lies between, and the film would buckle or snap. Its stable "
+    "branch: right after it move the film by about its thickness along Statics.modes(1).shape[0] "
+    "and call load_steps again, or give the mesh an imperfection of that shape; past a limit "
+    "point go by arc_length"
+)
+_AFTER_ARC = (
+    "one is expected from a limit point, where the load turns, to the next, and means that the "
+    "film would snap under this load. If the load has not turned there is a bifurcation: give the "
+    "mesh an imperfection of the shape Statics.modes(1).shape[0]"
+)
 
 # Increments of an arc length path turn by at most this, unless these halvings do not help.
 _SHARPEST_TURN = math.cos(math.radians(30.0))
 _MOST_TURN_HALVINGS = 4
+
+
+class _Position(NamedTuple):
+    """An equilibrium, or a state that others have moved since."""
+
+    x: Floats
+    t: Floats
+    history: Floats
+    factor: float
+    force: float
+    n_negative: int
+    moved: bool
 
 
 class LoadPath:
@@ -78,11 +114,15 @@ class LoadPath:
     ----------
     factor : float
         Load factor of the last equilibrium.
+    n_negative : int
+        Negative eigenvalues of its stiffness.
     """
 
     def __init__(self, state: State, shell: MITC4Shell, freedoms: Freedoms, loads: LoadSet) -> None:
         self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
         self.factor = 0.0
+        self.n_negative, self._moved = 0, False  # an unstressed film is stable
+        self._at_rest: TangentSolver | None = None  # of a linear film at its last equilibrium
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
         self._unbalanced = np.zeros(5 * state.n_node)
@@ -93,22 +133,33 @@ class LoadPath:
         """Return equilibria, as :meth:`shellcut.Statics.load_steps`."""
         path = []
         for factor in factors:
-            step, used = factor - self.factor, 0
-            smallest = abs(step) * 0.5**_MOST_HALVINGS
-            done = False
-            while not done:
-                done = abs(step) >= abs(factor - self.factor)
-                start = self._position()
+            # Shares of the way to the factor: sums of powers of ½, which are exact and end at 1.
+            first, done, step, used = self.factor, 0.0, 1.0, 0
+            leap: tuple[float, _Position] | None = None  # a whole step that lost stability
+            while done < 1.0:
+                start, end = self._position(), done + step
+                halve = 0.5 * step > _SMALLEST_SHARE
                 try:
-                    used += self._newton(factor if done else self.factor + step)
+                    used += self._newton(factor if end == 1.0 else first + end * (factor - first))
+                    halve = halve and not start.moved and start.n_negative == 0 < self.n_negative
+                    leap = leap or ((end, self._position()) if halve else None)
                 except NoConvergence as error:
                     self._put_back(start)
-                    step, done = 0.5 * step, False
-                    if abs(step) <= smallest:
+                    if not halve and leap:
+                        end = leap[0]
+                        self._put_back(leap[1])
+                        self.forces(self.factor)
+                    elif not halve:
                         raise NoConvergence(
                             f"{error}; the last equilibrium is at load factor {self.factor:.6g}: "
                             "follow the path by arc length"
                         ) from error
+                if halve:
+                    self._put_back(start)
+                    step *= 0.5
+                else:
+                    self._say_change(start, _AFTER_STEPS)
+                    done, step = end, min(2.0 * step, 1.0 - end)
             path.append(self._equilibrium(used))
         return path
 
@@ -121,11 +172,14 @@ class LoadPath:
         longest: float,
     ) -> list[Equilibrium]:
         """Follow the path, as :meth:`shellcut.Statics.arc_length`."""
+        start = self._position()
         self._begin_arc()
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
         while len(path) < most_steps:
             last, used, length = self._arc_step_by_halves(first, length, last)
+            self._say_change(start, _AFTER_ARC)
+            start = self._position()
             bound = longest * length if not path else bound
             path.append(self._equilibrium(used))
             length = min(length * min(2.0, math.sqrt(n_wanted / max(used, 1))), bound)
@@ -138,7 +192,12 @@ class LoadPath:
         self.freedoms.update()
         if not self.freedoms.free.size:
             raise ValueError("no freedom is left: supports hold every node and director")
+        self._take_load_stiffness(self.factor)
         self._bent = None
+
+    def leave(self) -> None:
+        """Note that others move the film from its last equilibrium."""
+        self._moved, self._at_rest = True, None
 
     def forces(self, factor: float) -> tuple[Floats, Floats, bool]:
         """Return the loads of factor 1, the residual, and whether it is practically zero."""
@@ -158,12 +217,17 @@ class LoadPath:
         self._force = max(self._force, float(np.abs(internal).max()))
         return load, residual, self._residual <= _TOLERANCE * self._force
 
-    def _solve(self, *forces: Floats) -> list[Floats]:
+    def _take_load_stiffness(self, factor: float) -> None:
+        stiffness = self._loads.stiffness(self.state)
+        self.freedoms.load_stiffness = None if stiffness is None else factor * stiffness
+
+    def _solve(self, factor: float, *forces: Floats) -> list[Floats]:
         """Return the linear solutions for forces over all freedoms."""
         freedoms = self.freedoms
+        self._take_load_stiffness(factor)
         free = freedoms.free
         self.state.history[:] = self._history
-        solver = TangentSolver(self.state, freedoms, self.shell, self._bent)
+        solver = self._at_rest or TangentSolver(self.state, freedoms, self.shell, self._bent)
         size = float(np.abs(self.state.node.x).max())
         sizes = np.tile([size, size, size, 1.0, 1.0], self.state.n_node)[free]
         self._floor = solver.largest_round_off(sizes)
@@ -179,7 +243,7 @@ class LoadPath:
         largest = float(np.sqrt(np.einsum("ni,ni->n", spin, spin).max()))
         if not largest <= _LARGEST_TURN:
             raise NoConvergence(f"a director would turn by {largest:.3g} rad in one iteration")
-        self._bent = self.freedoms.move(u)
+        self._bent, self._at_rest = self.freedoms.move(u), None
 
     # ------------------------------------------------------------------ parts
 
@@ -189,11 +253,14 @@ class LoadPath:
         way = last = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
             _, residual, small = self.forces(factor)
+            if small and not iteration and self._is_at(factor):
+                self.factor = factor
+                return 0
             if iteration and (small or self._at_round_off(last, way)):
                 self._accept(factor)
                 return iteration
             if iteration < _MOST_ITERATIONS:
-                (step,) = self._solve(residual)
+                (step,) = self._solve(factor, residual)
                 self._move(step)
                 last = _translations(step)
                 way = way + last
@@ -203,9 +270,31 @@ class LoadPath:
         )
 
     def _accept(self, factor: float) -> None:
-        """Take the present state as an equilibrium."""
-        self.factor, self._force_before = factor, self._force
-        self._history = self.state.history.copy()
+        """Take the present state as an equilibrium, and count its unstable motions."""
+        self._take_load_stiffness(factor)
+        history = self.state.history.copy()
+        self.state.history[:] = self._history  # the stiffness is that of the step that led here
+        solver = TangentSolver(self.state, self.freedoms, self.shell)
+        self.n_negative = solver.n_negative
+        self._at_rest = None if history.size else solver
+        self.state.history[:] = self._history = history
+        self.factor, self._force_before, self._moved = factor, self._force, False
+
+    def _is_at(self, factor: float) -> bool:
+        """Whether the last equilibrium, not moved since, is at this load factor."""
+        same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
+        return same and not self._moved
+
+    def _say_change(self, before: _Position, advice: str) -> None:
+        """Log that the number of unstable motions has changed, and what to do."""
+        was, n = before.n_negative, self.n_negative
+        if n != was:
+            _log.log(
+                logging.WARNING if n else logging.INFO,
+                "at load factor %.6g the film is unstable in %d motion(s), in %d at the "
+                "equilibrium before it, load factor %.6g%s",
+                *(self.factor, n, was, before.factor, f": {advice}" if n else ""),
+            )
 
     def _begin_arc(self) -> None:
         """Find the equilibrium at the present load factor, so that increments follow the path."""
@@ -220,8 +309,7 @@ class LoadPath:
         self, first: float, length: float, last: Floats | None
     ) -> tuple[Floats, int, float]:
         """Take one step; halve it if it does not converge or turns too sharply."""
-        start, before = self._position(), (self.factor, self._force_before)
-        history = self._history
+        start = self._position()
         for attempt in range(_MOST_HALVINGS):
             try:
                 increment, way, used, taken = self._arc_step(first, length, last)
@@ -233,8 +321,6 @@ class LoadPath:
                 if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
                     return increment, used, taken
                 length = taken
-                self.factor, self._force_before = before
-                self._history = history
             self._put_back(start)
             length, first = 0.5 * length, 0.5 * first
         smaller = "; use a smaller first step" if last is None else ""
@@ -254,7 +340,7 @@ class LoadPath:
             if iteration and (small or self._at_round_off(moved, total)):
                 self._accept(factor)
                 return total, way, iteration, length
-            correction, tangent = self._solve(residual, load)
+            correction, tangent = self._solve(factor, residual, load)
             # Only translations measure length: the basis of rotations turns with the directors.
             forward = _translations(tangent)
             if iteration == 0:
@@ -271,11 +357,15 @@ class LoadPath:
             total, factor = total + moved, factor + gain
         raise NoConvergence(f"arc step did not converge at load factor {factor:.6g}")
 
-    def _position(self) -> tuple[Floats, Floats]:
-        return self.state.node.x.copy(), self.state.node.t.copy()
+    def _position(self) -> _Position:
+        x, t = self.state.node.x.copy(), self.state.node.t.copy()
+        known = self.factor, self._force_before, self.n_negative, self._moved
+        return _Position(x, t, self._history, *known)
 
-    def _put_back(self, position: tuple[Floats, Floats]) -> None:
-        self.state.node.x[:], self.state.node.t[:] = position
+    def _put_back(self, position: _Position) -> None:
+        self.state.node.x[:], self.state.node.t[:], self._history = position[:3]
+        self.state.history[:], self._at_rest = self._history, None
+        self.factor, self._force_before, self.n_negative, self._moved = position[3:]
 
     def _equilibrium(self, n_iteration: int) -> Equilibrium:
         n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
@@ -291,6 +381,7 @@ class LoadPath:
             moment,
             self._energy,
             self._residual / self._force if self._force > 0.0 else 0.0,
+            self.n_negative,
         )
 
 

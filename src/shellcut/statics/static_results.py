@@ -138,6 +138,9 @@ class Equilibrium:
         Strain energy [N·mm].
     residual : float
         Largest unbalanced force over the largest force.
+    n_negative : int
+        Number of negative eigenvalues of the tangent stiffness: of motions in which the film is
+        unstable. Zero at a stable equilibrium; one is usual between two limit points.
     """
 
     factor: float
@@ -148,6 +151,7 @@ class Equilibrium:
     reaction_moment: Floats
     energy: float
     residual: float
+    n_negative: int
 
 
 @dataclass(frozen=True)
@@ -157,7 +161,8 @@ class Modes:
     Attributes
     ----------
     frequency : ndarray, shape (n,)
-        Ascending [Hz].
+        Ascending [Hz]; -|f| for a motion with a negative omega², in which the film is unstable: it
+        grows as exp(2 pi |f| t). Zero for a rigid motion without stiffness.
     shape : ndarray, shape (n, n_node, 3)
         Displacements with largest component 1.
     """

@@ -2,8 +2,9 @@
 
 The residual is that of the explicit driver (loads minus internal forces), the tangent is the
 derivative of the same kernel, and supports hold the same motions, so an equilibrium found here is
-one of the explicit driver, too. Dead loads are conservative; the tangent omits the stiffness of
-following pressure and of dead moments, which increases iterations but not the error.
+one of the explicit driver, too. Of loads that follow the film the tangent has the symmetric part:
+that of following pressure; of dead moments, whose tangent is antisymmetric, nothing. What is left
+out increases iterations but not the error.
 
 The parts: :mod:`shellcut.statics.tangent_solver`, :mod:`shellcut.statics.load_path`,
 :mod:`shellcut.statics.vibration`.
@@ -17,6 +18,7 @@ from numbers import Integral, Real
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
@@ -75,6 +77,7 @@ class Statics:
         depends on the rate of strain.
     """
 
+    @checked
     def __init__(
         self,
         mesh: Mesh,
@@ -120,6 +123,7 @@ class Statics:
                 raise ValueError(
                     f"{name} must be finite and of shape ({n}, 3), got {np.shape(value)}"
                 )
+        self._path.leave()
         self.state.node.x[:n] += displacement
         if rotation is not None:
             turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(rotation, float))
@@ -172,7 +176,10 @@ class Statics:
     def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
         """Return the equilibria at given load factors, by Newton's iteration.
 
-        Starts from the present state and load factor. Steps that do not converge are halved.
+        Starts from the present state and load factor. Steps that do not converge are halved, and
+        so are those that end in an unstable equilibrium. Where the path itself becomes unstable a
+        warning says at which load factor, and what to do; ``n_negative`` of an equilibrium tells
+        how many of its motions are unstable.
 
         Raises
         ------
@@ -194,7 +201,8 @@ class Statics:
     ) -> list[Equilibrium]:
         """Follow the load path by arc length, through limit points.
 
-        The path starts at the equilibrium at the present load factor.
+        The path starts at the equilibrium at the present load factor. Its equilibria may be
+        unstable, as between two limit points: see their ``n_negative``.
 
         Parameters
         ----------
@@ -222,7 +230,7 @@ class Statics:
         return self._path.arc_length(first, until, n_wanted, most_steps, longest)
 
     def modes(self, n: int, *, true_inertia: bool = True) -> Modes:
-        """Return the ``n`` lowest free vibrations about the present state.
+        """Return the ``n`` lowest free vibrations about the present state, unstable ones first.
 
         Parameters
         ----------
@@ -235,6 +243,8 @@ class Statics:
         ------
         ValueError
             If there are fewer.
+        NoConvergence
+            If not all of the lowest were found.
         """
         self._path.begin()
         freedoms, mass = self._freedoms, self._mass(true_inertia)
@@ -249,7 +259,7 @@ class Statics:
             displacement, _ = freedoms.split(freedoms.fill(q[:, k]))
             largest = np.abs(displacement).max()
             shapes.append(displacement / largest if largest > 0.0 else displacement)
-        frequency = np.sqrt(np.maximum(q2, 0.0)) / (2.0 * np.pi)
+        frequency = np.sign(q2) * np.sqrt(np.abs(q2)) / (2.0 * np.pi)
         return Modes(frequency, np.array(shapes))
 
     def largest_frequency(self) -> float:

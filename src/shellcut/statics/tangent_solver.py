@@ -20,6 +20,14 @@ the diagonal is zero, so the factors stay as sparse as the order of the freedoms
 *Condition* is the largest absolute row sum of the scaled stiffness over the energy, through the
 strains again, of its softest motion, found by inverse iteration.
 
+*Negative eigenvalues* of the stiffness belong to motions in which an equilibrium is unstable. A
+congruence keeps their number (Sylvester's law of inertia): with all pivots on the diagonal the
+factors of a symmetric matrix are L D Lᵀ, and the diagonal of U is D. The number is that of A, too,
+if the spectral radius of I - M⁻¹ A is below one: M - t (M - A) is then regular from t = 0 to 1, so
+that no eigenvalue changes its sign on the way. A few products estimate the radius. Where it is
+larger, as with free rigid motions, or a pivot is off the diagonal, the least shift is added for
+which this holds: what is negative by less than that, some digits of round-off, counts as zero.
+
 *Error.* In the softest motions M may be too stiff by eps times the condition, and underestimates
 the error there by the same factor. The reported error is ``|e| / |q|`` times one plus a hundred
 times that.
@@ -27,7 +35,9 @@ times that.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -48,6 +58,10 @@ LARGEST_ERROR = 1e-4
 _MOST_PRODUCTS = 40
 _MOST_CORRECTIONS = 3
 _N_INVERSE = 3
+
+# Largest spectral radius of I - M⁻¹ A at which pivots count eigenvalues, and its power iterations.
+_ALIKE = 0.1
+_N_POWER = 4
 
 # Smallest ratio of a diagonal to its column for a pivot, if factors without this rule fail.
 _PIVOT = 0.1
@@ -108,14 +122,7 @@ class TangentSolver:
     def _factorise(self, pivot: float) -> None:
         self._pivot = pivot
         try:
-            # The free freedoms are already in a good order.
-            self._factor = scipy.sparse.linalg.splu(
-                self._matrix,
-                permc_spec="NATURAL",
-                diag_pivot_thresh=pivot,
-                relax=20,
-                options={"SymmetricMode": True},
-            )
+            self._factor = _factors(self._matrix, pivot)
         except RuntimeError as error:
             rigid = free_rigid_motions(self._freedoms, self._state)
             raise NoConvergence(_SINGULAR + _said(rigid)) from error
@@ -164,6 +171,17 @@ class TangentSolver:
         largest = float(self._row_sums(np.ones(self._scale.size)).max(initial=0.0))
         return largest / least if least > 0.0 else float("inf")
 
+    @cached_property
+    def n_negative(self) -> int:
+        """Number of negative eigenvalues of the stiffness, shift included."""
+        product, factor, pivots = self._product, self._factor, _pivots(self._factor)
+        shift = 100.0 * _EPS * float(self._row_sums(np.ones(self._scale.size)).max())
+        while pivots is None or not _departure(factor, product, self._scale.size) <= _ALIKE:
+            S = self._matrix + shift * scipy.sparse.eye_array(self._scale.size, format="csc")
+            factor = _factors(S, 0.0)
+            product, pivots, shift = S.__matmul__, _pivots(factor), 10.0 * shift
+        return int((pivots < 0.0).sum())
+
     @property
     def error(self) -> float:
         """Estimate of the relative error of the last solution, in scaled freedoms."""
@@ -205,6 +223,34 @@ class TangentSolver:
 
     def _row_sums(self, size: Floats) -> Floats:
         return np.asarray(abs(self._matrix) @ size)
+
+
+def _factors(matrix: scipy.sparse.csc_array, pivot: float) -> Any:
+    """Return the factors of a symmetric matrix whose rows are already in a good order."""
+    return scipy.sparse.linalg.splu(
+        matrix,
+        permc_spec="NATURAL",
+        diag_pivot_thresh=pivot,
+        relax=20,
+        options={"SymmetricMode": True},
+    )
+
+
+def _pivots(factor: Any) -> Floats | None:
+    """Return the pivots D of L D Lᵀ, or None if one lies off the diagonal."""
+    on_diagonal = np.array_equal(factor.perm_r, factor.perm_c)
+    return np.asarray(factor.U.diagonal()) if on_diagonal else None
+
+
+def _departure(factor: Any, product: Callable[[Floats], Floats], size: int) -> float:
+    """Return about the spectral radius of I - M⁻¹ A for factors of M and the product with A."""
+    y = factor.solve(np.random.default_rng(0).uniform(-1.0, 1.0, size))
+    largest = 0.0
+    for _ in range(_N_POWER):
+        y = y / max(float(np.linalg.norm(y)), np.finfo(float).tiny)
+        y = y - factor.solve(product(y))
+        largest = max(largest, float(np.linalg.norm(y)))
+    return largest
 
 
 def _said(rigid: list[str]) -> str:

@@ -18,22 +18,23 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
+from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
 from shellcut.model_file.reader import ModelVariants
 from shellcut.numerics.threads import available_cores
 
 from .curve_misfit import FitCurve
 from .engines import engine_of
-from .fit_result import FitResult, result_of
+from .fit_result import FIT, PICTURE, FitResult, result_of
 from .fit_runs import FitRuns, OutOfRuns
 from .free_parameters import FreeParameters
+from .one_run import STOP
 from .study import FEW_FILES
 
 if TYPE_CHECKING:
@@ -130,6 +131,8 @@ def fit(
     ------
     ModelFileError, ValueError
         With what is wrong with model, keys, bounds or curves, before anything runs.
+    FileExistsError
+        If a file of the fit in the folder is somebody else's.
     RuntimeError
         If the run at the start fails.
 
@@ -149,9 +152,10 @@ def fit(
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
     engine = engine_of(executor, default_jobs=available_cores())
-    folder = Path(out)
+    folder = folder_named(out)
     folder.mkdir(parents=True, exist_ok=True)
     with closing(FolderLock(folder)):
+        claim(folder, [FIT, PICTURE, STOP])
         runs = FitRuns(variants, parameters, tuple(curves), folder, engine, search.max_runs, say)
         runs.begin()
         try:

@@ -23,7 +23,7 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison
 
 from .curve_misfit import independent_points, residuals
@@ -123,8 +123,7 @@ class FitResult:
                 for one, settings in zip(self.comparisons, self.settings, strict=True)
             ],
         }
-        with atomic_write(folder / FIT) as temporary:
-            temporary.write_text(_json(figures), encoding="utf-8")
+        write_text(folder / FIT, _json(figures))
         if importlib.util.find_spec("matplotlib") is not None:
             from shellcut.view.fit_picture import FittedCurve, draw_fit
 

@@ -12,6 +12,7 @@ import time
 import traceback
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,7 +20,7 @@ from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import CHECKPOINT, SUMMARY
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import log_file, write_text
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.case import Case, check_length
@@ -124,7 +125,7 @@ def _run_or_say(task: Task) -> Outcome:
         # Not in the folder, where no run may have begun.
         beside = folder.with_suffix(".error")
         with contextlib.suppress(OSError):
-            beside.write_text(traceback.format_exc(), encoding="utf-8")
+            write_text(beside, traceback.format_exc())
         reason = f"{type(error).__name__}: {_one_line(error)} (traceback in {beside.name})"
         return Outcome("failed", reason, seconds=time.perf_counter() - began)
     seconds = time.perf_counter() - began
@@ -168,13 +169,13 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     model = model_of_text(task.model, USED)
     with _library_said() as log, contextlib.suppress(RunEnded):
         case, recorder = _begun(model, folder, resume=resume)
-        _write(folder / USED, task.model)
-        log.setTarget(logging.FileHandler(folder / LOG, encoding="utf-8"))
+        write_text(folder / USED, task.model)
+        log.setTarget(_LogFile(folder / LOG))
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
             return None
     figures: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    _write(folder / OUTCOME, json.dumps({"key": task.key, "figures": figures}, indent=1))
+    write_text(folder / OUTCOME, json.dumps({"key": task.key, "figures": figures}, indent=1))
     return figures
 
 
@@ -198,6 +199,11 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
     return case, Recorder(case.simulation, folder, **options)
 
 
+class _LogFile(logging.FileHandler):
+    def _open(self) -> TextIOWrapper:
+        return log_file(Path(self.baseFilename))
+
+
 @contextlib.contextmanager
 def _library_said() -> Iterator[logging.handlers.MemoryHandler]:
     """Keep what the library logs for the log of a run, and show it nowhere else.
@@ -219,11 +225,6 @@ def _library_said() -> Iterator[logging.handlers.MemoryHandler]:
         handler.close()  # and writes what is left
         if target is not None:
             target.close()
-
-
-def _write(path: Path, text: str) -> None:
-    with atomic_write(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
 
 
 def _one_line(error: BaseException) -> str:

@@ -7,12 +7,14 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
+from shellcut.files.whole_file import exclusive
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
 from shellcut.numerics.threads import available_cores
@@ -128,6 +130,8 @@ def sweep(
         If factors and design do not fit together.
     FolderInUse
         If another study runs in the folder.
+    FileExistsError
+        If ``study.toml`` or another file of the study in the folder is somebody else's.
     KeyboardInterrupt
         After Ctrl-C, when all runs have stopped with a checkpoint.
 
@@ -142,11 +146,12 @@ def sweep(
     >>> [row["torque_plateau_Nmm"] for row in found.rows]  # doctest: +SKIP
     [139.8, 146.1]
     """
+    folder = folder_named(out)
     several, single = factors_of(factors)
     given = {**FEW_FILES, **(settings or {}), **single}
     planned = plan(str(model), given, several, design or Design())
     engine = engine_of(executor, default_jobs=available_cores())
-    return run_study(planned, Path(out), engine, say)
+    return run_study(planned, folder, engine, say)
 
 
 def run_study(
@@ -155,6 +160,7 @@ def run_study(
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     folder.mkdir(parents=True, exist_ok=True)
     with closing(FolderLock(folder)):
+        claim(folder, [STUDY, TABLE, STOP])
         write_study(folder / STUDY, planned)
         found = done_before(planned, folder)
         progress = StudyProgress(planned, len(found), engine.jobs, say)
@@ -207,7 +213,8 @@ def carry_out(
     (folder / STOP).unlink(missing_ok=True)  # of a study that was killed while it stopped
 
     def stop() -> None:
-        (folder / STOP).touch()
+        with suppress(FileExistsError), open(folder / STOP, "wb", opener=exclusive):
+            pass
         progress.say("stopping: the runs under way keep their checkpoints ...")
 
     written = time.monotonic()

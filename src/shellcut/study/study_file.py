@@ -24,7 +24,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shellcut.files.regular_file import read_regular
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import write_text
 from shellcut.model_file.errors import ModelFileError, Problem, guess
 from shellcut.model_file.source import parse
 from shellcut.model_file.writer import written
@@ -150,8 +150,7 @@ def write_study(path: Path, planned: Plan) -> None:
     ]
     if planned.design.n is not None:
         lines += [f"n = {planned.design.n}", f"seed = {planned.design.seed}"]
-    with atomic_write(path) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def _figures_line(path: Path, planned: Plan) -> list[str]:

@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import write_text
 from shellcut.results.summary_figures import LABELS
 
 from .one_run import Outcome
@@ -39,9 +39,8 @@ def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Pa
     for run in plan.runs:
         writer.writerow(_row(run, keys, figures, outcomes.get(run.number)))
     path = folder / TABLE
-    with atomic_write(path) as temporary:
-        # Excel takes UTF-8 for what it is only with this mark.
-        temporary.write_text(text.getvalue(), encoding="utf-8-sig")
+    # Excel takes UTF-8 for what it is only with this mark.
+    write_text(path, text.getvalue(), "utf-8-sig")
     return path
 
 

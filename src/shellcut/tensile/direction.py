@@ -117,7 +117,11 @@ class Direction:
 
     def sentences(self) -> list[str]:
         """Return what to know before the figures are used."""
-        said = [f"{one.specimen.name}: {text}" for one in self.figures for text in one.sentences]
+        said = [
+            f"{one.specimen.name}: {text}"
+            for one in self.figures
+            for text in (*one.specimen.notes, *one.sentences)
+        ]
         n = len(self.figures)
         if n == 1:
             said.append("one specimen: the scatter is unknown")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from math import isfinite
 from pathlib import Path
@@ -12,14 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.file_list import claim
+from shellcut.files.whole_file import write_text
 from shellcut.formats.errors import FileError
 
+from .columns import Choice
 from .direction import MEASURES, Direction
 from .figures import figures_of
 from .specimen import SpecimenSize, read_specimens
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+
+PICTURE = "tensile.png"
+"""Of the command, beside the files of :meth:`TensileTest.write`."""
 
 _LAW = ("strength", "plateau", "opening_a", "opening_p", "opening_u", "onset")
 
@@ -41,10 +46,19 @@ class TensileTest:
     """By name, as MD and CD; the name is empty if none was given."""
     offset: float
     """Plastic strain at yield [-]."""
+    files: tuple[Path, ...] = ()
+    """The tables that were read."""
+
+    def columns(self) -> list[str]:
+        """Return in words from which columns of the files strains and stresses come."""
+        files: dict[str, list[str]] = {}
+        for specimen in (one.specimen for all_ in self._all() for one in all_.figures):
+            files.setdefault(specimen.columns, []).append(specimen.name)
+        return [f"{', '.join(names)}: {columns}" for columns, names in files.items()]
 
     def sentences(self) -> list[str]:
         """Return what to know before the figures are used, in all directions."""
-        said = [
+        said = self.columns() + [
             f"{name}: {text}" if name else text
             for name, one in self.directions.items()
             for text in one.sentences()
@@ -106,11 +120,13 @@ class TensileTest:
         -------
         list of Path
             Of the files; names end in the direction, as ``hardening_MD.csv``.
+
+        Raises
+        ------
+        FileExistsError
+            If one of them was read here, or is somebody else's; nothing is written then.
         """
-        out = Path(folder)
-        out.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(self.figures(), indent=2, ensure_ascii=False)
-        written = [_write(out / "tensile.json", text + "\n")]
+        texts = {"tensile.json": json.dumps(self.figures(), indent=2, ensure_ascii=False) + "\n"}
         for name, one in self.directions.items():
             end = f"_{name}" if name else ""
             strain, stress, scatter, n = one.hardening()
@@ -121,13 +137,17 @@ class TensileTest:
                     f"{x:.6g},{y:.6g},{s:.3g}"
                     for x, y, s in zip(strain, stress, np.nan_to_num(scatter), strict=True)
                 ]
-                written.append(_write(out / f"hardening{end}.csv", "\n".join(rows) + "\n"))
+                texts[f"hardening{end}.csv"] = "\n".join(rows) + "\n"
             if section := one.material():
-                written.append(_write(out / f"material{end}.toml", section))
+                texts[f"material{end}.toml"] = section
             if law := one.law():
                 lines = [f"# fracture energy {law.fracture_energy:.6g} N/mm, from tensile tests"]
                 lines += ["[cohesive]", *(f"{key} = {getattr(law, key):.6g}" for key in _LAW)]
-                written.append(_write(out / f"law{end}.toml", "\n".join(lines) + "\n"))
+                texts[f"law{end}.toml"] = "\n".join(lines) + "\n"
+        claim(folder, [*texts, PICTURE], self.files)
+        written = [Path(folder) / name for name in texts]
+        for path, text in zip(written, texts.values(), strict=True):
+            write_text(path, text, errors="backslashreplace")
         return written
 
     def plot(self, path: str | os.PathLike[str]) -> Path:
@@ -163,21 +183,30 @@ def tensile(
     width: float | None = None,
     thickness: float | None = None,
     offset: float = 0.002,
+    columns: Choice = None,
+    units: str | Sequence[str] | None = None,
 ) -> TensileTest:
     """Evaluate tensile tests: modulus, yield, strength, hardening curve, a cohesive law.
 
     Parameters
     ----------
     files : path, paths, or mapping from directions to paths
-        Tables of nominal stress and strain, or of force and extension, one specimen or several in
-        each. The unit in a heading says what a column is; a word of it, as in "stress MD [MPa]",
-        may name the direction.
+        Tables of stress and strain, nominal or true, or of force and extension, one specimen or
+        several in each. Name and unit in a heading say what a column is; a word of it, as in
+        "stress MD [MPa]", may name the direction.
     gauge_length : float, optional, [mm]
         Length over which the strain was measured; needed for the law, and for extensions.
     width, thickness : float, optional, [mm]
         Of the specimens; needed for forces.
     offset : float
         Plastic strain at yield [-].
+    columns : str or sequence of str and int, optional
+        Columns to use in all files, by heading or number from 1, as ``"Strain, Stress"`` (separated
+        by semicolons where a heading has a comma); their units say which is which. By default
+        those whose names and units agree.
+    units : str or sequence of str, optional
+        Units of these columns, or of strain and stress, as ``"%, MPa"``, or of all columns; by
+        default those of the headings.
 
     Returns
     -------
@@ -188,7 +217,7 @@ def tensile(
     FileError
         For files that cannot be read: all of them, with lines.
     ValueError
-        For dimensions and offsets that are not above 0.
+        For dimensions and offsets that are not above 0, and unknown units.
 
     Examples
     --------
@@ -207,10 +236,11 @@ def tensile(
     groups = files if isinstance(files, Mapping) else {"": files}
     found: dict[str, Direction] = {}
     problems: list[str] = []
-    for direction, paths in groups.items():
-        for path in _listed(paths):
+    tables = {direction: _listed(paths) for direction, paths in groups.items()}
+    for direction, paths in tables.items():
+        for path in paths:
             try:
-                specimens = read_specimens(path, piece, direction)
+                specimens = read_specimens(path, piece, direction, columns, units)
             except FileError as problem:
                 problems.append(str(problem))
                 continue
@@ -226,10 +256,12 @@ def tensile(
         raise ValueError("\n".join(problems))
     if not found:
         raise ValueError("there must be at least one file")
-    return TensileTest(found, offset)
+    return TensileTest(
+        found, offset, tuple(path for several in tables.values() for path in several)
+    )
 
 
-def _listed(paths: Paths) -> Iterable[str | Path]:
+def _listed(paths: Paths) -> list[Path]:
     if isinstance(paths, str | os.PathLike):
         return [Path(paths)]
     return [Path(path) for path in paths]
@@ -237,9 +269,3 @@ def _listed(paths: Paths) -> Iterable[str | Path]:
 
 def _plain(values: dict[str, Any]) -> dict[str, Any]:
     return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in values.items()}
-
-
-def _write(path: Path, text: str) -> Path:
-    with atomic_write(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return path

@@ -1,9 +1,10 @@
 """Figures of one specimen: :func:`figures_of`.
 
-The modulus is the slope of a straight line through the elastic range (ISO 527: strains of 0.05 to
-0.25 % after the slack); the line's zero corrects the strains. Yield is where the curve meets that
-line moved by the offset. After the strength the strain is taken to gather in one place; the rest of
-the gauge length gives back its elastic strain,
+The modulus is the slope of the regression line between strains of 0.05 and 0.25 % (ISO 527-1),
+counted from where this line has no stress; that zero corrects all strains. A foot, where the
+specimen is being straightened and the curve gets steeper, lies before the line. Yield is where the
+curve meets the line moved by the offset. After the strength the strain is taken to gather in one
+place; the rest of the gauge length gives back its elastic strain,
 
     opening / gauge length = (strain - strain of the strength) + (strength - stress) / modulus.
 """
@@ -11,6 +12,7 @@ the gauge length gives back its elastic strain,
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,11 +21,14 @@ from shellcut.arrays import Floats
 from .specimen import BROKEN, Specimen
 
 ELASTIC = (0.0005, 0.0025)
-"""Strains between which the modulus is measured, after the slack (ISO 527-1)."""
+"""Strains between which the modulus is measured, from the line's own zero (ISO 527-1)."""
 
-_SLACK = 0.02  # of the strength: until then the specimen is being straightened
-_RISEN = 0.2  # of the strength: slack ends below this
-_BENT = 0.9  # slope of the upper half of the elastic range over that of the lower half
+_SLACK = 0.02  # of the strength: the first guess of the line's zero
+_RISEN = 0.5  # of the strength: slack and foot end below this
+_STEEPER = 1.03  # slope of a stretch over that before it, in a foot
+_BENT = 0.9  # slope of the upper half of the elastic range over that of the lower half: said
+_YIELDS = 0.5  # the same: the upper half is no elastic range
+_TURNS = 50  # of the search for the line whose zero its range is counted from
 _FEW = 5  # points of a trustworthy line
 _LOOSE = 0.05  # relative error of the modulus that is worth a word
 _FALLEN = 0.8  # of the strength: a record that ends above shows no fall
@@ -129,41 +134,137 @@ def _peak(stress: Floats) -> int:
     return int(np.flatnonzero(stress >= stress.max() - _NOISE * noise)[-1])
 
 
+class _Line(NamedTuple):
+    slope: float
+    """[MPa]"""
+    zero: float
+    """Strain without stress [-]."""
+    error: float
+    """Standard error of the slope [MPa]; NaN for a secant."""
+    low: float
+    high: float
+    """Range of strain [-]."""
+    n: int
+    """Points in it."""
+
+    def steeper_than(self, other: _Line, by: float) -> bool:
+        """Return whether the slope is that many times the other's, beyond noise."""
+        noise = np.nan_to_num([self.error, other.error])
+        apart = self.slope - other.slope > 3.0 * float(np.hypot(*noise))
+        return apart and self.slope > by * other.slope
+
+
 def _elastic_line(strain: Floats, stress: Floats, said: list[str]) -> tuple[float, float, float]:
     # slope, its standard error, strain at zero stress
     strength = stress[-1]
     risen = int(np.argmax(stress >= _RISEN * strength))
     below = np.flatnonzero(stress[: risen + 1] < _SLACK * strength)
-    start = float(strain[below[-1]]) if len(below) else float(strain[0])
-    low, high = start + ELASTIC[0], start + ELASTIC[1]
-    inside = (strain >= low) & (strain <= high)
-    while inside.sum() >= 2 * _FEW and _bends(strain[inside], stress[inside]):
-        high = low + 0.5 * (high - low)
-        inside = (strain >= low) & (strain <= high)
-    if high < start + ELASTIC[1]:
+    zero = float(strain[below[-1]]) if len(below) else float(strain[0])
+    least = float(strain[0]) - ELASTIC[0]  # the range begins within the record
+    line = None
+    for turn in range(_TURNS):
+        line = _within(strain, stress, zero)
+        if line is None:
+            break
+        found = max(line.zero, least)
+        if abs(found - zero) < 1e-12:
+            break
+        # halfway where a range gains and loses the same points in turn
+        zero = found if turn < _TURNS // 2 else 0.5 * (zero + found)
+    if line is None:
+        line = _first_points(strain, stress, zero, said)
+    else:
+        _say_range(strain, stress, line, said)
+    foot = line
+    while above := _within(strain, stress, line.high - ELASTIC[0]):
+        if above.high > strain[risen] or not above.steeper_than(line, _STEEPER):
+            break
+        line = above
+    if line is not foot:
         said.append(
-            f"the curve bends below a strain of {100 * ELASTIC[1]:g} %: modulus from the part up "
-            f"to {100 * (high - start):.2g} %"
+            f"the curve gets steeper up to a strain of {100 * line.low:.2g} %, a foot: modulus "
+            f"from there to {100 * line.high:.2g} %"
         )
-    n = int(inside.sum())
-    if n < _FEW:
-        first = int(np.searchsorted(strain, start))
-        inside = np.zeros(len(strain), dtype=bool)
-        inside[max(0, min(first, len(strain) - _FEW)) :][:_FEW] = True
-        said.append(
-            f"only {n} points between strains of {100 * ELASTIC[0]:g} and {100 * ELASTIC[1]:g} % "
-            f"({_FEW} are needed): modulus from the first {int(inside.sum())} points, up to "
-            f"{100 * float(strain[inside][-1] - start):.2g} %; it may be too low"
-        )
-    slope, level, error = _line(strain[inside], stress[inside])
-    if not slope > 0.0:
+    if not line.slope > 0.0:
         raise ValueError(
             "the stress must rise with the strain in the elastic range, got a modulus of "
-            f"{slope:.3g} MPa; does the record start before the test?"
+            f"{line.slope:.3g} MPa; does the record start before the test?"
         )
-    if error > _LOOSE * slope:
-        said.append(f"the modulus is uncertain by {error / slope:.0%}: noise, or too few points")
-    return slope, error, -level / slope
+    if line.error > _LOOSE * line.slope:
+        told = line.error / line.slope
+        said.append(f"the modulus is uncertain by {told:.0%}: noise, or too few points")
+    return line.slope, line.error, line.zero
+
+
+def _within(strain: Floats, stress: Floats, zero: float) -> _Line | None:
+    # the line of the elastic range counted from a zero; None where the record has no such range
+    low, high = zero + ELASTIC[0], min(zero + ELASTIC[1], float(strain[-1]))
+    if strain[0] > low + 1e-12 or not low < high:
+        return None
+    line = _regression(strain, stress, low, high)
+    if line.n < _FEW and high < zero + ELASTIC[1] - 1e-12:
+        return None
+    while line.n >= 2 * _FEW:
+        lower, upper = _halves(strain, stress, line)
+        if not lower.steeper_than(upper, 1.0 / _YIELDS):
+            break
+        line = _regression(strain, stress, low, 0.5 * (line.low + line.high))
+    return line
+
+
+def _regression(strain: Floats, stress: Floats, low: float, high: float) -> _Line:
+    # or the secant of a range with few points (ISO 527-1 allows both)
+    inside = (strain >= low - 1e-12) & (strain <= high + 1e-12)
+    n = int(inside.sum())
+    if n >= _FEW:
+        slope, level, error = _line(strain[inside], stress[inside])
+    else:
+        ends = np.array([low, high])
+        slope, level, error = _line(ends, np.interp(ends, strain, stress))
+        error = float("nan")
+    zero = -level / slope if slope > 0.0 else low - ELASTIC[0]
+    return _Line(slope, zero, error, low, high, n)
+
+
+def _halves(strain: Floats, stress: Floats, line: _Line) -> tuple[_Line, _Line]:
+    middle = 0.5 * (line.low + line.high)
+    return (
+        _regression(strain, stress, line.low, middle),
+        _regression(strain, stress, middle, line.high),
+    )
+
+
+def _first_points(strain: Floats, stress: Floats, zero: float, said: list[str]) -> _Line:
+    first = max(0, min(int(np.searchsorted(strain, zero)), len(strain) - _FEW))
+    x, y = strain[first:][:_FEW], stress[first:][:_FEW]
+    slope, level, error = _line(x, y)
+    said.append(
+        f"the record does not span strains of {100 * ELASTIC[0]:g} to {100 * ELASTIC[1]:g} %: "
+        f"modulus from its first {len(x)} points, up to {100 * float(x[-1] - zero):.2g} %"
+    )
+    return _Line(slope, -level / slope if slope else zero, error, float(x[0]), float(x[-1]), len(x))
+
+
+def _say_range(strain: Floats, stress: Floats, line: _Line, said: list[str]) -> None:
+    span = f"strains of {100 * ELASTIC[0]:g} and {100 * ELASTIC[1]:g} %"
+    if line.n < _FEW:
+        said.append(
+            f"only {line.n} points between {span} ({_FEW} are needed): modulus from the secant of "
+            "interpolated stresses; it may be too low"
+        )
+    elif line.high - line.low < 0.99 * (ELASTIC[1] - ELASTIC[0]):
+        why = "the film yields" if line.high < strain[-1] else "the curve ends"
+        said.append(
+            f"{why} between {span}: modulus from the part up to "
+            f"{100 * (line.high - line.zero):.2g} %, not that of ISO 527"
+        )
+    elif line.n >= 2 * _FEW:
+        lower, upper = _halves(strain, stress, line)
+        if lower.steeper_than(upper, 1.0 / _BENT):
+            said.append(
+                f"the curve bends between {span}: {lower.slope:.4g} MPa in the lower half, "
+                f"{upper.slope:.4g} MPa in the upper"
+            )
 
 
 def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
@@ -175,13 +276,6 @@ def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
     rest = y - level - slope * x
     error = float(np.sqrt((rest @ rest) / max(len(x) - 2, 1) / spread))
     return slope, level, error
-
-
-def _bends(strain: Floats, stress: Floats) -> bool:
-    half = len(strain) // 2
-    lower, _, lower_error = _line(strain[:half], stress[:half])
-    upper, _, upper_error = _line(strain[half:], stress[half:])
-    return upper < _BENT * lower and lower - upper > 3.0 * float(np.hypot(lower_error, upper_error))
 
 
 def _yield(

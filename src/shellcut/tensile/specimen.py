@@ -1,11 +1,15 @@
 """Nominal stress-strain curves from tables of test machines: :func:`read_specimens`.
 
-The unit in a heading says what a column is: ``%`` or ``-`` strain, ``mm`` extension, ``MPa``
-stress, ``N`` force. Each stress belongs to the strain before it; one strain may serve all stresses.
+:mod:`shellcut.tensile.columns` says which columns are strain (or extension) and stress (or force).
+True strains and stresses become nominal ones, at constant volume:
+
+    nominal strain = exp(true strain) - 1,    nominal stress = true stress / (1 + nominal strain).
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
@@ -14,9 +18,10 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.formats.errors import FileError
-from shellcut.formats.number_table import Heading, NumberTable, read_number_table
+from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.results.measured_curve import curve_of_columns
-from shellcut.unit import dimension
+
+from .columns import Choice, Column, specimen_columns
 
 BROKEN = 0.1
 """A specimen is broken when the stress has fallen below this part of its strength (ISO 527-1)."""
@@ -68,11 +73,18 @@ class Specimen:
     """Force over the undeformed section [MPa], shape (n,)."""
     broken: bool
     """Whether the record shows the break; otherwise it ends before."""
+    columns: str
+    """From which columns, in words."""
     notes: tuple[str, ...] = ()
+    """What was done to them, and what to know of them."""
 
 
 def read_specimens(
-    path: str | Path, piece: SpecimenSize | None = None, direction: str = ""
+    path: str | Path,
+    piece: SpecimenSize | None = None,
+    direction: str = "",
+    columns: Choice = None,
+    units: str | Sequence[str] | None = None,
 ) -> list[Specimen]:
     """Read all specimens of a table.
 
@@ -83,6 +95,8 @@ def read_specimens(
         Needed for columns of extension (gauge length) and force (width and thickness).
     direction : str
         In which the specimens were cut, as MD.
+    columns, units : optional
+        See :func:`shellcut.tensile.columns.specimen_columns`.
 
     Raises
     ------
@@ -92,47 +106,19 @@ def read_specimens(
     """
     table = read_number_table(path)
     size = piece or SpecimenSize()
-    found = []
-    for number, (x, y) in enumerate(_pairs(table, size), start=1):
-        found.append(_specimen(_rows_of(table, x, y), (x, y), number, (size, direction)))
-    return found
-
-
-def _pairs(table: NumberTable, piece: SpecimenSize) -> list[tuple[int, int]]:
-    # the columns of strain (or extension) and stress (or force) that belong together
-    if not table.headings:
-        raise FileError(
-            table.path,
-            "the table must have headings with units, as strain [%]; stress [MPa], got none",
-        )
-    kinds: dict[str, list[int]] = {}
-    for k, heading in enumerate(table.headings):
-        kinds.setdefault(dimension(heading.unit) or "", []).append(k)
-    strains = kinds.get("ratio") or kinds.get("length", [])
-    stresses = kinds.get("stress") or kinds.get("force", [])
-    listing = ", ".join(repr(heading.text) for heading in table.headings)
-    if not strains or not stresses:
-        raise FileError(
-            table.path,
-            "a tensile test needs a column of strain (%, -) or extension (mm) and one of stress "
-            f"(MPa) or force (N), with the unit in its heading; got {listing}",
-        )
-    if len(strains) == 1:
-        strains = strains * len(stresses)
-    if len(strains) != len(stresses):
-        raise FileError(
-            table.path,
-            f"every stress must have its strain, or all the same one, got {len(strains)} columns "
-            f"of strain and {len(stresses)} of stress: {listing}",
-        )
+    pairs = specimen_columns(table, columns, units)
     problems = []
-    if "ratio" not in kinds and piece.gauge_length is None:
+    if size.gauge_length is None and any(x.dimension == "length" for x, _ in pairs):
         problems.append("extensions need the gauge_length")
-    if "stress" not in kinds and None in (piece.width, piece.thickness):
+    if None in (size.width, size.thickness) and any(y.dimension == "force" for _, y in pairs):
         problems.append("forces need width and thickness of the specimen")
     if problems:
-        raise FileError(table.path, "; ".join(problems))
-    return list(zip(strains, stresses, strict=True))
+        used = "; ".join(f"{_quoted(x)} and {_quoted(y)}" for x, y in pairs)
+        raise FileError(table.path, f"{'; '.join(problems)}: of {used}")
+    return [
+        _specimen(_rows_of(table, x.index, y.index), (x, y), number, (size, direction))
+        for number, (x, y) in enumerate(pairs, start=1)
+    ]
 
 
 def _rows_of(table: NumberTable, x: int, y: int) -> NumberTable:
@@ -147,43 +133,64 @@ def _rows_of(table: NumberTable, x: int, y: int) -> NumberTable:
 
 
 def _specimen(
-    table: NumberTable, columns: tuple[int, int], number: int, of: tuple[SpecimenSize, str]
+    table: NumberTable, columns: tuple[Column, Column], number: int, of: tuple[SpecimenSize, str]
 ) -> Specimen:
-    piece, direction = of
-    headings = table.headings[columns[0]], table.headings[columns[1]]
-    stress = table.numbers(list(columns))[:, 1]
+    (x, y), (piece, direction) = columns, of
+    at = [x.index, y.index]
+    stress = table.numbers(at)[:, 1]
     if not len(stress) or not np.nanmax(stress) > 0.0:
-        raise FileError(table.path, f"{headings[1].text!r} must rise above 0; is tension negative?")
+        raise FileError(table.path, f"{_quoted(y)} must rise above 0; is tension negative?")
     peak = int(np.nanargmax(stress))
     broken = bool((stress[peak:] < BROKEN * stress[peak]).any())
     low = np.flatnonzero(stress[peak:] < _GONE * stress[peak])
     end = peak + int(low[0]) if len(low) else len(stress)
     if end < FEWEST:
         raise FileError(
-            table.path,
-            f"{headings[1].text!r} must have {FEWEST} points up to the break, got {end}",
+            table.path, f"{_quoted(y)} must have {FEWEST} points up to the break, got {end}"
         )
     whole = replace(table, rows=table.rows[:end], lines=table.lines[:end])
-    curve = curve_of_columns(whole, list(columns))
+    curve = curve_of_columns(whole, at, (x.unit, y.unit))
     strain, stress = np.asarray(curve.x), np.asarray(curve.y)
-    if curve.x_unit == "mm":
+    notes = list(curve.notes)
+    told = [f"strain from {_quoted(x)}", f"stress from {_quoted(y)}"]
+    if x.dimension == "length":
         strain = strain / float(piece.gauge_length or 1.0)
-    if curve.y_unit == "N":
+        told[0] += f" over {piece.gauge_length:g} mm"
+        notes.append(
+            "strains are extensions over the gauge length: where they are those of the cross-head, "
+            "machine and grips yield too, and the modulus is too low"
+        )
+    if y.dimension == "force":
         stress = stress / (float(piece.width or 1.0) * float(piece.thickness or 1.0))
+        told[1] += f" over {piece.width:g} mm x {piece.thickness:g} mm"
     if strain[-1] > LARGEST_STRAIN:
+        written = np.abs(whole.numbers(at)[:, 0])
+        row = int(np.argmax(written > LARGEST_STRAIN / strain[-1] * written.max()))
         raise FileError(
             table.path,
-            f"strain must stay below {LARGEST_STRAIN:g}, got {strain[-1]:.4g} in "
-            f"{headings[0].text!r}; is it in %?",
+            f"strain must stay below {LARGEST_STRAIN:g}, got {strain[-1]:.4g} in {_quoted(x)}, "
+            f"beyond it from line {whole.lines[row]} on; is it in %?",
         )
+    if x.true and x.dimension == "ratio":
+        strain = np.expm1(strain)
+        told[0] += " (true, made nominal)"
+    if y.true and y.dimension == "stress":
+        stress = stress / (1.0 + strain)
+        told[1] += " (true, made nominal)"
     name = f"{table.path.stem} {number}"
-    notes = tuple(f"{name}: {note}" for note in curve.notes)
-    return Specimen(name, direction or _direction(headings), strain, stress, broken, notes)
+    direction = direction or _direction(y.heading.name)
+    columns_used = " and ".join(told)
+    return Specimen(name, direction, strain, stress, broken, columns_used, tuple(notes))
 
 
-def _direction(headings: tuple[Heading, Heading]) -> str:
+def _quoted(one: Column) -> str:
+    named = repr(one.heading.text) if one.heading.text else f"column {one.index + 1}"
+    return named if one.unit and one.unit in one.heading.text else f"{named} in {one.unit}"
+
+
+def _direction(name: str) -> str:
     # a word of the stress's heading, as in "stress MD 1 [MPa]"
-    for word in headings[1].name.replace("_", " ").split():
+    for word in re.split(r"[\s_()\[\],;]+", name):
         if word.upper() in ("MD", "CD", "TD") or word.rstrip("°") in ("0", "45", "90"):
             return word.upper()
     return ""

@@ -19,10 +19,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, isfinite, pi, radians, sin, sqrt
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
 
@@ -31,6 +32,7 @@ from .pose import Pose
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
+@runtime_checkable
 class Motion(Protocol):
     """What the simulation needs from a motion; times in s, lengths in mm, angles in rad."""
 
@@ -52,6 +54,7 @@ class Motion(Protocol):
         ...
 
 
+@checked
 @dataclass(frozen=True)
 class ScrewMotion:
     """Turn about a fixed axis and advance in proportion, starting from rest.
@@ -162,6 +165,7 @@ class ScrewMotion:
         return spin, np.array((rate * v0, rate * v1, rate * v2))
 
 
+@checked
 @dataclass(frozen=True)
 class StraightMotion:
     """Move along a straight line without turning, from rest; the coordinate is the path.

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isfinite
+
+import numpy as np
 
 from .motion import Motion, ScrewMotion, StraightMotion
 from .pose import Pose
 from .table_motion import TableMotion
 
+_LEFT_OVER = 1e-3
+"""Of R : R, from 3: the tool would be larger or smaller by a sixth of it."""
+
 _GIVE_ROWS = (ScrewMotion, StraightMotion, TableMotion)
-"""Motions whose poses kernels can take as they come."""
+"""Motions whose poses kernels can take as they come. A class derived from one of them is none: it
+may move differently."""
 
 
 def poses_of(motion: Motion) -> Callable[[float], Pose]:
@@ -17,8 +24,33 @@ def poses_of(motion: Motion) -> Callable[[float], Pose]:
 
     A motion written by a user may return views of any kind, and kernels would misread them.
     """
-    # Not isinstance: a derived class may move differently.
     if type(motion) in _GIVE_ROWS:
         by_rows: Callable[[float], Pose] = motion.pose  # type: ignore[assignment]
         return by_rows
-    return lambda time: Pose.of(*motion.pose(time))
+    return lambda time: pose_at(motion, time)
+
+
+def pose_at(motion: Motion, time: float) -> Pose:
+    """Return the pose of any motion at a time [s].
+
+    Raises
+    ------
+    ValueError
+        If it is none: R no rotation, or a number that is not finite.
+    """
+    R, r = pose = Pose.of(*motion.pose(time))
+    if type(motion) in _GIVE_ROWS:
+        return pose
+    # Of a rotation R : R = 3; nan and infinity fail here too.
+    if not (
+        R.shape == (3, 3)
+        and r.shape == (3,)
+        and isfinite(r.sum())
+        and abs(np.vdot(R, R) - 3.0) < _LEFT_OVER
+    ):
+        raise ValueError(
+            f"the pose of {type(motion).__name__} at {time:.6g} s must be a rotation, shape "
+            f"(3, 3), and a position in mm, shape (3,), all finite, got R = {R.tolist()} and "
+            f"r = {r.tolist()}: look at its method pose"
+        )
+    return pose

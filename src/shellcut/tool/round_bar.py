@@ -6,11 +6,13 @@ from math import cos, isfinite, radians, sin
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 
 from .tool import Tool, ToolError
 
 
+@checked
 def round_bar(
     *, diameter: float = 6.0, height: float = 48.0, tilt_deg: float = 10.0, n_around: int = 72
 ) -> Tool:

@@ -26,6 +26,7 @@ from math import isfinite
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Bools, Floats, Ints
 
 from .tool import Tool, ToolError
@@ -45,6 +46,7 @@ _LEAST = 1e-5
 _ON_LEVEL = 1e-9
 
 
+@checked
 def with_edge_radius(tool: Tool, radius: float) -> Tool:
     """Return a tool with all its cutting edges rounded.
 

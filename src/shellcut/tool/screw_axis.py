@@ -23,6 +23,7 @@ import numpy as np
 from shellcut.arrays import Floats, Vec3
 
 from .motion import Motion, ScrewMotion, StraightMotion
+from .pose_of_motion import pose_at
 
 N_INSTANT = 256
 """Number of instants at which a motion is sampled."""
@@ -118,7 +119,7 @@ def instants(motion: Motion, until: float) -> Instants:
     spin, shift, origin = np.zeros((3, times.size, 3))
     for k, t in enumerate(times.tolist()):
         spin[k], shift[k] = motion.twist(t)
-        _, origin[k] = motion.pose(t)
+        _, origin[k] = pose_at(motion, t)
     return Instants(times, spin / rate[:, None], shift / rate[:, None], origin)
 
 

@@ -27,6 +27,7 @@ from math import atan, ceil, degrees, isfinite, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 
 from .rounded_edge import with_edge_radius
@@ -55,6 +56,7 @@ MOST_TRIANGLES = 1_000_000
 """Most triangles of a ring; the default one has 4,112."""
 
 
+@checked
 def tooth_ring(
     *,
     n_teeth: int = 4,
@@ -265,6 +267,7 @@ def _arc_pieces(tooth: Tooth, n_teeth: int, radius: float, n_arc: int | None) ->
     return n_arc, spacing
 
 
+@checked
 def straight_blade(
     *,
     edge_angle_deg: float = 90.0,

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.formats.errors import FileError
 from shellcut.formats.motion_csv import read_motion_csv
@@ -34,6 +35,7 @@ SMALL_ANGLE = 1e-4
 """Below this [rad] rotations use series, whose next term is below 1e-17."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class TableMotion:
     """Pass through tabulated poses smoothly: cubic splines in translation and rotation.
@@ -73,6 +75,8 @@ class TableMotion:
         )
         n = times.size
         cubic = scipy.interpolate.CubicSpline(times, translations)
+        if not np.isfinite(cubic.c).all():
+            raise ValueError("times and translations must be such that speeds are finite numbers")
         # per interval the coefficients of dt³, dt², dt, 1 for x, y, z in turn
         translation = cubic.c.transpose(1, 2, 0).reshape(n - 1, 12)
         start = scipy.spatial.transform.Rotation.from_rotvec(vectors)

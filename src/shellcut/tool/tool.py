@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.formats.stl import write_stl
 
@@ -161,6 +162,7 @@ class Tool:
         return int(self.edge_chain.max(initial=-1)) + 1
 
     @classmethod
+    @checked
     def from_triangles(
         cls,
         vertices: npt.ArrayLike,
@@ -339,6 +341,7 @@ class Tool:
         """Return the least and greatest coordinates in the body frame, shape (3,) each, [mm]."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
+    @checked
     def translated(self, shift: Sequence[float] | Floats) -> Tool:
         """Return the tool moved in its body frame by ``shift``, shape (3,), [mm].
 

@@ -13,7 +13,6 @@ from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
-from .path_picture import draw_path
 from .renderer import why_no_window, why_not_pyvista
 from .scene import STRESSES, draw_scene, limits_for
 from .snapshot import draw_snapshot, snapshot_limits
@@ -31,7 +30,6 @@ __all__ = [
     "draw_film_strip",
     "draw_model",
     "draw_movie",
-    "draw_path",
     "draw_scene",
     "draw_snapshot",
     "draw_torque",

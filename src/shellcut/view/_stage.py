@@ -100,7 +100,8 @@ class Actors:
 
     def show(self, frame: Frame, values: Floats, of: str = "quad") -> None:
         """Show a frame, its film coloured by values of the quads, or of the nodes (``"node"``)."""
-        parts = list(_parts(frame, values, of))
+        # Of lines without length, as of cables before they open, nothing is left to draw.
+        parts = [part for part in _parts(frame, values, of) if part[1].n_points]
         if [name for name, _, _ in parts] == list(self._shown):
             for name, mesh, _ in parts:
                 self._shown[name].mapper.SetInputData(mesh)

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats
+from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
 from ._figure import inches_of, new_figure
@@ -88,8 +90,11 @@ def draw_scene(
     from PIL import Image
 
     limits = limits_for(seen, stress) if stress_limits is None else stress_limits
-    with SceneSeries(seen, stress=stress, stress_limits=limits, view=view, size=size) as series:
-        Image.fromarray(series.image(frame)).save(path)
+    with (
+        SceneSeries(seen, stress=stress, stress_limits=limits, view=view, size=size) as series,
+        atomic_write(Path(path)) as temporary,
+    ):
+        Image.fromarray(series.image(frame)).save(temporary)
 
 
 def limits_for(frames: Sequence[Frame], stress: str) -> tuple[float, float]:

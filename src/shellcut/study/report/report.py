@@ -6,6 +6,8 @@ import importlib.resources
 import os
 from pathlib import Path
 
+from shellcut.files.file_list import target
+from shellcut.files.whole_file import write_text
 from shellcut.report.markup import section
 from shellcut.report.page import page_of
 from shellcut.report.words import versions
@@ -39,6 +41,8 @@ def report_study(
     ------
     FileNotFoundError
         If the folder holds no study, or no run of it has ended.
+    FileExistsError
+        If the file is somebody else's, without a path, or belongs to a run.
     ValueError
         If its files are not those of a study.
 
@@ -50,7 +54,7 @@ def report_study(
     FileNotFoundError: no/such/folder must be the folder of a study, with study.toml
     """
     study = read_folder(Path(folder))
-    out = study.folder / "report.html" if path is None else Path(path)
+    out = target(path, study.folder / "report.html")
     n, n_done = len(study.status), study.count("done")
     html = page_of(
         title=f"{study.name} - report of a study",
@@ -61,7 +65,7 @@ def report_study(
         style=_part("study.css"),
         script=_part("study.js"),
     )
-    out.write_text(html, encoding="utf-8")
+    write_text(out, html, errors="backslashreplace")
     return out
 
 

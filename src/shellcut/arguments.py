@@ -1,0 +1,241 @@
+"""Check the kinds of arguments of public functions and classes by their annotations.
+
+What an annotation says is asked of every argument, before the function sees it: a text is no
+number, a mesh no tool, a masked array no array. The message names all arguments that are wrong.
+What a number must be besides, positive or below another, the function itself knows. Imports only
+NumPy.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+import sys
+import types
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from numbers import Integral, Real
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
+
+import numpy as np
+import numpy.typing as npt
+
+T = TypeVar("T")
+
+_SHOWN = 60  # characters of a value
+_PLAIN = {float: "a number", int: "a whole number", bool: "True or False", str: "a text"}
+_ARRAY = "an array of real numbers"
+
+
+class ArgumentError(TypeError, ValueError):
+    """Arguments are of another kind than they must be; the message names them all."""
+
+
+def checked(what: T) -> T:
+    """Return a function that refuses arguments of another kind than its annotations say.
+
+    Of a class, such as a dataclass, it is the ``__init__``. Annotations that say nothing, like
+    Any, or that cannot be looked up at run time, allow everything.
+
+    Raises
+    ------
+    ArgumentError
+        At a call, with every argument that is of another kind, or nan.
+
+    Examples
+    --------
+    >>> @checked
+    ... def area(width: float, height: float = 1.0) -> float:
+    ...     return width * height
+    >>> area(2, height="3")
+    Traceback (most recent call last):
+        ...
+    shellcut.arguments.ArgumentError: height must be a number, got '3': leave out the quotes
+    """
+    if isinstance(what, type):
+        what.__init__ = _checked_call(what.__init__, what)  # type: ignore[misc]
+        return what
+    return cast("T", _checked_call(what, None))
+
+
+def _checked_call(function: Any, of: type | None) -> Any:
+    signature = inspect.signature(function)
+
+    @functools.cache
+    def wanted() -> dict[str, Any]:
+        return dict(_kinds(function, of))
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **named: Any) -> Any:
+        given: Mapping[str, Any] = {}
+        with suppress(TypeError):  # Python says it below
+            given = signature.bind(*arguments, **named).arguments
+        kinds = wanted()
+        wrong = {
+            name: f"{name} must be {' or '.join(_words(kinds[name]))}, got {_shown(value)}"
+            for name, value in given.items()
+            if name in kinds and not _fits(value, kinds[name])
+        }
+        if wrong and of is not None:  # a class may say better what they must be, and more
+            _let_tell(wrong, lambda: function(*arguments, **named))
+        if wrong:
+            raise ArgumentError("; ".join(wrong.values()))
+        result = function(*arguments, **named)
+        _refuse_nan(given)  # where the function has not said better what a number must be
+        return result
+
+    return call
+
+
+def _let_tell(wrong: Iterable[str], call: Callable[[], object]) -> None:
+    """Let a ValueError through that names all that is wrong."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            call()
+    except ValueError as own:
+        if all(name in str(own) for name in wrong):
+            raise
+    except Exception:  # of what it does with arguments of another kind
+        return
+
+
+def _refuse_nan(given: Mapping[str, Any]) -> None:
+    none = [name for name, value in given.items() if isinstance(value, float) and value != value]
+    if none:
+        raise ArgumentError("; ".join(f"{name} must be a number, got nan" for name in none))
+
+
+def _kinds(function: Any, of: type | None) -> Iterator[tuple[str, Any]]:
+    """Yield the annotations that can be looked up, by the names of the arguments."""
+    scopes = [(inspect.get_annotations(function), function.__globals__)]
+    for base in reversed(of.__mro__ if of else ()):  # of fields, where they were written
+        scopes.append((inspect.get_annotations(base), vars(sys.modules[base.__module__])))
+    for written, names in scopes:
+        for name, kind in written.items():
+            try:
+                yield name, eval(kind, names) if isinstance(kind, str) else kind
+            except NameError:  # imported for annotations only
+                yield name, Any
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Whether a value is what an annotation says."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if kind is Any:
+        return True
+    if kind is None or kind is type(None):
+        return value is None
+    if _is_array_kind(kind):
+        return _is_array(value)
+    if origin in (Union, types.UnionType):
+        return any(_fits(value, part) for part in _alternatives(kind))
+    if kind is float or kind is int:
+        return _is_number(value, Real if kind is float else Integral)
+    if kind is bool:
+        return isinstance(value, bool | np.bool_)
+    if origin is Literal:
+        return any(isinstance(value, type(part)) for part in parts)
+    if origin is tuple or (isinstance(origin, type) and issubclass(origin, Iterable) and parts):
+        return _is_several(value, origin, parts)
+    if isinstance(origin, type):
+        return isinstance(value, origin)
+    if isinstance(kind, type):
+        said = getattr(kind, "_is_runtime_protocol", not getattr(kind, "_is_protocol", False))
+        return isinstance(value, kind) if said else True
+    return True
+
+
+def _is_number(value: Any, of: type) -> bool:
+    if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
+        value = value[()]
+    return isinstance(value, of) and not isinstance(value, bool | np.bool_)
+
+
+def _is_array(value: Any) -> bool:
+    """Whether NumPy can take a value for an array of real numbers, without a word."""
+    if np.ma.isMaskedArray(value):
+        return not np.ma.is_masked(value) and _is_array(value.data)
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # rows of several lengths
+        return False
+    return array.dtype.kind in "biuf" or array.size == 0
+
+
+def _is_several(value: Any, origin: Any, parts: tuple[Any, ...]) -> bool:
+    if issubclass(origin, Mapping):
+        return isinstance(value, Mapping) and all(_fits(one, parts[-1]) for one in value.values())
+    if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
+        return False
+    if np.ma.is_masked(value):
+        return False
+    if not isinstance(value, list | tuple | np.ndarray):  # it may be used up by looking at it
+        return True
+    if origin is tuple and parts[-1] is not Ellipsis:
+        return len(value) == len(parts) and all(map(_fits, value, parts))
+    return all(_fits(one, parts[0]) for one in value)
+
+
+def _is_array_kind(kind: Any) -> bool:
+    return get_origin(kind) is np.ndarray or kind is np.ndarray or kind == npt.ArrayLike
+
+
+def _alternatives(kind: Any) -> list[Any]:
+    """Return the parts of a union; ArrayLike is one itself, which Python merges with the others."""
+    parts, of_array = get_args(kind), get_args(npt.ArrayLike)
+    if not set(of_array) <= set(parts):
+        return list(parts)
+    return [npt.ArrayLike, *(part for part in parts if part not in of_array)]
+
+
+def _words(kind: Any) -> list[str]:
+    """Return what an annotation says, in words."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if _is_array_kind(kind):
+        return [_ARRAY]
+    if origin in (Union, types.UnionType):
+        some = [part for part in _alternatives(kind) if part is not type(None)]
+        return [word for part in some for word in _words(part)]
+    if kind is None or kind is type(None):
+        return ["None"]
+    if origin is Literal:
+        return [repr(part) for part in parts]
+    if origin is tuple and parts[-1] is not Ellipsis:
+        return [f"{len(parts)} {_several(parts[0]) if len(set(parts)) == 1 else 'values'}"]
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return [f"a mapping to {' or '.join(_words(parts[-1]))}"]
+    if isinstance(origin, type) and issubclass(origin, Iterable):
+        return [f"a sequence of {_several(parts[0])}"]
+    if kind in _PLAIN:
+        return [_PLAIN[kind]]
+    name = str(getattr(origin or kind, "__name__", kind))
+    article = "an" if name[0] in "AEIOU" else "a"
+    if not getattr(kind, "_is_protocol", False):
+        return [f"{article} {name}"]
+    methods = [method for method in vars(kind) if method[0] != "_" or method == "__call__"]
+    return [f"{article} {name}, which has {', '.join(methods)}"]
+
+
+def _several(kind: Any) -> str:
+    words = [re.sub("^an? ", "", word) for word in _words(kind)]
+    plain = {"number": "numbers", "whole number": "whole numbers", "text": "texts"}
+    return " or ".join(plain.get(word, re.sub("^array", "arrays", word)) for word in words)
+
+
+def _shown(value: Any) -> str:
+    if np.ma.isMaskedArray(value):
+        return "a masked array: take filled() or compressed()"
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} of shape {value.shape}"
+    if isinstance(value, str):
+        try:
+            float(value)
+        except ValueError:
+            return f"{value!r:.{_SHOWN}}"
+        return f"{value!r:.{_SHOWN}}: leave out the quotes"
+    if value is None or isinstance(value, int | float | complex | tuple | list | dict):
+        return f"{value!r:.{_SHOWN}}"
+    return f"a {type(value).__name__}"

@@ -1,0 +1,124 @@
+"""The row of mesh edges under the path of the cutting edges.
+
+A row lies under a path if its nodes do, to ``ON_ROW`` edge lengths. Between two nodes the path
+bulges off the edge: by k t (l - t) / 2 at t from an end of an edge of length l, if it turns by k l
+along it. That turn is the one of the row at the edge's ends.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.mesh.mesh import Mesh
+
+from .sweep import Sweep
+
+ALONG_ROW = np.cos(np.radians(30.0))
+AT_ROW = 0.5
+"""A side farther off than this, in edge lengths, is not the one that the blade follows."""
+ON_ROW = 5e-3
+"""Largest distance of a row that lies under the path, in edge lengths: 0.05 of them raise the
+force by 3.5 %."""
+
+
+class Rows:
+    """Sides of the crossed quads along the blade's path, one per place of a sweep."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        self._mesh = mesh = sweep.mesh
+        corner = mesh.nodes[mesh.quads[sweep.quad]]
+        side = np.roll(corner, -1, axis=1) - corner
+        length = np.linalg.norm(side, axis=2)
+        trace = np.cross(sweep.quad_normal, sweep.normal)
+        trace /= np.maximum(np.linalg.norm(trace, axis=1, keepdims=True), 1e-12)
+        along = np.abs((side * trace[:, None]).sum(axis=2)) / length >= ALONG_ROW
+        arm = sweep.place[:, None] - corner
+        share = np.clip((arm * side).sum(axis=2) / length**2, 0.0, 1.0)
+        off = np.linalg.norm(arm - share[..., None] * side, axis=2)
+        off = np.where(along, off, np.inf)
+        best = off.argmin(axis=1)
+        at = np.arange(len(best))
+        self.off: Floats = off[at, best] / sweep.edge_length
+        """Distance of the nearest row, in edge lengths; infinite if none runs along the blade,
+        shape (n_place,)."""
+        ends = mesh.quads[sweep.quad]
+        self.ends: Ints = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
+        """Nodes of the side, shape (n_place, 2)."""
+        self.share: Floats = share[at, best]
+        """Where the place is along the side, from 0 to 1, shape (n_place,)."""
+        self.open: Bools = _open_sides(mesh, self.ends) & (self.off <= AT_ROW)
+        """Whether the side was cut before the run, shape (n_place,)."""
+        found = length[at, best][np.isfinite(self.off)]
+        size = sweep.edge_length
+        self.spacing = float(np.median(found if len(found) else size))
+        """Node spacing along the path [mm]."""
+
+    @cached_property
+    def bulge(self) -> Floats:
+        """How far a path through the row's nodes lies off its sides, in edges, shape (n_place,)."""
+        sides = np.unique(np.sort(self.ends, axis=1), axis=0)
+        away = np.diff(self._mesh.nodes[sides], axis=1)[:, 0]
+        away /= np.linalg.norm(away, axis=1, keepdims=True)
+        total = np.zeros((self._mesh.n_node, 3))
+        np.add.at(total, sides[:, 0], away)
+        np.add.at(total, sides[:, 1], -away)
+        within = np.bincount(sides.ravel(), minlength=self._mesh.n_node) % 2 == 0
+        turn = np.where(within, np.linalg.norm(total, axis=1), 0.0)  # at an end it has none
+        return np.asarray(0.5 * turn[self.ends].max(axis=1) * self.share * (1.0 - self.share))
+
+
+def lies_under(sweep: Sweep) -> bool:
+    """Return whether a row of inner edges lies under the whole path, in a flat film."""
+    if not (sweep.flat and len(sweep.place)):
+        return False
+    rows = Rows(sweep)
+    edges = sweep.mesh.edges()
+    inner = edges.nodes[edges.n_quad == 2]
+    keys = _keys(sweep.mesh, rows.ends)
+    return bool(
+        (rows.off <= ON_ROW + rows.bulge).all() and np.isin(keys, _keys(sweep.mesh, inner)).all()
+    )
+
+
+def row_of(sweep: Sweep, chain: int) -> Ints:
+    """Return the nodes of the row under one cutting edge, in the order it meets them, shape (n,).
+
+    Parameters
+    ----------
+    sweep : Sweep
+        Of a tool whose edges follow a row, :func:`lies_under`.
+    chain : int
+        Number of the cutting edge.
+    """
+    mine = sweep.chain == chain
+    ends = Rows(sweep).ends[mine]
+    _, first = np.unique(_keys(sweep.mesh, ends), return_index=True)
+    sides = ends[np.sort(first)]
+    if len(sides) == 1:
+        way = sweep.place[mine][-1] - sweep.place[mine][0]
+        tail, head = sides[0]
+        forward = (sweep.mesh.nodes[head] - sweep.mesh.nodes[tail]) @ way >= 0.0
+        return np.asarray(sides[0] if forward else sides[0, ::-1])
+    start = sides[0, 0] if sides[0, 0] not in sides[1] else sides[0, 1]
+    row = [int(start)]
+    for side in sides.tolist():
+        if row[-1] not in side:
+            break
+        row.append(side[1] if side[0] == row[-1] else side[0])
+    return np.array(row)
+
+
+def _keys(mesh: Mesh, ends: Ints) -> Ints:
+    """Return one number per pair of nodes, shape (n,), in whichever order they stand."""
+    return np.asarray(np.sort(ends, axis=1) @ [mesh.n_node, 1])
+
+
+def _open_sides(mesh: Mesh, ends: Ints) -> Bools:
+    """Return whether sides of quads, shape (n, 2), are flanks of a cut."""
+    edges = mesh.edges()
+    single = mesh.origin[edges.nodes[edges.n_quad == 1]]
+    keys, count = np.unique(_keys(mesh, single), return_counts=True)
+    return np.asarray(np.isin(_keys(mesh, mesh.origin[ends]), keys[count > 1]))

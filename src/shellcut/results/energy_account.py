@@ -1,0 +1,226 @@
+"""Where the work of a run went: one account, of the ledger's entries or of the history's columns.
+
+    work put in  =  cables + film's law + friction + damping + contact + stored + kinetic + ...
+                    + imbalance
+
+The parts are linear in the entries, so the account of a stretch of the run is that of the
+differences between its ends. Ledger, ``summary.json``, verdict, curves, report and the table at the
+end of a run all take their parts and sums from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from math import isfinite
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats
+
+Energy = TypeVar("Energy", float, Floats)
+"""Energies [N·mm], at one moment or in the rows of a history."""
+
+
+class Part(NamedTuple):
+    """A part of the account."""
+
+    name: str
+    """Its figure in ``summary.json`` is NAME_Nmm."""
+    words: str
+    entries: tuple[str, ...]
+    """Of :class:`shellcut.simulation.ledger.Ledger`, columns of ``history.csv``; their sum."""
+
+    def of(self, entries: Mapping[str, Energy]) -> Energy:
+        """Return its energy; histories of older versions lack some entries."""
+        zero: Energy = 0.0 * next(iter(entries.values()))
+        return sum((entries[name] for name in self.entries if name in entries), zero)
+
+
+PUT_IN = (
+    Part("tool_work", "work of the tool", ("tool_work",)),
+    Part("support_work", "work of the supports", ("support_work",)),
+    Part("load_work", "work of the loads", ("load_work",)),
+    Part("initial", "energy at the start", ("initial",)),
+)
+"""What puts energy into the film."""
+
+CABLES = Part("cables", "cables", ("cohesive_work", "cohesive_start_work"))
+STORED = Part("strain", "stored in the film", ("strain",))
+ASKED_FOR = (
+    CABLES,
+    Part("material_dissipated", "yielding or damage of the material", ("material_dissipated",)),
+    Part("friction", "friction", ("friction_work",)),
+    Part("joint_friction", "friction of the cables on the cutting edge", ("joint_friction",)),
+)
+"""What the work of a cut goes into by the laws of film, cables and friction."""
+
+TAKEN_UP = (
+    *ASKED_FOR,
+    Part("damping", "damping", ("damping_stiffness", "damping_mass")),
+    STORED,
+    Part("kinetic", "kinetic energy", ("kinetic_translation", "kinetic_rotation")),
+    Part("contact", "contact", ("contact_work",)),
+    Part("self_contact", "contact of the film with itself", ("self_contact_work",)),
+    Part("dropped", "pieces taken out", ("dropped",)),
+)
+"""What the work becomes."""
+
+_DRIVERS = ("tool", "support")
+
+IMBALANCE = Part("imbalance", "imbalance", ("imbalance",))
+
+# Imbalance and kinetic energy are compared with the driving work once it reaches this part of its
+# maximum: at first touch there is almost no work to compare with.
+_COMPARED_FROM = 0.1
+
+
+def total(parts: Iterable[Part], entries: Mapping[str, Energy]) -> Energy:
+    """Return the sum of some parts."""
+    zero: Energy = 0.0 * next(iter(entries.values()))
+    return sum((part.of(entries) for part in parts), zero)
+
+
+def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Return what the work has become, by its words, each of shape (n_row,), [N·mm].
+
+    Parts that are zero throughout are left out.
+    """
+    shares = {part.words: part.of(history) for part in TAKEN_UP}
+    return {words: share for words, share in shares.items() if share.any()}
+
+
+def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
+    """Return the account as figures of ``summary.json`` [N·mm], with what contact holds and loses.
+
+    What is zero is left out. A film that blew up has no account: one entry that is not finite
+    leaves nothing to compare with.
+    """
+    figures = {part.name: part.of(entries) for part in (*PUT_IN, *TAKEN_UP)}
+    figures["imbalance"] = total(PUT_IN, entries) - total(TAKEN_UP, entries)
+    if not isfinite(figures["imbalance"]):
+        return {}
+    for name in ("contact_stored", "contact_absorbed", "friction_dissipated"):
+        figures[name] = entries.get(name, 0.0)
+    held = figures["contact_stored"] + figures["contact_absorbed"]
+    figures["contact_lost"] = figures["contact"] - held
+    figures["self_contact_lost"] = figures["self_contact"] - entries.get("self_contact_stored", 0.0)
+    return {f"{name}_Nmm": energy for name, energy in figures.items() if energy}
+
+
+class Share(NamedTuple):
+    """A line of the account."""
+
+    words: str
+    energy: float
+    """[N·mm]."""
+    share: float
+    """Of the whole: of all that was put in, or of all that was dissipated."""
+
+
+def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
+    """Return what was put in and what became of it; the shares of each make up 1.
+
+    Empty where nothing was put in.
+
+    Parameters
+    ----------
+    figures : mapping
+        Of ``summary.json``, see :func:`energy_figures`.
+
+    Examples
+    --------
+    >>> figures = {"tool_work_Nmm": 8.0, "cables_Nmm": 6.0, "damping_Nmm": 1.0}
+    >>> for line in account(figures | {"imbalance_Nmm": 1.0})[1]:
+    ...     print(line.words, line.share)
+    cables 0.75
+    damping 0.125
+    imbalance 0.125
+    """
+    whole = sum(figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN)
+    if not whole > 0.0:
+        return [], []
+
+    def lines(parts: Iterable[Part]) -> Iterator[Share]:
+        for part in parts:
+            energy = figures.get(f"{part.name}_Nmm", 0.0)
+            if energy:
+                yield Share(part.words, energy, energy / whole)
+
+    return list(lines(PUT_IN)), list(lines((*TAKEN_UP, IMBALANCE)))
+
+
+def dissipated(figures: Mapping[str, Any]) -> tuple[list[Share], float]:
+    """Return what went where the laws of the run let it go, and all such shares together.
+
+    The shares are of the dissipated work: besides these, damping and what contact has absorbed and
+    lost, whatever their signs. Energy that is stored or kinetic is not in it. Cables count with all
+    their work: what they hold is dissipated when they break.
+    """
+    asked = [(part.words, figures.get(f"{part.name}_Nmm", 0.0)) for part in ASKED_FOR]
+    lost = ("damping", "contact_absorbed", "contact_lost", "self_contact_lost")
+    whole = sum(energy for _, energy in asked)
+    whole += sum(abs(figures.get(f"{name}_Nmm", 0.0)) for name in lost)
+    if not whole > 0.0:
+        return [], 0.0
+    shares = [Share(words, energy, energy / whole) for words, energy in asked if energy]
+    return shares, sum(share.share for share in shares)
+
+
+def driver(entries: Mapping[str, Any], ending: str = "") -> str:
+    """Return whose work drives the run, ``tool_work`` or ``support_work``.
+
+    It is that of the tool, or that of the supports where no tool works.
+    """
+    tool, supports = (np.any(entries.get(f"{name}_work{ending}", 0.0)) for name in _DRIVERS)
+    return "support_work" if supports and not tool else "tool_work"
+
+
+def is_pulled(history: Mapping[str, Floats]) -> bool:
+    """Whether supports and no tool drive the run."""
+    return driver(history) == "support_work"
+
+
+def driving_work(history: Mapping[str, Floats]) -> Floats:
+    """Return the work of the tool, or that of the supports where no tool works, shape (n_row,)."""
+    return history[driver(history)]
+
+
+def trusted_rows(history: Mapping[str, Floats]) -> Bools:
+    """Return the rows with enough work of tool or supports to compare with, shape (n_row,).
+
+    These are the rows with at least a tenth of the largest work of the run; none if there was no
+    work.
+
+    Examples
+    --------
+    >>> trusted_rows({"tool_work": np.array([0.0, 0.4, 1.0, 9.0])})
+    array([False, False,  True,  True])
+    """
+    work = np.abs(driving_work(history))
+    finite = np.isfinite(work)
+    most = work[finite].max(initial=0.0)
+    return np.asarray(finite & (work > 0.0) & (work >= _COMPARED_FROM * most))
+
+
+def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
+    """Return the largest imbalance and kinetic energy relative to the driving work, [-].
+
+    Empty if no row can be trusted: without work there is no balance to close.
+
+    Examples
+    --------
+    >>> columns = {"tool_work": [0.0, 10.0], "imbalance": [0.2, -0.1]}
+    >>> columns |= {"kinetic_translation": [0.0, 0.4], "kinetic_rotation": [0.0, 0.1]}
+    >>> history = {name: np.array(column) for name, column in columns.items()}
+    >>> largest_shares(history, np.array([False, True]))
+    {'imbalance_rel': 0.01, 'kinetic_rel': 0.05}
+    """
+    if not trusted.any():
+        return {}
+    work = np.maximum(np.abs(driving_work(history)[trusted]), np.finfo(float).tiny)
+    kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
+    return {
+        "imbalance_rel": float((np.abs(history["imbalance"][trusted]) / work).max()),
+        "kinetic_rel": float((np.abs(kinetic[trusted]) / work).max()),
+    }

@@ -1,0 +1,36 @@
+"""Whole opening tests on meshes that ignore the path, as a user would make them."""
+
+import numpy as np
+import pytest
+
+from films import unstructured_disc
+from gmsh_films import DISCS, gmsh_disc
+from runs import run
+from shellcut import opening_test
+from shellcut.models.opening import steady_work_per_radian
+
+TORQUE_M1 = 139.3  # N*mm
+
+
+def check_opening(mesh, tmp_path):
+    case = opening_test(mesh)
+    assert case.simulation.fracture.path == "free"
+    summary, history = run(case, tmp_path)
+    late = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
+    work, angle = history["cohesive_work"][late], np.radians(history["angle"][late])
+    rate = (work[-1] - work[0]) / (angle[-1] - angle[0])
+    assert rate == pytest.approx(steady_work_per_radian(), rel=0.01)
+    assert history["torque"][late].mean() == pytest.approx(TORQUE_M1, rel=0.03)
+    assert summary["imbalance_rel"] < 3e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "seed"), [("frontal, blossom", 10), ("packing", 11)])
+def test_opening_on_gmsh_discs(name, seed, tmp_path):
+    pytest.importorskip("gmsh")
+    check_opening(gmsh_disc(*DISCS[name], seed=seed), tmp_path)
+
+
+@pytest.mark.slow
+def test_opening_on_triangles_cut_in_three(tmp_path):
+    check_opening(unstructured_disc(seed=0), tmp_path)

@@ -1,0 +1,91 @@
+"""Where the work went, of entries and columns made up by hand."""
+
+import numpy as np
+import pytest
+
+from shellcut.results.energy_account import (
+    PUT_IN,
+    TAKEN_UP,
+    account,
+    dissipated,
+    energy_figures,
+    energy_shares,
+    largest_shares,
+    total,
+    trusted_rows,
+)
+
+NAMES = [name for part in (*PUT_IN, *TAKEN_UP) for name in part.entries]
+# Each entry a power of two: every sum tells which it is made of.
+ENTRIES = {name: 2.0**k for k, name in enumerate(NAMES)}
+
+
+def sum_of(*names):
+    return sum(ENTRIES[name] for name in names)
+
+
+def test_every_entry_of_the_balance_is_in_one_part():
+    assert len(set(NAMES)) == len(NAMES)
+    assert total(PUT_IN, ENTRIES) == sum_of("tool_work", "support_work", "load_work", "initial")
+    assert total(TAKEN_UP, ENTRIES) + total(PUT_IN, ENTRIES) == 2.0 ** len(NAMES) - 1.0
+    history = {name: np.array([0.0, energy]) for name, energy in ENTRIES.items()}
+    shares = {words: share[1] for words, share in energy_shares(history).items()}
+    assert shares["cables"] == sum_of("cohesive_work", "cohesive_start_work")
+    assert shares["kinetic energy"] == sum_of("kinetic_translation", "kinetic_rotation")
+    # Histories of older versions lack entries; what is zero throughout is not shown.
+    history["friction_work"] *= 0.0
+    del history["joint_friction"], history["self_contact_work"]
+    left = {"friction", "friction of the cables on the cutting edge"}
+    left |= {"contact of the film with itself"}
+    assert energy_shares(history).keys() == shares.keys() - left
+
+
+def test_the_figures_are_the_whole_account_or_none():
+    entries = {"tool_work": 10.0, "cohesive_work": 4.0, "material_dissipated": 3.0, "strain": 1.0}
+    entries |= {"contact_work": 0.5, "contact_stored": 0.3, "contact_absorbed": -0.1}
+    figures = energy_figures(entries)
+    assert figures.keys() == {
+        *("tool_work_Nmm", "cables_Nmm", "material_dissipated_Nmm", "strain_Nmm", "contact_Nmm"),
+        *("imbalance_Nmm", "contact_stored_Nmm", "contact_absorbed_Nmm", "contact_lost_Nmm"),
+    }
+    assert figures["contact_lost_Nmm"] == pytest.approx(0.3)
+    put_in, became = account(figures)
+    assert [line.share for line in put_in] == [1.0]
+    shares = {line.words: line.share for line in became}
+    assert shares["imbalance"] == pytest.approx(0.15)
+    assert sum(shares.values()) == pytest.approx(1.0)
+    # Of what was dissipated: what is stored is not in it, what contact gave from nowhere is lost.
+    asked, together = dissipated(figures)
+    assert {line.words: line.share for line in asked} == pytest.approx(
+        {"cables": 4.0 / 7.4, "yielding or damage of the material": 3.0 / 7.4}
+    )
+    assert together == pytest.approx(7.0 / 7.4)
+    assert energy_figures(entries | {"strain": np.nan}) == {}
+    assert account({}) == ([], [])
+    assert dissipated({}) == ([], 0.0)
+
+
+@pytest.mark.parametrize("work", [200.0, 2e-6, -3.0])
+def test_rows_are_trusted_once_work_has_been_done_in_runs_long_and_short(work):
+    share = np.array([0.0, 0.0999, 0.1001, 1.0])
+    assert trusted_rows({"tool_work": work * share}).tolist() == [False, False, True, True]
+
+
+def test_no_row_is_trusted_without_work_and_none_of_a_blow_up():
+    assert not trusted_rows({"tool_work": np.zeros(3)}).any()
+    assert not trusted_rows({"tool_work": np.zeros(0)}).any()
+    blown = np.array([0.0, 1.0, 2.0, np.inf, np.nan])
+    assert trusted_rows({"tool_work": blown}).tolist() == [False, True, True, False, False]
+
+
+def test_the_largest_shares_are_of_trusted_rows_and_without_sign():
+    columns = {
+        "tool_work": [1e-9, 10.0, -20.0],
+        "imbalance": [5.0, 0.1, -0.4],
+        "kinetic_translation": [9.0, 0.5, 0.1],
+        "kinetic_rotation": [9.0, 0.1, 0.1],
+    }
+    history = {name: np.array(column) for name, column in columns.items()}
+    shares = largest_shares(history, np.array([False, True, True]))
+    assert shares == pytest.approx({"imbalance_rel": 0.02, "kinetic_rel": 0.06}, rel=1e-15)
+    assert largest_shares(history, np.zeros(3, bool)) == {}

@@ -1,0 +1,101 @@
+"""What the verdict says of runs whose films yield, rub, jam or tear ahead of the blade."""
+
+import re
+
+import numpy as np
+import pytest
+
+import shellcut
+from shellcut import CohesiveLaw, Contact, ShellMaterial, StraightMotion, Support, TableMotion
+from shellcut.mesh.structured import rectangle
+from shellcut.models import free_cut
+from shellcut.tool.shapes import straight_blade
+
+QUIET = {"progress": False, "curves": False, "n_frame": 2, "n_snapshot": 0}
+
+
+@pytest.fixture(scope="module")
+def strip_cut(tmp_path_factory):
+    """Return what is left of a run of a blade through a strip, 8 by 4.8 mm."""
+
+    def cut(*, to=6.6, speed=6000.0, motion=None, held=(), half_thickness=0.3, **options):
+        mesh = rectangle(8.0, 4.8, size=0.8)
+        clamped = [Support.clamped(side) for side in ("bottom", "top")]
+        case = free_cut(
+            mesh,
+            tool=straight_blade(length=8.0, height=3.0, half_thickness=half_thickness).translated(
+                (-0.05, 0.0, 0.0)
+            ),
+            motion=motion or StraightMotion((1.0, 0.0, 0.0), speed, ramp=3e-4),
+            duration=to / speed,
+            supports=[*held, *clamped],
+            **options,
+        )
+        folder = tmp_path_factory.mktemp("cut")
+        case.run(folder, **QUIET)
+        return shellcut.read(folder)
+
+    return cut
+
+
+def lines_with(run, said):
+    return [line for line in run.summary["verdict"] if said in line["text"]]
+
+
+@pytest.mark.parametrize(
+    ("entry", "options"),
+    [
+        (
+            "material_dissipated",
+            {
+                "material": shellcut.preset_film("ldpe", thickness="74 um"),
+                "law": CohesiveLaw(strength=14.0, opening_a=0.25, opening_p=1.5, opening_u=2.0),
+            },
+        ),
+        ("friction_work", {"contact": Contact(friction=0.5)}),
+    ],
+)
+def test_what_film_and_friction_take_is_counted_and_not_doubted(strip_cut, entry, options):
+    run = strip_cut(**options)
+    h = {name: float(column[-1]) for name, column in run.history.items()}
+    cables, asked = h["cohesive_work"] + h["cohesive_start_work"], h[entry]
+    assert asked > 0.15 * h["tool_work"]
+    lost = h["damping_stiffness"] + h["damping_mass"] + abs(h["contact_absorbed"])
+    lost += abs(h["contact_work"] - h["contact_stored"] - h["contact_absorbed"])
+    share = 100.0 * cables / (cables + asked + lost)
+    (line,) = lines_with(run, "of the dissipated work")
+    assert line["kind"] == "good"
+    # The last row is a few steps before the end.
+    said = re.match(r"Cables took (\S+) % of the dissipated work, ", line["text"])
+    assert float(said[1]) == pytest.approx(share, rel=0.01)
+    (line,) = lines_with(run, " N·mm went (work of the tool ")
+    said = re.search(r"cables (\S+) %", line["text"])
+    assert float(said[1]) == pytest.approx(100.0 * cables / h["tool_work"], rel=0.01)
+
+
+def test_film_that_cannot_give_way_beside_the_blade_is_doubted(strip_cut):
+    # Held in its plane, it is pressed by half the blade's thickness along all of the cut.
+    mesh = rectangle(8.0, 4.8, size=0.8)
+    beside = mesh.nodes_where(lambda x, y, z: np.abs(y) > 0.5)
+    flat = Support(beside, translation="z", rotation="xyz")
+    stiff = {"material": ShellMaterial.homogeneous(young=6000.0), "half_thickness": 0.5}
+    run = strip_cut(held=[flat], **stiff)
+    assert [line["text"] for line in run.summary["verdict"] if line["kind"] == "doubt"] == [
+        line["text"] for line in lines_with(run, "In the steady window the film stored")
+    ]
+    assert run.summary["stored_growth_rel"] > 0.2
+
+
+def test_a_crack_that_leads_has_not_left_the_path(strip_cut):
+    foil = ShellMaterial.homogeneous(young=70000.0, density=2.7e-9, thickness=0.02)
+    there_and_back = TableMotion(
+        3e-4 * np.arange(3), [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.5, 0.0, 0.0]]
+    )
+    for lead, options in (
+        (3.2, {"material": foil, "to": 3.0, "speed": 12000.0}),
+        (0.8, {"motion": there_and_back, "to": 3.6}),
+    ):
+        run = strip_cut(**options)
+        assert run.summary["crack_lead_mm"] > lead
+        (line,) = lines_with(run, "splits lie")
+        assert line["kind"] == "good", line

@@ -1,0 +1,109 @@
+"""Two tears that converge: the end of a flap between two notches of a clamped sheet is pulled up.
+
+The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
+towards the other until they meet and the strip comes off. A straight fold of the breadth w by 90°
+that carries the force F = 2 G h has, with what F does, the energy E = 2√2 (√2 - 1) √(D w F) above a
+sharp one: with J along the crack G h and across it dE/dw, each tear leans by
+
+    tan a = 2 (√2 - 1) √(D / (G h w)),    w^(3/2) = 6 (√2 - 1) √(D / (G h)) x,
+
+x being the way to where the strip ends. [Brau2014] has w ~ x^(8/11) for a fold that is curved
+across, too.
+"""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.mesh.structured import rectangle
+from shellcut.state.pieces import Pieces
+
+LAW = sc.CohesiveLaw(
+    strength=7.0, plateau=5.6, opening_a=0.1, opening_p=0.4, opening_u=0.6, onset=0.005
+)
+THICKNESS, SPEED, RISE = 0.07, 2000.0, 3e-4
+FILM = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=THICKNESS)
+TEARING = LAW.fracture_energy * THICKNESS
+BENDING = 1678.0 * THICKNESS**3 / (12.0 * (1.0 - 0.3**2))
+
+
+def pulled_up(size, breadth, notch, length, margin=2.0):
+    """A flap of some breadth in a sheet; its end goes straight up, and along as it likes."""
+    mesh = rectangle(length, breadth + 2.0 * margin, size=size)
+    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
+    x, y = X[:, 0], np.abs(X[:, 1])
+    at_start, flap = x < 1e-9, y < 0.5 * breadth - 1e-6
+    rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
+    rate = {"z": lambda time: SPEED * min(1.0, time / RISE)}
+    end = np.flatnonzero(at_start & flap).tolist()
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads),
+        FILM,
+        supports=[
+            sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz"),
+            sc.Support(end, translation="yz", rotation="", velocity=rate),
+        ],
+        law=LAW,
+        fracture=sc.Fracture(path="free", check_every=20),
+        damping_alpha=50.0,
+    )
+    for side in (-0.5, 0.5):
+        sim.notch((-1.0, side * breadth, 0.0), (notch, side * breadth, 0.0))
+    return sim
+
+
+def torn_off(sim, longest):
+    """Tear until the strip is off; return both ways, (n, 2) each, the upper one first."""
+    ways, n = ([], []), 0
+    ends = [np.array([0.0, side]) for side in (9.0, -9.0)]
+    while sim.state.time < longest and len(Pieces.of(sim.state).mass) < 2:
+        for _ in range(20):
+            sim.step()
+        for cut in sim.state.split_log[n:]:
+            at = np.array(cut.reference[:2])
+            mine = int(at[1] < 0.0) if cut.kind == "notch" else nearest(ends, at)
+            ways[mine].append(at)
+            ends[mine] = at
+        n = len(sim.state.split_log)
+    return [np.array(way) for way in ways]
+
+
+def nearest(ends, at):
+    return int(np.argmin([np.linalg.norm(at - end) for end in ends]))
+
+
+def breadths(upper, lower, start):
+    """Return places along the strip and its breadth there, until one way ends, shape (n,) each."""
+    stop = min(upper[:, 0].max(), lower[:, 0].max())
+    x = np.linspace(start, stop, 400)
+    return x, np.interp(x, *upper.T) - np.interp(x, *lower.T)
+
+
+def test_two_tears_that_converge_pinch_the_strip_off():
+    sim = pulled_up(0.5, breadth=2.0, notch=4.0, length=12.0)
+    upper, lower = torn_off(sim, 4e-3)
+    assert len(Pieces.of(sim.state).mass) == 2
+    # Measured 1.9 mm from the notches; 2.2 by the closed form. Side by side
+    # with film from across the other tear in the domain: 4 mm.
+    assert max(upper[-1, 0], lower[-1, 0]) < 4.0 + 2.5
+    assert len(sim.cracks.free.tips) < 2
+    assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-3
+
+
+@pytest.mark.slow
+def test_a_strip_narrows_as_its_fold_pulls_the_tears_together():
+    size = 0.5
+    sim = pulled_up(size, breadth=6.0, notch=5.0, length=26.0)
+    upper, lower = torn_off(sim, 1.5e-2)
+    assert len(Pieces.of(sim.state).mass) == 2
+    x, w = breadths(upper, lower, 6.0)
+    narrow = (w > size) & (w < 2.5)
+    slope = -np.polyfit(x[narrow], w[narrow] ** 1.5, 1)[0]
+    # Discretisation, and the sheet that gives way; measured 0.91 of theory.
+    assert slope == pytest.approx(6.0 * (np.sqrt(2.0) - 1.0) * np.sqrt(BENDING / TEARING), rel=0.2)
+    left = x[narrow][-1] + w[narrow][-1] ** 1.5 / slope - x
+    decade = (w > 0.5) & (w < 5.0)
+    power = np.polyfit(np.log(left[decade]), np.log(w[decade]), 1)[0]
+    # Theory 2/3, that of a curved fold 8/11; a broad flap has more fold than a domain. Measured
+    # 0.58.
+    assert 0.5 < power < 0.8
