@@ -166,3 +166,18 @@ def test_every_line_that_is_lost_is_missed(tmp_path, name):
     of_sets = (b"*NSET", b"*ELSET")
     for line in silent:
         assert line.upper().startswith(of_sets) or len(line.replace(b",", b" ").split()) >= 8, line
+
+
+@pytest.mark.parametrize("mode", ["text", "binary"])
+@pytest.mark.filterwarnings("ignore")
+def test_meshio_says_why_it_cannot_read(tmp_path, capsys, mode):
+    for kind in ("VTK", "VTU"):
+        file, content_of, text = FILMS[f"{kind} {mode}"]
+        content, path, rng = content_of(), tmp_path / file, np.random.default_rng(4)
+        for _ in range(20):
+            path.write_bytes(damaged_content(rng, content, text=text)[0])
+            try:
+                read_film(path, unit="mm")
+            except ValueError as refusal:
+                said = str(refusal).rpartition("meshio cannot read it: ")[2].partition("; VTK")[0]
+                assert len(said.split()) > 2, "words, not the bare name of an error"

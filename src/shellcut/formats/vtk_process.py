@@ -15,12 +15,16 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+# of arrays in a legacy file, of each of which VTK reads one unless told otherwise
+_KINDS = ("Scalars", "Vectors", "Normals", "Tensors", "TCoords", "ColorScalars", "Fields")
+
 
 def main(path: str, out: str) -> None:
     """Read the file and write its grid."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
     from vtkmodules.vtkFiltersCore import vtkAppendFilter
-    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+    from vtkmodules.vtkIOLegacy import vtkDataSetReader
+    from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader, vtkXMLUnstructuredGridWriter
 
     errors: list[str] = []
 
@@ -32,7 +36,9 @@ def main(path: str, out: str) -> None:
     window.AddObserver("ErrorEvent", keep)
     vtkOutputWindow.SetInstance(window)
     legacy = Path(path).suffix.lower() == ".vtk"
-    reader = _legacy_reader() if legacy else _xml_reader()
+    reader: Any = vtkDataSetReader() if legacy else vtkXMLGenericDataObjectReader()
+    for kind in _KINDS if legacy else ():
+        getattr(reader, f"ReadAll{kind}On")()
     reader.SetFileName(path)
     reader.Update()
     read = reader.GetOutputDataObject(0)
@@ -52,21 +58,6 @@ def main(path: str, out: str) -> None:
     writer.SetCompressorTypeToNone()
     if not writer.Write() or errors:
         sys.exit("; ".join(errors[:1]) or "the grid cannot be written")
-
-
-def _xml_reader() -> Any:
-    from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader
-
-    return vtkXMLGenericDataObjectReader()
-
-
-def _legacy_reader() -> Any:
-    from vtkmodules.vtkIOLegacy import vtkDataSetReader
-
-    reader = vtkDataSetReader()  # takes the first array of each kind unless told otherwise
-    for kind in ("Scalars", "Vectors", "Normals", "Tensors", "TCoords", "ColorScalars", "Fields"):
-        getattr(reader, f"ReadAll{kind}On")()
-    return reader
 
 
 def _of_some_pieces(content: bytes) -> set[tuple[str, str | None]]:
