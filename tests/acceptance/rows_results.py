@@ -6,7 +6,7 @@ import re
 
 from row import Rows, expect, expect_words
 from rows_install import hide_rendering
-from user import SHORT, User
+from user import User
 
 ROWS = Rows()
 
@@ -70,20 +70,6 @@ def frames_by_vtk(user: User) -> str:
         f"{found['n_array']} arrays, points within {found['points']:.0e} mm, "
         f"crack opens by {found['opened']:.2f} mm"
     )
-
-
-@ROWS.add(
-    "6-7",
-    "shellcut run ... --pvd, for ParaView before 5.12",
-    seconds=60,
-    limit="a .vtu a frame, read by VTK",
-    needs=("out", "viewer"),
-)
-def pvd(user: User) -> str:
-    done = user.shellcut("run", *SHORT, "--frames", "5", "--pvd", "-o", "with_pvd")
-    expect(done.code == 0, f"exit code {done.code}:\n{done.said}")
-    found = user.inside("pvd_by_vtk.py", str(user.folder / "with_pvd"))
-    return f"{found['n_file']} files, points within {found['points']:.0e} mm of the .vtkhdf"
 
 
 @ROWS.add(

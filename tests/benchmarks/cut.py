@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from benchmarks.discs import SINGLE
 from benchmarks.memory import resident
 from shellcut import Recorder, Simulation, opening_test, warmup
 from shellcut.models import Case
@@ -106,7 +105,6 @@ class Cut:
     """What one opening test took."""
 
     mesh: str
-    """Followed by SINGLE where quads are in single precision."""
     n_quad: int
     angle: float
     """Reached [degrees]."""
@@ -208,15 +206,9 @@ def _run(case: Case, until: float, profile: Profile | None) -> _Run:
     return _Run(wall - closing - hook.measuring_seconds, closing, cpu, hook.memory - before)
 
 
-def _case(mesh: str) -> Case:
-    """Return the opening test on a mesh, in single precision if its name ends in SINGLE."""
-    precision = "single" if mesh.endswith(SINGLE) else "double"
-    return opening_test(mesh.removesuffix(SINGLE), precision=precision)  # type: ignore[arg-type]
-
-
 def profile_parts(mesh: str, angle: float) -> tuple[dict[str, float], list[str]]:
     """Return own times by part [ns a quad and step] of a run to an angle, closing left out."""
-    case = _case(mesh)
+    case = opening_test(mesh)  # type: ignore[arg-type]
     sim, profile = case.simulation, Profile()
     not_found = []
     for part, names in METHODS.items():
@@ -237,7 +229,7 @@ def profile_parts(mesh: str, angle: float) -> tuple[dict[str, float], list[str]]
 def compile_all(mesh: str = "quick") -> None:
     """Compile what a run with a Recorder needs, pictures' import included."""
     warmup()
-    case = _case("quick" + SINGLE if mesh.endswith(SINGLE) else "quick")
+    case = opening_test("quick")
     _run(case, time_of_angle(case, 1.0), None)
 
 
@@ -255,7 +247,7 @@ def measure(mesh: str, angle: float = ANGLE, profiled: float = PROFILED, *, time
 
 def _measured(mesh: str, angle: float, profiled: float) -> Cut:
     began = time.perf_counter()
-    case = _case(mesh)
+    case = opening_test(mesh)  # type: ignore[arg-type]
     set_up = time.perf_counter() - began
     sim = case.simulation
     run = _run(case, time_of_angle(case, angle), None)

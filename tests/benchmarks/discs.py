@@ -18,9 +18,6 @@ PRESSURE = 0.005  # MPa
 # Two points a layer are the fewest that can bend.
 POINTS = 2
 
-SINGLE = " single"
-"""What follows a section's name where quads are computed in single precision."""
-
 SIZES: dict[str, int | str] = {
     "1e3": 28,
     "M1": "M1",
@@ -58,7 +55,7 @@ def pressurised_disc(
 ) -> Simulation:
     """Build the disc, damping on; the stable step is evaluated at the start only by default.
 
-    ``material`` is a name of :func:`materials`, followed by SINGLE for single precision.
+    ``material`` is a name of :func:`materials`.
 
     Raises
     ------
@@ -70,11 +67,9 @@ def pressurised_disc(
         options["threads"] = threads
     elif threads != 1:
         raise ValueError("Simulation has no option threads: only 1 can be timed")
-    if material.endswith(SINGLE):
-        options["precision"] = "single"
     return Simulation(
         mesh,
-        materials()[material.removesuffix(SINGLE)],
+        materials()[material],
         supports=[Support.clamped("rim")],
         loads=[Pressure(PRESSURE)],
         stepping=Stepping(evaluate_every=evaluate_every),

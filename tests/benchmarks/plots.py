@@ -9,22 +9,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from benchmarks.cut import OF_THE_FILM
-from benchmarks.discs import SINGLE
 from benchmarks.results import Results
 
 _COLOURS = {
     "linear": "C0",
     "points": "C1",
     "laminate": "C2",
-    "linear" + SINGLE: "C3",
-    "points" + SINGLE: "C4",
 }
 _LABELS = {
     "linear": "linear material",
     "points": "two thickness points",
     "laminate": "unsymmetric laminate",
-    "linear" + SINGLE: "linear, single precision",
-    "points" + SINGLE: "two points, single precision",
 }
 
 

@@ -119,8 +119,7 @@ def steps(r: Results) -> list[str]:
         " those of one core: 565 flops a quad and 66 a node at the peak (the count of the shortest"
         " exact path for the linear material); each array of shell and state that a step reads,"
         " once, and each that it changes, twice, at the triad's bandwidth, which small meshes beat"
-        " from the cache. For quads in *single* precision the peak of singles counts, twice as"
-        " high. *Cores* is CPU over wall time: below the number of threads where others"
+        " from the cache. *Cores* is CPU over wall time: below the number of threads where others"
         " ran.",
         "",
         *table(

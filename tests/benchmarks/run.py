@@ -20,7 +20,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks import compile, cut, gates, instructions, machine, memory, peers, steps
-from benchmarks.discs import SINGLE, SIZES
+from benchmarks.discs import SIZES
 from benchmarks.harness import Neighbours
 from benchmarks.results import Results
 
@@ -61,9 +61,9 @@ def run_memory(results: Results) -> None:
 
 def run_cut(results: Results) -> None:
     angle = QUICK_ANGLE if results.quick else cut.ANGLE
-    for mesh in ("M1", "M2", "M1" + SINGLE, "M2" + SINGLE):
+    for mesh in ("M1", "M2"):
         # The short ones vary most.
-        results.cuts.append(cut.measure(mesh, angle, times=3 if mesh.startswith("M1") else 1))
+        results.cuts.append(cut.measure(mesh, angle, times=3 if mesh == "M1" else 1))
         print_now(cut.table(results.cuts[-1]))
 
 

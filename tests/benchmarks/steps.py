@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from benchmarks.discs import SINGLE, SIZES, accepts_threads, build_mesh, pressurised_disc
+from benchmarks.discs import SIZES, accepts_threads, build_mesh, pressurised_disc
 from benchmarks.harness import child
 from benchmarks.traffic import bytes_per_step
 from shellcut import Simulation, Stepping
@@ -61,8 +61,6 @@ class StepCost:
 
     def arithmetic_floor(self, gflops: float) -> float:
         """Return the time of the arithmetic alone at the double peak [ns a quad and step]."""
-        if self.material.endswith(SINGLE):
-            gflops *= 2.0
         return (FLOPS_A_QUAD + FLOPS_A_NODE * self.n_node / self.n_quad) / gflops
 
     def memory_floor(self, gbytes: float) -> float | None:
@@ -148,21 +146,15 @@ def measure_one(
 def measure(
     names: Sequence[str] = tuple(SIZES),
     *,
-    materials: Sequence[str] = (
-        "linear",
-        "linear" + SINGLE,
-        "points",
-        "points" + SINGLE,
-        "laminate",
-    ),
+    materials: Sequence[str] = ("linear", "points", "laminate"),
     threads: Sequence[int] = (1, 2),
     repeats: int = 7,
     say: Callable[[str], None] = print,
 ) -> list[StepCost]:
     """Measure all meshes, the sections with their own figure and the threads there are.
 
-    On one thread only: single precision, and the laminate, which is timed on the meshes of the
-    opening test. Two threads are left out where the library cannot choose them.
+    The laminate on one thread only, and on the meshes of the opening test. Two threads are left out
+    where the library cannot choose them.
     """
     costs = []
     say(HEAD)
@@ -180,7 +172,7 @@ def measure(
             for name in names:
                 if material == "laminate" and name not in ("M1", "M2"):
                     continue
-                if n_thread != 1 and (material == "laminate" or material.endswith(SINGLE)):
+                if n_thread != 1 and material == "laminate":
                     continue
                 too_large = _quads(name) > _LARGEST_EVALUATED
                 cost = measure_one(

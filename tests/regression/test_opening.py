@@ -60,11 +60,6 @@ def test_quick(tmp_path):
     assert summary["unfelt_film_edge_mm"] < 0.5 * 0.074
 
 
-def test_quick_in_single_precision(tmp_path):
-    summary = check_opening("quick", tmp_path, precision="single")
-    assert summary["torque_plateau_Nmm"] == pytest.approx(141.3, rel=0.02)
-
-
 def short_run(tmp_path, angle, *, teeth=4, pitch=12.0, faster=1.0):
     """Run the quick mesh up to an angle, at the usual speed or faster."""
     tool, duration = tooth_ring(n_teeth=teeth), 6e-3 * angle / 95.0 / faster
@@ -103,17 +98,6 @@ def test_teeth_that_leave_the_film_are_steady_until_then(tmp_path):
     theory = steady_work_per_radian(pitch=40.0)
     # Closed form; measured 0.990.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
-
-
-@pytest.mark.slow
-def test_single_precision_leaves_a_cut_as_it_is(tmp_path):
-    single, double = (
-        check_opening("M1", tmp_path / precision, precision=precision)
-        for precision in ("single", "double")
-    )
-    # Regression: measured 4e-6 and 2e-5; the last digits of a cut are chaotic.
-    for name, limit in (("dWcoh_dtheta_Nmm", 1e-4), ("torque_plateau_Nmm", 1e-3)):
-        assert single[name] == pytest.approx(double[name], rel=limit)
 
 
 @pytest.mark.slow

@@ -36,17 +36,6 @@ def test_warmup_says_where_the_cache_is(capsys):
     assert "done in" in said
 
 
-@pytest.mark.parametrize(
-    ("options", "wanted"), [([], ("double",)), (["--single"], ("double", "single"))]
-)
-def test_warmup_compiles_for_the_precisions_asked_for(monkeypatch, options, wanted):
-    module = importlib.import_module("shellcut.command_line.warmup")
-    asked = []
-    monkeypatch.setattr(module, "warmup", lambda precisions: asked.append(precisions))
-    assert main(["warmup", *options]) == 0
-    assert asked == [wanted]
-
-
 @pytest.mark.parametrize("wrong", [[], ["wramup"]])
 def test_bad_arguments_leave_with_two(wrong):
     with pytest.raises(SystemExit) as left:
@@ -217,16 +206,10 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
 
 
 def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, monkeypatch):
-    first = [*WITH_PICTURES, "--pvd", "--set", "name=former"]
+    first = [*WITH_PICTURES, "--set", "name=former"]
     assert main(["run", "guillotine", "-o", str(tmp_path), *first]) == 0
     written = {path.name for path in tmp_path.iterdir()}
-    assert {
-        "former.vtkhdf",
-        "former.pvd",
-        "former_frames",
-        "snapshot_01.png",
-        "force.png",
-    } <= written
+    assert {"former.vtkhdf", "snapshot_01.png", "force.png"} <= written
     mine = {"force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "notes.txt"}
     for name in mine:
         (tmp_path / name).write_text("mine")

@@ -39,7 +39,6 @@ def by_hand(**options):
     "option",
     [
         {"criterion": "stress"},
-        {"candidates": "all"},
         {"blade_cut": False},
         {"turn_limit_deg": 80.0},
         {"equilibrium_start": True},
@@ -101,9 +100,9 @@ def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
     elsewhere = opening_test("quick", tool=tooth_ring(radius=9.0))
     assert elsewhere.simulation.fracture.path == "free"
     np.testing.assert_array_equal(elsewhere.simulation.mesh.nodes, opening_disc("quick").nodes)
-    needs_edges = Fracture(candidates="all")
+    needs_edges = Fracture(turn_limit_deg=80.0)
     beside = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
-    assert beside.simulation.fracture == Fracture(path="edges", candidates="all")
+    assert beside.simulation.fracture == Fracture(path="edges", turn_limit_deg=80.0)
     assert any("a row of mesh edges must lie" in str(found) for found in beside.check.findings)
 
 

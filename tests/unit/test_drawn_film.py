@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import fields
 
-import meshio
 import numba as nb
 import numpy as np
 import pytest
@@ -150,9 +149,7 @@ def folder(tmp_path_factory):
     """Folder of a whole run, and its simulation."""
     to = tmp_path_factory.mktemp("run")
     sim = cut_strip()
-    Case("strip", sim, 2.2e-4).run(
-        to, n_snapshot=2, n_frame=4, curves=False, pvd=True, progress=False
-    )
+    Case("strip", sim, 2.2e-4).run(to, n_snapshot=2, n_frame=4, curves=False, progress=False)
     return to, sim
 
 
@@ -165,11 +162,7 @@ def test_frames_come_back_from_the_files(folder):
     np.testing.assert_allclose(frame.points, now.points, atol=1e-5)
     assert (is_corner(frame.quads).sum(axis=1) != 4).any()
     grid = grid_of(frame)
-    *_, last = sorted(to.glob("strip_frames/*.vtu"))
-    mesh = meshio.read(last)
-    assert sum(len(block.data) for block in mesh.cells) == len(grid.types)
-    polygons = [block.data for block in mesh.cells if block.type == "polygon"]
-    assert sum(map(len, polygons)) == (grid.types == POLYGON).sum() > 0
+    assert (grid.types == POLYGON).any()
 
 
 def test_records_of_a_run_with_cuts(folder):

@@ -31,7 +31,6 @@ PULLED = [
 RUNS = {
     "plain": {},
     "layers": {"material": LAYERED},
-    "single": {"precision": "single"},
     "threads": {"threads": 2},
     "loaded and pulled, cables at Gauss points": {
         "loads": LOADS,

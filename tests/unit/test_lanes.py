@@ -1,4 +1,4 @@
-"""Lanes against floats, doubles and singles: arithmetic, loads and stores, gather and scatter."""
+"""Lanes against floats: arithmetic, loads and stores, gather and scatter."""
 
 import os
 import platform
@@ -10,7 +10,6 @@ import pytest
 
 from shellcut.numerics.jit import kernel
 from shellcut.numerics.lane_functions import larger, square_root, where_above
-from shellcut.numerics.lane_instructions import SIXTEEN
 from shellcut.numerics.lanes import (
     add_row_columns,
     aligned_zeros,
@@ -21,7 +20,6 @@ from shellcut.numerics.lanes import (
     first_node,
     gather,
     multiply_add,
-    narrow,
     nth,
     pick,
     put,
@@ -31,7 +29,6 @@ from shellcut.numerics.lanes import (
     scatter_add,
     total,
     turns,
-    widen,
     zero,
 )
 from shellcut.numerics.processor import (
@@ -42,7 +39,7 @@ from shellcut.numerics.processor import (
 )
 
 RNG = np.random.default_rng(8)
-KINDS = ((None, 8, np.float64), (0, 8, np.float64), (0, 16, np.float32), (SIXTEEN, 16, np.float32))
+LANES = (None, 0)
 prefetch = make_prefetch(3)
 
 
@@ -66,25 +63,23 @@ def _choices(table, out, lane):
         put(out, 0, 3, one, square_root(a * a + b * b))
 
 
-@pytest.mark.parametrize(("lane", "width", "dtype"), KINDS)
-def test_choices_and_roots_are_those_of_floats(lane, width, dtype):
-    table = aligned_zeros((1, 2, width), dtype)
-    table[:] = RNG.normal(size=(1, 2, width))
+@pytest.mark.parametrize("lane", LANES)
+def test_choices_and_roots_are_those_of_floats(lane):
+    table = aligned_zeros((1, 2, 8))
+    table[:] = RNG.normal(size=(1, 2, 8))
     table[0, 1, 0] = table[0, 0, 0]
     table[0, 0, 1], table[0, 1, 2] = np.nan, np.nan
-    out = aligned_zeros((1, 4, width), dtype)
+    out = aligned_zeros((1, 4, 8))
     _choices(table, out, lane)
     a, b = table[0]
     wanted = [
-        np.where(a > b, a - 1, dtype(2.0)),
+        np.where(a > b, a - 1, 2.0),
         np.where(b > a, b, a),
-        np.where(a < 0.25, dtype(0.25), a)
-        + np.where(b > -0.25, b, dtype(-0.25))
-        + np.where(a < 0.5, dtype(1.0), b),
+        np.where(a < 0.25, 0.25, a) + np.where(b > -0.25, b, -0.25) + np.where(a < 0.5, 1.0, b),
         np.sqrt(a * a + b * b),
     ]
     # Exact but for the fused sum under the root and the sum of three.
-    eps = 4 * np.finfo(dtype).eps
+    eps = 4 * np.finfo(float).eps
     np.testing.assert_array_equal(out[0, :2], wanted[:2])
     np.testing.assert_allclose(out[0, 2:], wanted[2:], rtol=eps, atol=eps)
 
@@ -94,7 +89,7 @@ def _total(table, k, lane):
     sum_ = 0.0
     for turn in range(turns(table, lane)):
         one = nth(lane, turn)
-        sum_ += total(widen(pick(table, 0, k, one), one))
+        sum_ += total(pick(table, 0, k, one))
     return sum_
 
 
@@ -105,8 +100,7 @@ def _corners(corner, x, rows, out, lane):
         one = nth(lane, turn)
         for a in range(4):
             ids = corner_node(corner, 0, a, one)
-            far = gather(x, 0, ids), gather(x, 1, ids), gather(x, 2, ids)
-            v = narrow(far[0], one), narrow(far[1], one), narrow(far[2], one)
+            v = gather(x, 0, ids), gather(x, 1, ids), gather(x, 2, ids)
             put(out, 0, a, one, v[0] + v[1] * v[2])
             six = (v[0], v[1], v[2], 2.0 * v[0], 2.0 * v[1], 2.0 * v[2])
             scatter_add(rows, corner, 0, a, one, six)
@@ -127,15 +121,15 @@ def _nodes(x, mass, rows, more, other, first, out, lane):
 
 
 def test_arithmetic_is_that_of_floats():
-    for lane, width, dtype in KINDS:
-        table = RNG.uniform(1, 2, (2, 2, width)).astype(dtype)
-        a, b = table[1].astype(float)
+    for lane in LANES:
+        table = RNG.uniform(1, 2, (2, 2, 8))
+        a, b = table[1]
         wanted = 0.0 - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
         wanted += a * b
-        out = np.full((1, 1, width), np.nan, dtype)
+        out = np.full((1, 1, 8), np.nan)
         _arithmetic(table, out, lane)
         # Rounded in other places: a few units in the last.
-        np.testing.assert_allclose(out[0, 0], wanted, rtol=50 * np.finfo(dtype).eps)
+        np.testing.assert_allclose(out[0, 0], wanted, rtol=50 * np.finfo(float).eps)
 
 
 def test_total_runs_from_the_first_lane_to_the_last():
@@ -145,18 +139,14 @@ def test_total_runs_from_the_first_lane_to_the_last():
     for v in table[0, 0]:
         wanted += v
     assert _total(table, 0, None) == _total(table, 0, 0) == total(table[0, 0]) == wanted
-    # Singles are added as doubles, in which 1e8 and a one are told apart.
-    singles = np.zeros((1, 1, 16), np.float32)
-    singles[0, 0, [0, 3, 9, 15]] = 1.0, 1e8, -1e8, 2.0
-    assert _total(singles, 0, SIXTEEN) == 3.0
 
 
 def test_gather_and_scatter_with_nodes_that_repeat():
-    for lane, width, dtype in KINDS:
+    for lane in LANES:
         # All lanes of the first corner are one node: adding them at once would lose the others.
-        corner = np.zeros((1, 4, width), np.int32)
+        corner = np.zeros((1, 4, 8), np.int32)
         corner[0, 0] = 3
-        corner[0, 1:] = RNG.integers(0, 12, (3, width))
+        corner[0, 1:] = RNG.integers(0, 12, (3, 8))
         x = np.asfortranarray(RNG.uniform(-1, 1, (12, 3)))
         wanted_rows = np.zeros((12, 6))
         for a in range(4):
@@ -164,10 +154,10 @@ def test_gather_and_scatter_with_nodes_that_repeat():
                 wanted_rows[node] += np.concatenate([x[node], 2 * x[node]])
         ids = corner[0]
         wanted = x[ids, 0] + x[ids, 1] * x[ids, 2]
-        rows, out = aligned_zeros((12, 8)), np.full((1, 4, width), np.nan, dtype)
+        rows, out = aligned_zeros((12, 8)), np.full((1, 4, 8), np.nan)
         _corners(corner, x, rows, out, lane)
-        # Sums of up to sixteen terms of size one.
-        round_off = 50 * np.finfo(dtype).eps
+        # Sums of up to eight terms of size one.
+        round_off = 50 * np.finfo(float).eps
         np.testing.assert_allclose(out[0], wanted, rtol=0, atol=round_off)
         np.testing.assert_allclose(rows[:, :6], wanted_rows, rtol=0, atol=round_off)
 
@@ -219,11 +209,11 @@ def _first_nodes(corner, out, lane):
 
 
 def test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for():
-    for lane, width, _ in KINDS:
-        corner = RNG.integers(0, 99, (2, 4, width)).astype(np.int32)
-        out = np.full(width, -1)
+    for lane in LANES:
+        corner = RNG.integers(0, 99, (2, 4, 8)).astype(np.int32)
+        out = np.full(8, -1)
         _first_nodes(corner, out, lane)
-        seen = slice(0, width if lane == 0 else 1)
+        seen = slice(0, 8 if lane == 0 else 1)
         np.testing.assert_array_equal(out[seen], corner[1, 2, seen])
         assert (out[seen.stop :] == -1).all()
 
@@ -267,7 +257,7 @@ X86 = pytest.mark.skipif(
     ("environment", "told"),
     [
         pytest.param({"NUMBA_DISABLE_JIT": "1"}, "1 None", id="no compiler"),
-        # Of the registers of sixteen, eight or four singles that LLVM puts lanes into.
+        # Of the registers of eight, four or two doubles that LLVM puts lanes into.
         pytest.param(
             {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
             "0 haswell",

@@ -83,10 +83,9 @@ def test_a_choice_that_does_not_exist_is_refused():
         {"damping_beta": 0.0},
         {"damping_alpha": 1e3},
         {"points": 3},
-        {"precision": "single"},
         {"loads": [sc.Gravity((0.0, 0.0, -9810.0)), sc.Pressure(1e-4, following=True)]},
     ],
-    ids=["damped", "undamped", "mass damping", "thickness points", "single", "loads"],
+    ids=["damped", "undamped", "mass damping", "thickness points", "loads"],
 )
 def test_its_energy_is_booked_when_it_goes(path, how):
     sim = run(flying(path=path, **how), 99)

@@ -424,6 +424,9 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
             '[fracture]\npath = "imprint"\n[motion]',
             "got 'imprint'; cracks go through the quads of any mesh: take path = 'free', or leave",
         ),
+        ('model = "', 'precision = "single"\nmodel = "', "precision; leave it out: all is"),
+        ("[motion]", "[output]\npvd = true\n[motion]", "[output].pvd; leave it out: ParaView"),
+        ("[motion]", '[fracture]\ncandidates = "all"\n[motion]', "[fracture].candidates; leave it"),
         (
             "shift = [-0.05, 0.0, 0.0]",
             'shift = [-0.05, 0.2, 0.0]\n[fracture]\npath = "edges"',

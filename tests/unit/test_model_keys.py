@@ -142,7 +142,7 @@ def cases():
                                 model, title, kind, key, id=f"{model}-{title}-{kind.__name__}-{key}"
                             )
     for model in SECTIONS:
-        for key in ("name", "directional", "precision", "threads"):
+        for key in ("name", "directional", "threads"):
             yield pytest.param(model, "", Head, key, id=f"{model}-{key}")
     for key in Ply.keys():  # noqa: SIM118
         yield pytest.param("opening", "material.layers", Ply, key, id=f"layers-{key}")
@@ -393,7 +393,7 @@ def test_every_parameter_has_a_key_with_its_default(kind):
 def test_every_option_of_a_simulation_is_in_some_section():
     taken = {"mesh", "material", "supports", "loads", "tool", "motion", "law"}
     taken |= {"contact", "fracture", "stepping"}  # sections
-    taken |= {"directional", "imperfection", "precision", "threads"}  # at the top
+    taken |= {"directional", "imperfection", "threads"}  # at the top
     taken |= {"damping_alpha", "damping_beta"}  # [damping]
     assert set(inspect.signature(Simulation).parameters) - taken == set(NOT_IN_FILES)
 

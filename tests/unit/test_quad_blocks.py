@@ -16,7 +16,7 @@ def some_flat(mesh, seed=1):
 def test_every_quad_has_one_place_with_its_nodes(case):
     mesh = cases.ALL[case](7, 5)
     flat = some_flat(mesh)
-    blocks = build_blocks(mesh.nodes, mesh.quads, flat, 8)
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
     places = blocks.quad.ravel()[blocks.filled.ravel()]
     assert sorted(places.tolist()) == list(range(mesh.n_quad))
     block, lane = np.divmod(blocks.slot, 8)
@@ -32,7 +32,7 @@ def test_quads_whose_nodes_follow_each_other_share_blocks():
     mesh = rectangle(20.0, 3.0, n_x=20, n_y=3)
     flat = np.ones(mesh.n_quad, np.bool_)
     flat[25] = False  # amid the second row, which then has one chain of eight instead of two
-    blocks = build_blocks(mesh.nodes, mesh.quads, flat, 8)
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
     follows = (np.diff(blocks.corner, axis=2) == 1).all(axis=(1, 2))
     np.testing.assert_array_equal(blocks.chain, follows)
     assert follows.sum() == 5
@@ -40,14 +40,14 @@ def test_quads_whose_nodes_follow_each_other_share_blocks():
     names = np.random.default_rng(3).permutation(mesh.n_node)
     nodes = np.empty_like(mesh.nodes)
     nodes[names] = mesh.nodes
-    blocks = build_blocks(nodes, names[mesh.quads], flat, 8)
+    blocks = build_blocks(nodes, names[mesh.quads], flat)
     assert not blocks.chain.any()
     assert sorted(blocks.quad[blocks.filled].tolist()) == list(range(60))
 
 
 def test_a_chain_ends_where_a_quad_is_rewired():
     mesh = rectangle(20.0, 1.0, n_x=20, n_y=1)
-    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(20, np.bool_), 8)
+    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(20, np.bool_))
     quads = mesh.quads.copy()
     split = int(blocks.quad[np.flatnonzero(blocks.chain)[0], 3])
     quads[split, 1] = mesh.n_node
@@ -61,7 +61,7 @@ def test_a_chain_ends_where_a_quad_is_rewired():
 
 def test_a_rewired_quad_is_followed_where_it_is_repeated_too():
     mesh = rectangle(3.0, 1.0, n_x=3, n_y=1)
-    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(3, np.bool_), 8)
+    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(3, np.bool_))
     quads = mesh.quads.copy()
     last = int(blocks.quad[0, 7])  # five places repeat the last quad
     quads[last, 2] = 99
@@ -79,7 +79,7 @@ def test_a_rewired_quad_is_followed_where_it_is_repeated_too():
 )
 def test_only_neighbouring_strips_share_nodes(mesh):
     flat = np.zeros(mesh.n_quad, np.bool_)
-    blocks = build_blocks(mesh.nodes, mesh.quads, flat, 8)
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
     assert blocks.n_strip >= 4
     assert blocks.n_strip % 2 == 0
     touched = [set() for _ in range(mesh.n_node)]
@@ -95,7 +95,7 @@ def test_only_neighbouring_strips_share_nodes(mesh):
 
 def test_a_small_film_is_one_strip():
     mesh = rectangle(3.0, 3.0, n_x=30, n_y=30)
-    assert build_blocks(mesh.nodes, mesh.quads, np.ones(900, np.bool_), 8).n_strip == 1
+    assert build_blocks(mesh.nodes, mesh.quads, np.ones(900, np.bool_)).n_strip == 1
 
 
 def test_quads_that_more_strips_do_not_part_stay_in_two():
@@ -104,6 +104,6 @@ def test_quads_that_more_strips_do_not_part_stay_in_two():
     mesh = rectangle(1.0, 50.0, n_x=1, n_y=25_000)
     turned = mesh.nodes[:, [1, 0, 2]] * [0.001, 1000.0, 1.0]
     quads = np.random.default_rng(4).permutation(mesh.quads)
-    assert build_blocks(turned, quads, np.ones(len(quads), np.bool_), 8).n_strip == 2
+    assert build_blocks(turned, quads, np.ones(len(quads), np.bool_)).n_strip == 2
     # In order, the same quads part well: it is not their shape that forbids it.
-    assert build_blocks(turned, mesh.quads, np.ones(len(quads), np.bool_), 8).n_strip == 4
+    assert build_blocks(turned, mesh.quads, np.ones(len(quads), np.bool_)).n_strip == 4

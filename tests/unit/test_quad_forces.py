@@ -29,17 +29,17 @@ MATERIALS = {
 }
 
 
-# Kernels that nothing else calls take six seconds each to compile: points one by one, and points in
-# singles. Their quick siblings are the same tests of the other materials.
+# Kernels that nothing else calls take six seconds each to compile: points one by one. Their quick
+# siblings are the same tests of the other materials.
 BY_POINTS_SLOW = [
     pytest.param(name, marks=[pytest.mark.slow] if "by points" in name else [])
     for name in MATERIALS
 ]
 
 
-def moved_twice(mesh, material, *, by_lanes=True, chains=True, precision="double"):
+def moved_twice(mesh, material, *, by_lanes=True, chains=True):
     """Forces and work after two damped steps from rest to a far state."""
-    shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes, precision=precision)
+    shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes)
     if not chains:
         assert shell.blocks.chain.any()
         shell.blocks.chain[:] = False
@@ -71,30 +71,11 @@ def test_lanes_and_plain_floats_agree_to_round_off(case, material):
         np.testing.assert_allclose(work, wanted_work, rtol=0, atol=1e-13 * scale + 1e-24)
 
 
-@pytest.mark.parametrize("material", BY_POINTS_SLOW)
 @pytest.mark.parametrize("case", cases.ALL)
-def test_singles_agree_to_their_own_round_off(case, material):
-    # Far from the origin, where positions themselves would lose three digits more in singles.
-    mesh = cases.ALL[case](19 if case != "curved" else 11, 3)
-    mesh = cases.moved_mesh(mesh, mesh.nodes + 1000.0, directors=mesh.directors)
-    single = moved_twice(mesh, MATERIALS[material], precision="single")
-    double = moved_twice(mesh, MATERIALS[material])
-    for (work, force), (wanted_work, wanted) in zip(single, double, strict=True):
-        # A strain of one has forces of E h L: what a single's last digit of a metric of one makes.
-        np.testing.assert_allclose(
-            force, wanted, rtol=0, atol=1e-6 * (np.abs(wanted).max() + 150.0)
-        )
-        scale = max(abs(wanted_work.strain_energy), abs(wanted_work.damping))
-        np.testing.assert_allclose(work, wanted_work, rtol=0, atol=3e-6 * scale + 1e-10)
-
-
-@pytest.mark.parametrize("case", cases.ALL)
-@pytest.mark.parametrize(
-    ("precision", "by_lanes"), [("double", True), ("double", False), ("single", True)]
-)
-def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, precision, by_lanes):
+@pytest.mark.parametrize("by_lanes", [True, False])
+def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, by_lanes):
     mesh = cases.ALL[case](11, 3)
-    shell = MITC4Shell(mesh, cases.FILM, damping_beta=2e-7, by_lanes=by_lanes, precision=precision)
+    shell = MITC4Shell(mesh, cases.FILM, damping_beta=2e-7, by_lanes=by_lanes)
     state = initial_state(mesh)
     shell.initialise(state)
     energy = shell.add_forces(state).strain_energy
@@ -102,21 +83,12 @@ def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, precision, by
     assert not state.node.force_rows.any()
 
 
-@pytest.mark.parametrize(
-    ("case", "precision", "columns", "material"),
-    [
-        *((case, "double", 11, "film") for case in cases.ALL),
-        *((case, "double", 11, "film by points") for case in cases.ALL),
-        ("flat", "single", 19, "film"),
-        ("warped", "single", 19, "film"),
-        pytest.param("flat", "single", 19, "film by points", marks=pytest.mark.slow),
-        pytest.param("warped", "single", 19, "film by points", marks=pytest.mark.slow),
-    ],
-)
-def test_chains_are_loaded_as_they_would_be_gathered(case, material, precision, columns):
-    mesh = cases.ALL[case](columns, 3)
-    chained = moved_twice(mesh, MATERIALS[material], precision=precision)
-    gathered = moved_twice(mesh, MATERIALS[material], precision=precision, chains=False)
+@pytest.mark.parametrize("material", ["film", "film by points"])
+@pytest.mark.parametrize("case", cases.ALL)
+def test_chains_are_loaded_as_they_would_be_gathered(case, material):
+    mesh = cases.ALL[case](11, 3)
+    chained = moved_twice(mesh, MATERIALS[material])
+    gathered = moved_twice(mesh, MATERIALS[material], chains=False)
     for (work, force), (wanted_work, wanted) in zip(chained, gathered, strict=True):
         np.testing.assert_array_equal(force, wanted)
         assert work == wanted_work
@@ -166,7 +138,7 @@ def test_damping_work_from_three_products_is_the_sum_over_strain_steps():
     )
 
 
-def run_sheet(threads, precision):
+def run_sheet(threads):
     mesh = rectangle(60.0, 35.0, n_x=210, n_y=120)
     sim = Simulation(
         mesh,
@@ -174,7 +146,6 @@ def run_sheet(threads, precision):
         supports=[Support.clamped("left")],
         loads=[Pressure(0.05), Pressure(0.02, following=True)],
         threads=threads,
-        precision=precision,
     )
     for _ in range(12):
         sim.step()
@@ -184,11 +155,10 @@ def run_sheet(threads, precision):
     return [r[: mesh.n_node].copy() for r in rows], [vars(ledger)[k] for k in sorted(vars(ledger))]
 
 
-@pytest.mark.parametrize("precision", ["double", "single"])
-def test_results_do_not_depend_on_the_number_of_threads(precision):
-    rows, entries = run_sheet(1, precision)
+def test_results_do_not_depend_on_the_number_of_threads():
+    rows, entries = run_sheet(1)
     for threads in (2, 3):
-        other_rows, other_entries = run_sheet(threads, precision)
+        other_rows, other_entries = run_sheet(threads)
         assert all((a == b).all() for a, b in zip(rows, other_rows, strict=True))
         assert entries == other_entries
 
@@ -201,29 +171,14 @@ def _setting():
 @pytest.mark.skipif(
     platform.machine().lower() not in ("x86_64", "amd64"), reason="x86 only has the setting"
 )
-@pytest.mark.parametrize(
-    ("precision", "material"),
-    [
-        ("double", "film"),
-        ("double", "film by points"),
-        ("single", "film"),
-        pytest.param("single", "film by points", marks=pytest.mark.slow),
-    ],
-)
-def test_a_step_leaves_the_processor_as_it_was(precision, material):
+@pytest.mark.parametrize("material", ["film", "film by points"])
+def test_a_step_leaves_the_processor_as_it_was(material):
     before = _setting() & 0x8040
-    sim = Simulation(
-        disc(2.0, n_side=4, n_layer=1), MATERIALS[material], precision=precision, threads=2
-    )
+    sim = Simulation(disc(2.0, n_side=4, n_layer=1), MATERIALS[material], threads=2)
     sim.step()
     there = sim.shell._workers._pool.submit(_setting).result()
     # The flags of exceptions that have been stay; what is flushed or not is as before.
     assert [_setting() & 0x8040, there & 0x8040] == [before, before]
-
-
-def test_precision_is_checked():
-    with pytest.raises(ValueError, match="precision must be 'double' or 'single', got 'half'"):
-        Simulation(rectangle(1.0, 1.0, n_x=1, n_y=1), cases.FILM, precision="half")
 
 
 def test_number_of_threads_is_checked():
@@ -242,8 +197,6 @@ for case in ("flat", "curved"):
     for material in ("film", "layers by points"):
         for work, force in moved_twice(cases.ALL[case](11, 3), MATERIALS[material]):
             out += [np.array(work), force.ravel()]
-for work, force in moved_twice(cases.ALL["flat"](19, 3), MATERIALS["film"], precision="single"):
-    out.append(1e-7 * force.ravel())
 np.save(sys.argv[1], np.concatenate(out))
 """
 
@@ -271,9 +224,6 @@ def forces_here():
         for material in ("film", "layers by points"):
             for work, force in moved_twice(cases.ALL[case](11, 3), MATERIALS[material]):
                 out += [np.array(work), force.ravel()]
-    # Weighed by what singles have in digits less.
-    for _, force in moved_twice(cases.ALL["flat"](19, 3), MATERIALS["film"], precision="single"):
-        out.append(1e-7 * force.ravel())
     return np.concatenate(out)
 
 

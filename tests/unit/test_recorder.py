@@ -248,35 +248,15 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
 
 
 def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
-    output = FrameOutput(tmp_path, "run", pvd=True)
+    output = FrameOutput(tmp_path, "run")
     try:
         for time in (1e-4, 2e-4):
             output.append(partial(opening_frame, 20.0, n_side=4, time=time))
         output.settle()
         assert read(tmp_path).n_frame == 2
-        assert len(list((tmp_path / "run_frames").glob("*.vtu"))) == 2
     finally:
         output.close()
     output.close()
-
-
-def test_files_are_closed_if_one_cannot_be_gone_on_with(tmp_path):
-    Case("cut", cutting(), END).run(tmp_path, **RECORDS)
-    (tmp_path / "cut.pvd").write_text("no list")
-    for said in (r"has cut\.pvd, which this run would replace", "not written by shellcut"):
-        with pytest.raises((ValueError, FileExistsError), match=said):
-            Recorder(
-                cutting(),
-                tmp_path,
-                until=2 * END,
-                name="cut",
-                pvd=True,
-                resume=True,
-                progress=False,
-            )
-        assert not is_open(tmp_path / "cut.vtkhdf")
-        with (tmp_path / "run.files").open("a") as listed:  # as if a run had written it
-            listed.write("cut.pvd\n")
 
 
 def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, monkeypatch):

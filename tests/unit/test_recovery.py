@@ -17,11 +17,10 @@ class Field:
         self.tensor = tensor
         self.asked = set()
 
-    def stress(self, state, quads, *, place="mid"):
+    def stress(self, state, quads):
         self.asked |= set(quads.tolist())
         centres = state.node.x[state.quads[quads]].mean(axis=1)
-        scale = {"top": 2.0, "bottom": 0.5}.get(place, 1.0)
-        return scale * np.array([self.tensor(*c) for c in centres])
+        return np.array([self.tensor(*c) for c in centres])
 
 
 def linear(x, y, z=0.0):
@@ -69,7 +68,7 @@ def test_patch_against_least_squares(case):
     samples += samples.transpose(0, 2, 1)
 
     class Samples:
-        def stress(self, state, quads, *, place):
+        def stress(self, state, quads):
             return samples[quads]
 
     inner = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
@@ -112,17 +111,6 @@ def test_a_single_row_has_nothing_to_borrow_and_takes_the_mean():
     mean = 0.5 * (linear(0.5, 0.0) + linear(1.5, 0.0))
     assert stress.n_borrowed == 0
     assert stress.principal[0] == pytest.approx(np.linalg.eigvalsh(mean[:2, :2])[-1], rel=1e-13)
-
-
-def test_largest_takes_the_worst_layer():
-    mesh = cases.skewed_flat(4, 4)
-    state = initial_state(mesh)
-    nodes = np.array([6, 7, 12])
-    top = recover(state, Field(linear), nodes, place="top")
-    worst = recover(state, Field(linear), nodes, place="largest")
-    np.testing.assert_array_equal(worst.principal, top.principal)
-    np.testing.assert_array_equal(worst.direction, top.direction)
-    assert (top.principal > recover(state, Field(linear), nodes).principal).all()
 
 
 def test_no_nodes_no_stress():

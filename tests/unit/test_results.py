@@ -6,7 +6,6 @@ import re
 import subprocess
 import sys
 import textwrap
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -17,7 +16,6 @@ from opening_frame import opening_frame
 from shellcut import Recorder, guillotine
 from shellcut.frame import JOINTED
 from shellcut.recording.frame_capture import capture
-from shellcut.results.frame_grid import grid_of
 from shellcut.results.vtkhdf import VtkHdfWriter
 from test_vtkhdf import Reading, assert_holds, assert_same
 
@@ -57,7 +55,6 @@ def run(tmp_path_factory):
         n_frame=8,
         n_snapshot=0,
         progress=False,
-        pvd=True,
     )
     case.simulation.run(case.duration, [recorder])
     return folder, written, case.simulation
@@ -87,16 +84,6 @@ def test_vtk_reads_a_cut_frame_by_frame_as_it_was_simulated(run):
     for k in (len(written) - 1, *range(len(written))):
         got = reading.frame(k)
         assert_holds(got, written[k], figure="force [N]", coordinate="path [mm]")
-
-
-def test_the_other_form_holds_the_same_frames(run):
-    folder, written, _ = run
-    rows = ElementTree.parse(folder / "strip.pvd").getroot().findall("Collection/DataSet")
-    assert [float(row.get("timestep")) for row in rows] == [frame.time for frame in written]
-    meshio = pytest.importorskip("meshio")
-    got, wanted = meshio.read(folder / rows[-1].get("file")), grid_of(written[-1])
-    np.testing.assert_array_equal(got.points, wanted.points)
-    np.testing.assert_array_equal(got.point_data["director"], wanted.point_arrays["director"])
 
 
 def test_history_figures_and_splits(run):
@@ -247,7 +234,7 @@ def test_the_imbalance_is_drawn_in_per_cent_once_there_is_work_to_compare_with(r
     results = shellcut.read(run[0])
     results.plot_energy("nowhere.png")
     _, _, work, _, imbalance = drawn[0]
-    early = work < 0.01 * work.max()
+    early = work < 0.1 * work.max()
     assert early[0]
     assert np.isnan(imbalance[early]).all()
     wanted = 100.0 * results.history["imbalance"][~early] / results.history["tool_work"][~early]

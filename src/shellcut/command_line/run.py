@@ -24,9 +24,6 @@ def add_to(commands: Any) -> None:
     add_settings_to(parser)
     parser.add_argument("--frames", metavar="N", type=int, help="frames of the result file")
     parser.add_argument(
-        "--pvd", action="store_true", help="also write PVD + VTU, for ParaView before 5.12"
-    )
-    parser.add_argument(
         "--no-pictures", action="store_true", help="no pictures of the film during the run"
     )
     parser.add_argument(
@@ -101,8 +98,6 @@ def run(arguments: argparse.Namespace) -> int:
         settings = settings_of(arguments)
         if arguments.frames is not None:
             settings["output.frames"] = arguments.frames
-        if arguments.pvd:
-            settings["output.pvd"] = True
         if arguments.no_pictures:
             settings["output.snapshots"] = 0
         model = read_model(arguments.model, settings)

@@ -5,7 +5,6 @@
 ``run.lock``            during the run, :mod:`shellcut.files.folder_lock`
 ``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.history_row`
 ``NAME.vtkhdf``         the frames, :mod:`shellcut.results.vtkhdf`
-``NAME.pvd``            again, in ``NAME_frames``, if asked for, :mod:`shellcut.results.pvd`
 ``snapshot_00.png`` ..  pictures of the film during the run
 ``checkpoint.h5``       state to resume from, :mod:`shellcut.recording.checkpoint`
 ``summary.json``        figures, when it ends, :mod:`shellcut.recording.run_summary`
@@ -32,11 +31,6 @@ _SNAPSHOT = "snapshot_"
 def result_file(folder: Path, name: str) -> Path:
     """Return the path of the frames of a run."""
     return folder / f"{name}.vtkhdf"
-
-
-def frame_list(folder: Path, name: str) -> Path:
-    """Return the path of the list of the frames as PVD + VTU."""
-    return folder / f"{name}.pvd"
 
 
 def resistance_picture(folder: Path, resistance: str) -> Path:
@@ -67,9 +61,7 @@ def snapshots(folder: Path, first: int = 0) -> list[Path]:
     ]
 
 
-def planned_names(
-    name: str, resistance: str, *, n_snapshot: int, n_frame: int, pvd: bool
-) -> tuple[list[str], list[str]]:
+def planned_names(name: str, resistance: str, *, n_snapshot: int) -> tuple[list[str], list[str]]:
     """Return the names of the files that a run always writes, and of those it may write.
 
     Parameters
@@ -78,16 +70,11 @@ def planned_names(
         Name of the run.
     resistance : str
         Name of its torque or force.
-    n_snapshot, n_frame : int
-        Number of pictures and frames wanted; each may get one more at the end.
-    pvd : bool
-        Whether frames are also written as PVD + VTU.
+    n_snapshot : int
+        Number of pictures wanted; there may be one more at the end.
     """
     here = Path()
     always = [HISTORY, SUMMARY, SPLITS, CHECKPOINT, ENERGY_PICTURE]
     always += [str(result_file(here, name)), str(resistance_picture(here, resistance))]
     later = [str(snapshot(here, k)) for k in range(n_snapshot + 2)]
-    if pvd:
-        always.append(str(frame_list(here, name)))
-        later += [f"{name}_frames/frame_{k:04d}.vtu" for k in range(n_frame + 2)]
     return always, later

@@ -13,12 +13,11 @@ Two criteria, each of which splits a node when its measure reaches 1:
     the very force that the new cable takes over, so the split starts near equilibrium. Among the
     admissible edges the one with the largest normal traction on its chord wins.
 ``"stress"``
-    sigma_I / sigma_F with the recovered stress ([Frangi2010] 4). The edges chosen are the most
-    nearly normal to the direction of sigma_I.
+    sigma_I / sigma_F with the stress recovered at the mid-surface ([Frangi2010] 4). The edges
+    chosen are the most nearly normal to the direction of sigma_I.
 
-Which nodes may split: the crack tips and the nodes that a cutting edge has pierced
-(``candidates="tips"``) or any node ("all", the wording of [Frangi2010]). Supported nodes never
-split.
+Which nodes may split: the crack tips and the nodes that a cutting edge has pierced. [Frangi2010]
+says any node, which would also split nodes beside the cut. Supported nodes never split.
 
 **The blade-cut rule** (:mod:`shellcut.fracture.blade_cut`) differs from [Frangi2010]: a node that
 the edge has pierced, and a tip that it has passed, split whatever the stress, along the edges
@@ -48,13 +47,11 @@ from .blade_cut import BladeCut
 from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
 
 Measure: TypeAlias = Literal["force", "stress"]
-StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
-Candidates: TypeAlias = Literal["tips", "all"]
 Path: TypeAlias = Literal["free", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
 DropLoose: TypeAlias = Literal["never", "clear"]
 
-_ONLY_ALONG_EDGES = "criterion", "candidates", "blade_cut", "turn_limit_deg", "equilibrium_start"
+_ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
 _ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
 
 
@@ -74,10 +71,6 @@ class Fracture:
     ----------
     criterion : {"force", "stress"}
         Measure of a split, see the module.
-    stress_place : {"mid", "top", "bottom", "largest", "nominal"}
-        Where the stress criterion reads the stress.
-    candidates : {"tips", "all"}
-        Which nodes may split by the measure.
     blade_cut : bool
         Whether the blade-cut rule is on.
     turn_limit_deg : float
@@ -90,9 +83,9 @@ class Fracture:
     path : {"free", "edges"}, optional
         Through the quads, on any mesh (docs/theory/free-cracks.md), or along edges of the mesh,
         which must lie under the path. Left out it is ``"free"``, or ``"edges"`` where another
-        option exists for these only: ``criterion``, ``candidates``, ``blade_cut``,
-        ``turn_limit_deg`` or ``equilibrium_start`` that differ from their defaults. A ready model
-        takes ``"edges"`` too where edges lie under the whole path.
+        option exists for these only: ``criterion``, ``blade_cut``, ``turn_limit_deg`` or
+        ``equilibrium_start`` that differ from their defaults. A ready model takes ``"edges"`` too
+        where edges lie under the whole path.
     anisotropy : Anisotropy, optional
         How strength and energy depend on the direction of a crack, for cracks through the quads
         that no blade drives.
@@ -111,15 +104,13 @@ class Fracture:
 
     Examples
     --------
-    >>> Fracture(criterion="stress", stress_place="top").blade_cut
+    >>> Fracture(criterion="stress").blade_cut
     True
     >>> Fracture().decided().path, Fracture(criterion="stress").decided().path
     ('free', 'edges')
     """
 
     criterion: Measure = "force"
-    stress_place: StressPlace = "mid"
-    candidates: Candidates = "tips"
     blade_cut: bool = True
     turn_limit_deg: float = 57.0
     check_every: int = 10
@@ -135,8 +126,6 @@ class Fracture:
         problems = []
         for name, choices in (
             ("criterion", Measure),
-            ("candidates", Candidates),
-            ("stress_place", StressPlace),
             ("cable_places", CablePlaces),
             ("drop_loose", DropLoose),
         ):
@@ -294,12 +283,7 @@ class SplitCriterion:
         if self._blade is not None:
             cut = self._blade.cut_nodes(state, tips, pose)
             found += self._along_blade(state, cut)
-        if self.fracture.candidates == "tips":
-            nodes = tips
-        else:
-            nodes = np.flatnonzero(~state.node.supported[: state.n_node]).tolist()
-        if cut:
-            nodes = [n for n in nodes if n not in cut]
+        nodes = [n for n in tips if n not in cut]
         by_measure = self._by_force if self.fracture.criterion == "force" else self._by_stress
         return _strongest_apart(found + by_measure(state, nodes, tips))
 
@@ -378,13 +362,7 @@ class SplitCriterion:
     def _by_stress(self, state: State, nodes: list[int], tips: list[int]) -> list[Split]:
         if not nodes:
             return []
-        stress = recover(
-            state,
-            self._shell,
-            np.array(nodes, np.int64),
-            place=self.fracture.stress_place,
-            tips=tips,
-        )
+        stress = recover(state, self._shell, np.array(nodes, np.int64), tips=tips)
         self.n_borrowed += stress.n_borrowed
         over = np.flatnonzero(stress.principal >= self._strength).tolist()
         if not over:

@@ -19,7 +19,7 @@ from numba import types
 from numba.core.datamodel import models
 from numba.extending import NativeValue, overload, register_model, typeof_impl, unbox
 
-from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
+from shellcut.arrays import Floats, Ints, Number, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above
@@ -48,9 +48,9 @@ class PointLaws(NamedTuple):
 class HistoryStep(NamedTuple):
     """Where the history of a block of quads is read and written, and the length of the step."""
 
-    old: Annotated[Numbers, "(n_block, n, width)"]
+    old: Annotated[Floats, "(n_block, n, width)"]
     """At t_{n-1}."""
-    new: Annotated[Numbers, "(n_new, n, width)"] | None
+    new: Annotated[Floats, "(n_new, n, width)"] | None
     """At t_n; None if ``old`` is updated in its place."""
     block: int
     """Block that is read."""
@@ -145,7 +145,7 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     return run
 
 
-def _borrowed_new(table: Numbers | None) -> Numbers | None:
+def _borrowed_new(table: Floats | None) -> Floats | None:
     return table
 
 

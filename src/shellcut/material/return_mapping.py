@@ -33,8 +33,8 @@ first turn from the left takes it there,
 
     Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
 
-The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6
-(singles: 1e-3); the last correction is added to the first order, which leaves 1e-11 to 1e-10. So a
+The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6;
+the last correction is added to the first order, which leaves 1e-11 to 1e-10. So a
 step of an explicit run evaluates the hardening once. A flow that changes the stress by less than
 its round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows
 of 1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
@@ -63,13 +63,15 @@ import numpy as np
 
 from shellcut.arrays import Floats, Number
 from shellcut.numerics.jit import always_inline, apart_as
-from shellcut.numerics.lane_exponentials import any_above, exponential, precision_of
+from shellcut.numerics.lane_exponentials import any_above, exponential
 from shellcut.numerics.lane_functions import larger, square_root, where_above, zero_like
 from shellcut.numerics.processor import not_inlined, seldom
 
 _TURNS = 80
-# |G - 1|, or |x|, over the root of the precision at which the last correction ends the iteration.
-_ENOUGH = 512.0
+# Relative spacing of doubles.
+_ROUND_OFF = 2.0**-52
+# |G - 1|, or |x|, at which the last correction ends the iteration.
+_ENOUGH = 512.0 * 2.0**-26
 # The largest x of a turn.
 _MOST = 2.0
 
@@ -94,7 +96,7 @@ def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     squared : σ_eq² of the trial.  start : (σ_0 + R) at the start of the step [MPa].  The last step
     may have left the stress above the surface by some round-off, which is not taken for flow.
     """
-    beyond = (1.0 - 64.0 * precision_of(squared)) * squared - start * start
+    beyond = (1.0 - 64.0 * _ROUND_OFF) * squared - start * start
     return beyond if may_flow else zero_like(squared) - start * start
 
 
@@ -208,7 +210,7 @@ def _in_proportion(G, B, dp, stiff, beyond):
     _, change = _straight(G, B, dp, stiff, beyond)
     x = change / dp
     x = where_above(x, _MOST, _MOST, x)
-    off = where_above(stiff * dp, 0.25 * precision_of(dp), larger(x, -x), none)
+    off = where_above(stiff * dp, 0.25 * _ROUND_OFF, larger(x, -x), none)
     return where_above(beyond, 0.0, off, none), dp * (exponential(x) - 1.0)
 
 
@@ -224,12 +226,6 @@ def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
         return (static * factor, steep * factor + static * steeper / dt), (R, steep)
 
     return yield_stress
-
-
-@always_inline
-def _enough(number):
-    """Return |G - 1| at which the last correction ends the iteration."""
-    return min(_ENOUGH * np.sqrt(precision_of(number)), 1e-3)
 
 
 def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
@@ -259,7 +255,7 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
         dp = _first_flow(total, p[at] + R_old, total * first_slope(p, at + 1, eq, R_old) + slopes)
         dp = where_above(beyond, 0.0, dp, zero_like(eq))
         off, found = turn(p, at, q, k, beyond, eq, dp, dt)
-        if seldom(any_above(off, _enough(eq))):
+        if seldom(any_above(off, _ENOUGH)):
             return further(p, at, q, k, beyond, state, dp, dt)
         return end(p, at, beyond, state, dp, found)
 
@@ -314,11 +310,10 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
         not_inlined()
         eq, R_old = state
         none = zero_like(eq)
-        enough = _enough(eq)
         total, _, least = sums(q, k)
         # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
         low, high = none, (square_root(total) - (p[at] + R_old)) / least
-        closed = 64.0 * precision_of(eq) * high
+        closed = 64.0 * _ROUND_OFF * high
         count = 0
         while True:
             off, found = turn(p, at, q, k, beyond, eq, dp, dt)
@@ -327,13 +322,13 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
             high = where_above(G, 1.0, high, dp)
             off = where_above(high - low, closed, off, none)
             count += 1
-            if count == _TURNS or not any_above(off, enough):
+            if count == _TURNS or not any_above(off, _ENOUGH):
                 break
             new, middle = dp + change, 0.5 * (low + high)
             new = where_above(new, low, new, middle)
             new = where_above(high, new, new, middle)
-            dp = where_above(beyond, 0.0, where_above(off, enough, new, dp), none)
-        dp = where_above(off, enough, np.nan * dp, dp)
+            dp = where_above(beyond, 0.0, where_above(off, _ENOUGH, new, dp), none)
+        dp = where_above(off, _ENOUGH, np.nan * dp, dp)
         return end(p, at, beyond, state, dp, found)
 
     return further

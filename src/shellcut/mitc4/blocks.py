@@ -1,4 +1,4 @@
-"""Quads in blocks of eight or sixteen, in the order of the force kernels.
+"""Quads in blocks of eight, in the order of the force kernels.
 
 A block fills the lanes of one vector (:mod:`shellcut.numerics.lanes`). Quads of one block are
 neighbours, so their nodes lie in few cache lines; flat quads have separate blocks, before the
@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallIds
+from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import aligned_zeros
 
 # One strip below the size at which a second thread helps; then two for every this many quads, at
@@ -92,7 +93,7 @@ class QuadBlocks:
         self.chain[blocks] = _is_chain(self.corner[blocks])
 
 
-def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlocks:
+def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
     """Order quads into strips and blocks.
 
     Parameters
@@ -103,8 +104,6 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
         Node ids.
     flat : ndarray of bool, shape (n_quad,)
         Quads that go into the first blocks.
-    width : int
-        Quads in a block.
     """
     centre = nodes[quads].mean(axis=1)
     axes = np.argsort(-np.ptp(nodes, axis=0), kind="stable")
@@ -119,19 +118,19 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
     rank = np.empty(order.size, np.int64)
     rank[order] = np.arange(order.size)
 
-    chained = _chained(quads, part, width)
+    chained = _chained(quads, part, WIDTH)
     others = order[~np.isin(order, chained)]
-    quad = np.vstack([chained, _in_rows(others, part[others], 2 * n_strip, width)])
+    quad = np.vstack([chained, _in_rows(others, part[others], 2 * n_strip, WIDTH)])
     quad = quad[np.argsort(rank[quad[:, 0]], kind="stable")]
     filled = quad >= 0
     # The last quad of the block (its first place is always filled).
     quad = np.take_along_axis(
-        quad, np.maximum.accumulate(np.where(filled, np.arange(width), 0), axis=1), axis=1
+        quad, np.maximum.accumulate(np.where(filled, np.arange(WIDTH), 0), axis=1), axis=1
     )
     start = np.cumsum([0, *np.bincount(part[quad[:, 0]], minlength=2 * n_strip)])
     slot = np.empty(order.size, np.int32)
     slot[quad[filled]] = np.flatnonzero(filled)
-    corner: SmallIds = aligned_zeros((quad.shape[0], 4, width), np.int32)
+    corner: SmallIds = aligned_zeros((quad.shape[0], 4, WIDTH), np.int32)
     corner[:] = quads[quad].transpose(0, 2, 1)
     return QuadBlocks(
         quad.astype(np.int32),

@@ -22,7 +22,6 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Numbers
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import aligned_zeros
 
 from .blocks import QuadBlocks
@@ -36,7 +35,7 @@ MORE_BLOCKS = 8
 
 def with_more_blocks(array: Numbers, n: int) -> Numbers:
     """Return an array of blocks with n blocks of zeros after them."""
-    grown: Numbers = aligned_zeros((array.shape[0] + n, *array.shape[1:]), array.dtype)
+    grown: Floats = aligned_zeros((array.shape[0] + n, *array.shape[1:]), array.dtype)
     grown[: array.shape[0]] = array
     return grown
 
@@ -91,7 +90,6 @@ def fill_place(
     blocks: QuadBlocks,
     linear: LinearTables,
     points: PointTables,
-    lane_kind: Lane,
 ) -> None:
     """Put a copy at a place: what does not change of its whole quad, the stiffness times w.
 
@@ -116,7 +114,7 @@ def fill_place(
     at = b - linear.n_flat
     nodes = mesh.quads[parent]
     blocks.filled[b, lane] = True
-    linear.full_reference[at, :, lane] = _reference(nodes, mesh, linear, lane_kind)
+    linear.full_reference[at, :, lane] = _reference(nodes, mesh, linear)
     linear.full_stiffness[at, :, lane] = share * stiffness
     if points.rule.place.size:
         X, T = mesh.nodes[nodes][None], mesh.directors[nodes][None]
@@ -125,13 +123,13 @@ def fill_place(
         points.full_frame[at, :, lane] = frames.ravel()
 
 
-def _reference(nodes: Ints, mesh: Mesh, linear: LinearTables, lane_kind: Lane) -> Numbers:
+def _reference(nodes: Ints, mesh: Mesh, linear: LinearTables) -> Floats:
     """Return the products on the reference surface of a quad, by the kernel that makes strains."""
     width = linear.full_reference.shape[2]
     corner = np.ascontiguousarray(np.repeat(nodes[None, :, None], width, axis=2), np.int32)
-    table: Numbers = aligned_zeros((1, N_STRAIN, width), linear.full_reference.dtype)
+    table: Floats = aligned_zeros((1, N_STRAIN, width))
     X, T = _columns(mesh.nodes), _columns(mesh.directors)
-    write_products(0, N_STRAIN, X, T, corner, table, lane_kind)
+    write_products(0, N_STRAIN, X, T, corner, table)
     return table[0, :, 0]
 
 

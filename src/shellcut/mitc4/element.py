@@ -41,7 +41,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple, TypeAlias
 
-from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
+from shellcut.arrays import Floats, Number, SmallIds, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import (
@@ -50,7 +50,6 @@ from shellcut.numerics.lanes import (
     first_node,
     gather,
     multiply_add,
-    narrow,
     pick,
     put,
 )
@@ -111,14 +110,8 @@ def quad_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tu
     n0, n1 = corner_node(corner, b, 0, lane), corner_node(corner, b, 1, lane)
     n2, n3 = corner_node(corner, b, 2, lane), corner_node(corner, b, 3, lane)
     return (
-        _narrow(
-            modes(node_vector(x, n0), node_vector(x, n1), node_vector(x, n2), node_vector(x, n3)),
-            lane,
-        ),
-        _narrow(
-            modes(node_vector(t, n0), node_vector(t, n1), node_vector(t, n2), node_vector(t, n3)),
-            lane,
-        ),
+        modes(node_vector(x, n0), node_vector(x, n1), node_vector(x, n2), node_vector(x, n3)),
+        modes(node_vector(t, n0), node_vector(t, n1), node_vector(t, n2), node_vector(t, n3)),
     )
 
 
@@ -128,41 +121,19 @@ def chain_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> t
     n0, n1 = first_node(corner, b, 0, lane), first_node(corner, b, 1, lane)
     n2, n3 = first_node(corner, b, 2, lane), first_node(corner, b, 3, lane)
     return (
-        _narrow(
-            modes(
-                _vector_at(x, n0, lane),
-                _vector_at(x, n1, lane),
-                _vector_at(x, n2, lane),
-                _vector_at(x, n3, lane),
-            ),
-            lane,
+        modes(
+            _vector_at(x, n0, lane),
+            _vector_at(x, n1, lane),
+            _vector_at(x, n2, lane),
+            _vector_at(x, n3, lane),
         ),
-        _narrow(
-            modes(
-                _vector_at(t, n0, lane),
-                _vector_at(t, n1, lane),
-                _vector_at(t, n2, lane),
-                _vector_at(t, n3, lane),
-            ),
-            lane,
+        modes(
+            _vector_at(t, n0, lane),
+            _vector_at(t, n1, lane),
+            _vector_at(t, n2, lane),
+            _vector_at(t, n3, lane),
         ),
     )
-
-
-@always_inline
-def _narrow(v: Modes, lane: Lane) -> Modes:
-    """Return modes in the precision of the block: rounded only now, after taking differences."""
-    return (
-        _narrow_vector(v[0], lane),
-        _narrow_vector(v[1], lane),
-        _narrow_vector(v[2], lane),
-        _narrow_vector(v[3], lane),
-    )
-
-
-@always_inline
-def _narrow_vector(v: Vector, lane: Lane) -> Vector:
-    return narrow(v[0], lane), narrow(v[1], lane), narrow(v[2], lane)
 
 
 @always_inline
@@ -252,7 +223,7 @@ def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ..
 
 
 @always_inline
-def pick6(table: Numbers, b: int, first: int, lane: Lane) -> Six:
+def pick6(table: Floats, b: int, first: int, lane: Lane) -> Six:
     """Return six numbers of a block, starting at ``first``."""
     return (
         pick(table, b, first, lane),
@@ -265,7 +236,7 @@ def pick6(table: Numbers, b: int, first: int, lane: Lane) -> Six:
 
 
 @always_inline
-def pick4(table: Numbers, b: int, first: int, lane: Lane) -> Four:
+def pick4(table: Floats, b: int, first: int, lane: Lane) -> Four:
     """Return four numbers of a block, starting at ``first``."""
     return (
         pick(table, b, first, lane),
@@ -276,7 +247,7 @@ def pick4(table: Numbers, b: int, first: int, lane: Lane) -> Four:
 
 
 @always_inline
-def pick16(table: Numbers, b: int, lane: Lane) -> Sixteen:
+def pick16(table: Floats, b: int, lane: Lane) -> Sixteen:
     """Return the first sixteen numbers of a block."""
     return pick6(table, b, 0, lane) + pick6(table, b, 6, lane) + pick4(table, b, 12, lane)
 
@@ -362,7 +333,7 @@ def _shear_resultants(k: Four, metric: tuple[Three, ...], v: Four) -> Four:
 
 
 @always_inline
-def flat_resultants(table: Numbers, moduli: FlatModuli, b: int, lane: Lane, s: Sixteen) -> Sixteen:
+def flat_resultants(table: Floats, moduli: FlatModuli, b: int, lane: Lane, s: Sixteen) -> Sixteen:
     """Return r = H s of flat quads, from the metric at the Gauss points.
 
     With A = adj G_ab of the reference surface, J² = det A, and the isotropic law of plane stress,
@@ -411,7 +382,7 @@ def _scale4(factor: float, v: Four) -> Four:
 
 
 @always_inline
-def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Numbers) -> Sixteen:
+def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Floats) -> Sixteen:
     """Return r = H s with all strains coupled.
 
     h : (n_block, 136, width), the upper triangle of H, row by row.  work : (2, 16, width),

@@ -18,7 +18,7 @@ from shellcut.numerics.jit import always_inline
 from .section import axes_in_frame, gauss_geometry
 
 N_AXES = 8
-"""Numbers a quad: cos θ, sin θ of the four Gauss points."""
+"""Floats a quad: cos θ, sin θ of the four Gauss points."""
 
 
 def film_axes(X: Floats, T: Floats, material: ShellMaterial) -> Floats:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Numbers
+from shellcut.arrays import Floats, Ints
 
 from .element import N_STRAIN
 from .places import Places
@@ -55,7 +55,7 @@ class FilmTangents:
         present: PointQuads,
         quads: Ints,
         area: Floats,
-        history: Numbers,
+        history: Floats,
         dt: float,
         bent: Floats | None,
     ) -> Floats:
@@ -79,7 +79,7 @@ class FilmTangents:
         resultants, moduli = self._differentiated(present, quads, area, history, dt)
         return self._made(stressed_tangents, present, quads, resultants, moduli)
 
-    def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Numbers) -> Floats:
+    def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Floats) -> Floats:
         """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
         if self._output is None:
             return self._made(quad_tangents, present, quads, None, _NO_MODULI)
@@ -103,7 +103,7 @@ class FilmTangents:
         self,
         present: PointQuads,
         area: Floats,
-        history: Numbers,
+        history: Floats,
         dt: float,
         bent: Floats | None,
         motion: tuple[Floats, Floats],
@@ -126,7 +126,7 @@ class FilmTangents:
         )
 
     def _differentiated(
-        self, present: PointQuads, quads: Ints, area: Floats, history: Numbers, dt: float
+        self, present: PointQuads, quads: Ints, area: Floats, history: Floats, dt: float
     ) -> tuple[Floats, Floats]:
         """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
         resultants = np.empty((quads.size, N_STRAIN))

@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Number, Numbers
+from shellcut.arrays import Floats, Ints, Number
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import nth, total, turns, widen, zero
+from shellcut.numerics.lanes import nth, total, turns, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, make_prefetch, set_rounding
 
 from .element import N_FLAT, N_STRAIN, pick16
@@ -69,7 +69,7 @@ def _linear_block(
     quads: Quads,
     step: QuadStep,
     rows: Floats,
-    work: Numbers,
+    work: Floats,
 ) -> tuple[Number, Number, Number]:
     """Add the forces of block ``b``; return s_n·r, s_{n-1}·r and s_{n-2}·r."""
     corner, tables = quads.corner, quads.tables
@@ -105,7 +105,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         Treats every ``stride``-th strip of a parity, which is 0 or 1, from the ``first``-th on.
         start : (n_strip + 1,), blocks.
         rows : (n_node, 8).  sums : (n_strip, 3), to which s_n·r, s_{n-1}·r and s_{n-2}·r are
-        added.  lane : None or SIXTEEN for a block at a time, any number for one by one.
+        added.  lane : None for a block at a time, any number for one by one.
         """
         align_stack()
         quads, step = borrowed(quads), borrowed(step)
@@ -113,14 +113,14 @@ def _make_linear_kernel(flat: bool) -> Any:
         rounding = flush_subnormals()
         far = step.last.shape[0] > _FAR
         for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
-            none = widen(zero(lane), lane)
+            none = zero(lane)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 if far:
                     _prefetch_block(b + 1, flat, quads.tables, step)
                 for turn in range(turns(quads.corner, lane)):
                     q0, q1, q2 = _linear_block(b, nth(lane, turn), flat, quads, step, rows, work)
-                    p0, p1, p2 = p0 + widen(q0, lane), p1 + widen(q1, lane), p2 + widen(q2, lane)
+                    p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
             sums[k, 2] += total(p2)

@@ -66,10 +66,9 @@ def recover(
     shell: MITC4Shell,
     nodes: Ints,
     *,
-    place: str = "mid",
     tips: Sequence[int] = (),
 ) -> NodalStress:
-    """Recover the largest principal stress at some nodes.
+    """Recover the largest principal stress of the mid-surface at some nodes.
 
     Parameters
     ----------
@@ -79,22 +78,9 @@ def recover(
         For the stresses at the quads' centres.
     nodes : ndarray of int, shape (n,)
         Which nodes.
-    place : {"mid", "top", "bottom", "nominal", "largest"}
-        As :meth:`MITC4Shell.stress`; ``largest`` is the largest of top, mid and bottom.
     tips : sequence of int
         Crack tips: their patches have quads on both flanks and are not used for other nodes.
     """
-    if place == "largest":
-        layers = [
-            recover(state, shell, nodes, place=p, tips=tips) for p in ("top", "mid", "bottom")
-        ]
-        best = np.argmax([one.principal for one in layers], axis=0)
-        pick = np.arange(len(nodes))
-        return NodalStress(
-            np.stack([one.principal for one in layers])[best, pick],
-            np.stack([one.direction for one in layers])[best, pick],
-            layers[1].n_borrowed,
-        )
     if len(nodes) == 0:
         return NodalStress(np.zeros(0), np.zeros((0, 3)), 0)
     n = state.node
@@ -109,7 +95,7 @@ def recover(
             n.quads,
             n.n_quad_at,
             needed,
-            shell.stress(state, needed, place=place),
+            shell.stress(state, needed),
         ),
         tips=np.sort(np.array(tips, np.int64)),
         principal=principal,

@@ -14,7 +14,6 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.lane_instructions import Lane
 from shellcut.state import State
 
 from .blocks import QuadBlocks
@@ -37,8 +36,6 @@ class Places:
         Reference surface and layers.
     blocks, tables, points : QuadBlocks, LinearTables, PointTables
         Of the whole quads.
-    lane_kind : Lane
-        In which the tables are.
     mass : ndarray, shape (n_quad, 4)
         Of the corners of whole quads [t].
     """
@@ -50,10 +47,9 @@ class Places:
         blocks: QuadBlocks,
         tables: LinearTables,
         points: PointTables,
-        lane_kind: Lane,
         mass: Floats,
     ) -> None:
-        self._mesh, self._material, self._lane_kind = mesh, material, lane_kind
+        self._mesh, self._material = mesh, material
         self._mass = mass.copy()
         self._stiffness: dict[int, Floats] = {}
         self.blocks, self.tables, self.points = blocks, tables, points
@@ -143,7 +139,6 @@ class Places:
             self.blocks,
             self.tables,
             self.points,
-            self._lane_kind,
         )
         if self._material.has_axes:
             b, lane = divmod(int(self.blocks.slot[row]), self.blocks.width)

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Number, Numbers
+from shellcut.arrays import Floats, Ints, Number
 from shellcut.material.law_dispatch import HistoryStep, dissipates
 from shellcut.numerics.borrowed import borrowed, lent
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import nth, total, turns, widen, zero
+from shellcut.numerics.lanes import nth, total, turns, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
 
 from .element import N_STRAIN, Sixteen, nodal_forces, pick16
@@ -69,9 +69,9 @@ def _point_block(
     both: PointQuads,
     points: PointTables,
     now: PointStep,
-    history: Numbers,
+    history: Floats,
     rows: Floats,
-    work: Numbers,
+    work: Floats,
 ) -> tuple[Number, Number, Number]:
     """Add the forces of block ``b``; return its stored energy, (a_n + a_{n-1})·H a_n, dissipated.
 
@@ -118,16 +118,16 @@ def _make_point_kernel(flat: bool) -> Any:
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         rounding = flush_subnormals()
         for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
-            none = widen(zero(lane), lane)
+            none = zero(lane)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 for turn in range(turns(corner, lane)):
                     q0, q1, q2 = _point_block(
                         b, nth(lane, turn), flat, quads, points, step, history, rows, work
                     )
-                    p0, p1 = p0 + widen(q0, lane), p1 + widen(q1, lane)
+                    p0, p1 = p0 + q0, p1 + q1
                     if dissipates(quads.points.rule.laws):
-                        p2 = p2 + widen(q2, lane)
+                        p2 = p2 + q2
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
             sums[k, 2] += total(p2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from shellcut.arrays import Bools, Floats, Number, Numbers, SmallIds
+from shellcut.arrays import Bools, Floats, Number, SmallIds
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, put, scatter_add
@@ -30,14 +30,14 @@ class LinearTables(NamedTuple):
 
     n_flat: int
     """Number of blocks of flat quads."""
-    flat: Annotated[Numbers, "(n_flat, 10, width)"]
+    flat: Annotated[Floats, "(n_flat, 10, width)"]
     """The first six products on the reference surface (the others vanish) and four stiffnesses, see
     :func:`shellcut.mitc4.element.flat_resultants`."""
     flat_moduli: FlatModuli
     """Constants shared by all flat quads."""
-    full_reference: Annotated[Numbers, "(n_full, 16, width)"]
+    full_reference: Annotated[Floats, "(n_full, 16, width)"]
     """The products on the reference surface."""
-    full_stiffness: Annotated[Numbers, "(n_full, 136, width)"]
+    full_stiffness: Annotated[Floats, "(n_full, 136, width)"]
 
 
 class Quads(NamedTuple):
@@ -67,9 +67,9 @@ class QuadStep(NamedTuple):
     damped: bool
     rho: float
     """beta / dt."""
-    last: Annotated[Numbers, "(n_block, 16, width)"]
+    last: Annotated[Floats, "(n_block, 16, width)"]
     """s_{n-1}."""
-    before: Annotated[Numbers, "(n_block, 16, width)"]
+    before: Annotated[Floats, "(n_block, 16, width)"]
     """s_{n-2}; the force kernels replace it by s_n."""
 
 
@@ -77,7 +77,7 @@ class PointStep(NamedTuple):
     """The same for quads with thickness points."""
 
     step: QuadStep
-    history: Annotated[Numbers, "(n_block, n_history, width)"]
+    history: Annotated[Floats, "(n_block, n_history, width)"]
     """History of the thickness points, 4 n_point numbers of each kind; updated from t_{n-1} to
     t_n."""
     dt: float
@@ -137,7 +137,7 @@ def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) ->
 
 @always_inline
 def stiffness_product(
-    tables: LinearTables, flat: bool, b: int, lane: Lane, u: Sixteen, work: Numbers
+    tables: LinearTables, flat: bool, b: int, lane: Lane, u: Sixteen, work: Floats
 ) -> Sixteen:
     """Return H u; work : (2, 16, width) is overwritten."""
     if flat:
@@ -204,7 +204,7 @@ def dot16(a: Sixteen, b: Sixteen) -> Number:
 
 
 @always_inline
-def store_strain(table: Numbers, b: int, lane: Lane, s: Sixteen) -> None:
+def store_strain(table: Floats, b: int, lane: Lane, s: Sixteen) -> None:
     """Write sixteen numbers of a block."""
     put(table, b, 0, lane, s[0])
     put(table, b, 1, lane, s[1])
@@ -238,19 +238,18 @@ def add_to_nodes(
 
 @kernel
 def write_products(
-    first: int, n: int, X: Floats, T: Floats, corner: SmallIds, table: Numbers, lane: Lane
+    first: int, n: int, X: Floats, T: Floats, corner: SmallIds, table: Floats
 ) -> None:
     """Write the first n products on the reference surface of the blocks from ``first`` on.
 
-    Uses the functions that compute strains, in the same precision, so that strains at rest are
-    exactly zero.  X, T : (n_node, 3).  table : (n_block - first, n or more,
-    width).
+    Uses the functions that compute strains, so that strains at rest are exactly zero.
+    X, T : (n_node, 3).  table : (n_block - first, n or more, width).
     """
     for b in range(table.shape[0]):
-        xm, tm = quad_modes(X, T, corner, first + b, lane)
+        xm, tm = quad_modes(X, T, corner, first + b, None)
         m = products(xm, tm)
         if n == N_STRAIN:
-            store_strain(table, b, lane, m)
+            store_strain(table, b, None, m)
         else:
             for k in range(n):
-                put(table, b, k, lane, m[k])
+                put(table, b, k, None, m[k])

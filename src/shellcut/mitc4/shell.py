@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Numbers
+from shellcut.arrays import Floats, Ints
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce
-from shellcut.numerics.lane_instructions import SIXTEEN, Lane
-from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
+from shellcut.numerics.lane_instructions import WIDTH, Lane
+from shellcut.numerics.lanes import aligned_zeros
 from shellcut.numerics.threads import Workers, in_order
 from shellcut.state import State
 
@@ -43,8 +43,6 @@ from .work import Work, linear_work
 # limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
 
-Precision: TypeAlias = Literal["double", "single"]
-
 
 class MITC4Shell:
     """Internal forces of all quads.
@@ -59,12 +57,8 @@ class MITC4Shell:
         Stiffness-proportional damping [s].
     workers : Workers, optional
         Threads; one by default.
-    precision : {"double", "single"}
-        Precision of the data and arithmetic per quad. Positions, directors and nodal forces are
-        always double, and so are the differences of positions in the strains.
     by_lanes : bool
-        False computes the quads one by one, as plain floats in double precision: slow, same results
-        to round-off.
+        False computes the quads one by one, as plain floats: slow, same results to round-off.
     """
 
     def __init__(
@@ -74,26 +68,21 @@ class MITC4Shell:
         *,
         damping_beta: float,
         workers: Workers | None = None,
-        precision: Precision = "double",
         by_lanes: bool = True,
     ) -> None:
-        if precision not in get_args(Precision):
-            raise ValueError(f"precision must be 'double' or 'single', got {precision!r}")
         self.material = material
         self.damping_beta = damping_beta
         self._workers = workers or Workers(mesh.n_quad)
-        self._whole: Lane = SIXTEEN if precision == "single" else None
-        self._lane: Lane = self._whole if by_lanes else 0
-        at_a_time = BLOCKS_AT_A_TIME * block_width(self._whole)
-        flat, mass, area = reference_quads(mesh, material, at_a_time)
+        self._lane: Lane = None if by_lanes else 0
+        flat, mass, area = reference_quads(mesh, material, BLOCKS_AT_A_TIME * WIDTH)
         self.mass = mass
         """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
         self.area = area
         """Reference area of the quads [mm²], shape (n_quad,)."""
         self._reference = Surface.of(mesh)
-        blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
-        tables = build_tables(mesh, material, blocks, self._whole)
-        self._places = Places(mesh, material, blocks, *tables, self._whole, self.mass)
+        blocks = build_blocks(mesh.nodes, mesh.quads, flat)
+        tables = build_tables(mesh, material, blocks)
+        self._places = Places(mesh, material, blocks, *tables, self.mass)
         self._n_strip = blocks.n_strip
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated with points at every step."""
@@ -188,9 +177,8 @@ class MITC4Shell:
         """Write mass, rotary inertia, contact area of all nodes; allocate strains and history."""
         n, node = state.n_node, state.node
         n_block = self.blocks.quad.shape[0]
-        width, dtype = self.blocks.width, block_dtype(self._whole)
-        state.strain = aligned_zeros((n_block, N_STRAIN, width), dtype)
-        state.strain_before = aligned_zeros((n_block, N_STRAIN, width), dtype)
+        state.strain = aligned_zeros((n_block, N_STRAIN, WIDTH))
+        state.strain_before = aligned_zeros((n_block, N_STRAIN, WIDTH))
         state.history = self._history = self._history_at_rest()
         for a in range(4):
             ids = state.quads[:, a]
@@ -201,11 +189,10 @@ class MITC4Shell:
         node.contact_mass[:n] = node.mass[:n]
         node.push[:n, 0], node.push[:n, 1] = 1.0 / node.mass[:n], 1.0 / node.inertia[:n]
 
-    def _history_at_rest(self) -> Numbers:
+    def _history_at_rest(self) -> Floats:
         rule, n_block = self.points.rule, self.blocks.quad.shape[0]
         n_history = 4 * rule.place.size * rule.n_history
-        shape = n_block, n_history, self.blocks.width
-        return np.asarray(aligned_zeros(shape, block_dtype(self._whole)))
+        return np.asarray(aligned_zeros((n_block, n_history, WIDTH)))
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Numbers
+from shellcut.arrays import Floats
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import aligned_zeros, block_dtype
+from shellcut.numerics.lanes import aligned_zeros
 
 from .blocks import QuadBlocks
 from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
@@ -30,7 +29,7 @@ tables."""
 
 
 def build_tables(
-    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, lane: Lane
+    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks
 ) -> tuple[LinearTables, PointTables]:
     """Build the constant tables of the quads in blocks."""
     n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
@@ -38,8 +37,8 @@ def build_tables(
     rule = build_rule(material)
     n_point = rule.place.size
 
-    def table(n_block: int, n: int) -> Numbers:
-        return np.asarray(aligned_zeros((n_block, n, blocks.width), block_dtype(lane)))
+    def table(n_block: int, n: int) -> Floats:
+        return np.asarray(aligned_zeros((n_block, n, blocks.width)))
 
     linear = LinearTables(
         n_flat,
@@ -55,8 +54,8 @@ def build_tables(
         rule,
     )
     X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
-    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat, lane)
-    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference, lane)
+    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat)
+    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference)
     for first in range(0, n_block, BLOCKS_AT_A_TIME):
         for start, stop, flat in (
             (first, min(first + BLOCKS_AT_A_TIME, n_flat), True),
@@ -68,7 +67,7 @@ def build_tables(
             X, T = mesh.nodes[quads], mesh.directors[quads]
 
             def fill(
-                table: Numbers,
+                table: Floats,
                 rows: Floats,
                 start: int = start,
                 stop: int = stop,

@@ -24,7 +24,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number, Numbers, Vector
+from shellcut.arrays import Floats, Number, Vector
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
@@ -46,7 +46,7 @@ from .film_axes import into_axes, out_of_axes
 from .section import frame_components, gauss_geometry
 
 N_FLAT_FRAME, N_FULL_FRAME = 4, 7
-"""Numbers per frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
+"""Floats per frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
 
 
 class PointRule(NamedTuple):
@@ -71,10 +71,10 @@ class PointRule(NamedTuple):
 class PointTables(NamedTuple):
     """Frames of all quads, and the points."""
 
-    flat_frame: Annotated[Numbers, "(n_flat_frame, 16, width)"]
-    full_frame: Annotated[Numbers, "(n_full_frame, n_number, width)"]
+    flat_frame: Annotated[Floats, "(n_flat_frame, 16, width)"]
+    full_frame: Annotated[Floats, "(n_full_frame, n_number, width)"]
     """4 n_point 7 numbers per block."""
-    axes: Annotated[Numbers, "(n_axes, 8, width)"]
+    axes: Annotated[Floats, "(n_axes, 8, width)"]
     """Of :mod:`.film_axes`, of all blocks; empty if no law has axes."""
     rule: PointRule
 

@@ -160,7 +160,6 @@ class _Build:
             "damping_beta": damping.beta,
             "directional": head.directional,
             "imperfection": head.imperfection,
-            "precision": head.precision,
             "threads": head.threads,
             "loads": loads,
             **({"contact": self._made("contact")} if "contact" in self._of else {}),

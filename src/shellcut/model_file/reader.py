@@ -281,7 +281,8 @@ class _Reading:
         self, name: str, cls: type[Section], kinds: Kinds, path: KeyPath, model: str
     ) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
-        if len(path) == 1 and (gone := GONE.get((str(path[0]), name))):
+        owner = ".".join(map(str, path))
+        if gone := GONE.get((owner, name)):
             self.say(place, f"unknown key {shown}; {gone}")
             return
         for kind in kinds:

@@ -9,12 +9,10 @@ from shellcut.cables.cohesive_law import CohesiveLaw, Joint, Unloading
 from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import (
     CablePlaces,
-    Candidates,
     DropLoose,
     Fracture,
     Measure,
     Path,
-    StressPlace,
     instead_of,
 )
 from shellcut.loads.loads import (
@@ -27,7 +25,6 @@ from shellcut.loads.loads import (
     steady,
 )
 from shellcut.loads.supports import Support
-from shellcut.mitc4.shell import Precision
 from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
@@ -68,11 +65,6 @@ class Head(Section):
         "number of the small shape with which the film begins, so that it can buckle; 0: none",
         default=default_of(Simulation, "imperfection"),
         unset="1 with a tool that cuts, otherwise 0",
-    )
-    precision: str = key(
-        choice(*get_args(Precision)),
-        "of quad data and quad kernels; nodes are always double",
-        default=default_of(Simulation, "precision"),
     )
     threads: int | None = key(
         count(1),
@@ -132,8 +124,6 @@ class FractureSection(Section):
     """How cracks start and run."""
 
     criterion: str = key(choice(*get_args(Measure)), "measure of a split")
-    stress_place: str = key(choice(*get_args(StressPlace)), "where the stress is read")
-    candidates: str = key(choice(*get_args(Candidates)), "which nodes the criterion may split")
     blade_cut: bool = key(flag, "whether the blade splits nodes that it pierces and passes")
     turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
     check_every: int = key(whole, "steps between two checks")
@@ -187,7 +177,6 @@ class Output(Section):
     frames: int = key(count(1), "frames of the result file", parameter="n_frame")
     snapshots: int = key(count(0), "pictures of the film; 0 for none", parameter="n_snapshot")
     curves: bool = key(flag, "draw the curves of the run when it ends")
-    pvd: bool = key(flag, "also write PVD + VTU, for ParaView before 5.12")
     checkpoint_every_s: float = key(
         number("s", least=0.0), "wall time between two checkpoints", parameter="checkpoint_every"
     )

@@ -137,6 +137,10 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
 """By model: the sections that may occur several times, like [[loads]]."""
 
 GONE: Mapping[tuple[str, str], str] = {
+    ("", "precision"): "leave it out: all is computed in double precision",
+    ("output", "pvd"): "leave it out: ParaView reads the .vtkhdf file from 5.12 on",
+    ("fracture", "stress_place"): "leave it out: the stress is read at the mid-surface",
+    ("fracture", "candidates"): "leave it out: crack tips and what an edge has pierced may split",
     ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
     '"edges" along the edges there are',
 }

@@ -7,7 +7,6 @@ a fraction of a second later. Call it before timing anything.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from .guillotine import guillotine
 
 def warmup(
     criteria: Sequence[Measure] = ("force", "stress"),
-    precisions: Sequence[str] = ("double",),
     paths: Sequence[Path] = ("edges", "free"),
 ) -> None:
     """Run a film of a few quads through every mechanism: shells, contact, cables, cuts.
@@ -31,8 +29,6 @@ def warmup(
     ----------
     criteria : sequence of str
         Criteria of :class:`Fracture` to compile for, of cracks along edges.
-    precisions : sequence of str
-        Precisions of :class:`Simulation` to compile for.
     paths : sequence of str
         Paths of :class:`Fracture` to compile for.
 
@@ -44,18 +40,10 @@ def warmup(
     along_edges = [Fracture(criterion=name, path="edges") for name in criteria]
     ways = {"edges": along_edges, "free": [Fracture(path="free")]}
     between_lines = rectangle(6.0, 4.0, n_x=6, n_y=5)
-    for path, precision in product(paths, precisions):
+    for path in paths:
         film = {"mesh": between_lines, "notch": 0.0} if path == "free" else {"notch": 1.0}
         for fracture in ways[path]:
-            case = guillotine(
-                1.0,
-                length=6.0,
-                width=4.0,
-                travel=1.5,
-                fracture=fracture,
-                precision=precision,
-                **film,
-            )
+            case = guillotine(1.0, length=6.0, width=4.0, travel=1.5, fracture=fracture, **film)
             case.simulation.run(case.duration)
     canvas = Canvas((1, 1))
     canvas.draw(np.zeros((0, 3, 3)), np.ones(3))

@@ -1,4 +1,4 @@
-"""LLVM code for arithmetic with lanes: operators, precision, sums, fused products."""
+"""LLVM code for arithmetic with lanes: operators, sums, fused products."""
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
@@ -16,33 +16,29 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic
 
-from .lane_instructions import I32, SINGLES, WIDE, LanesType, vector_constant
+from .lane_instructions import DOUBLES, I32, LANES, LANES_NAME, WIDTH, LanesType, vector_constant
 
 _CONTRACT = ("contract",)
 
 
-def broadcast(builder: Any, value: Any, kind: LanesType) -> Any:
+def broadcast(builder: Any, value: Any) -> Any:
     """Return lanes that all hold the same double."""
-    if kind.bits == 32:
-        value = builder.fptrunc(value, kind.one)
-    nothing = ir.Constant(kind.all, ir.Undefined)
+    nothing = ir.Constant(LANES, ir.Undefined)
     one = builder.insert_element(nothing, value, ir.Constant(I32, 0))
-    return builder.shuffle_vector(one, one, vector_constant(I32, [0] * kind.width))
+    return builder.shuffle_vector(one, one, vector_constant(I32, [0] * WIDTH))
 
 
 def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
     @infer_global(op)
     class _Typing(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
-            kinds = {a for a in args if isinstance(a, LanesType)}
-            if len(kinds) != 1 or not all(a in kinds or isinstance(a, types.Float) for a in args):
+            if DOUBLES not in args or not all(isinstance(a, LanesType | types.Float) for a in args):
                 return None
-            (kind,) = kinds
-            return signature(kind, *(a if a == kind else types.float64 for a in args))
+            return signature(DOUBLES, *(a if a == DOUBLES else types.float64 for a in args))
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         operands = [
-            a if t == sig.return_type else broadcast(builder, a, sig.return_type)
+            a if t == DOUBLES else broadcast(builder, a)
             for a, t in zip(args, sig.args, strict=True)
         ]
         return getattr(builder, instruction)(*operands, flags=_CONTRACT)
@@ -72,32 +68,12 @@ def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 @intrinsic
-def fewer_bits(typing_context: Any, value: Any) -> Any:
-    """Round sixteen doubles to singles."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.fptrunc(args[0], SINGLES.all)
-
-    return SINGLES(value), generate
-
-
-@intrinsic
-def more_bits(typing_context: Any, value: Any) -> Any:
-    """Return sixteen singles as doubles."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.fpext(args[0], WIDE.all)
-
-    return WIDE(value), generate
-
-
-@intrinsic
 def sum_of_lanes(typing_context: Any, value: Any) -> Any:
     """Add the lanes from the first to the last."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         sum_ = builder.extract_element(args[0], ir.Constant(I32, 0))
-        for lane in range(1, value.width):
+        for lane in range(1, WIDTH):
             sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(I32, lane)))
         return sum_
 
@@ -110,7 +86,7 @@ def fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = context.get_value_type(a)
-        suffix = a.suffix if isinstance(a, LanesType) else f"f{a.bitwidth}"
+        suffix = LANES_NAME if isinstance(a, LanesType) else f"f{a.bitwidth}"
         function = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fmuladd.{suffix}"
         )

@@ -29,39 +29,44 @@ from shellcut.arrays import Number
 
 from .lane_arithmetic import broadcast
 from .lane_functions import where_above
-from .lane_instructions import OVERLOAD_OPTIONS, LanesType, vector_constant
+from .lane_instructions import (
+    I64,
+    LANES,
+    LANES_NAME,
+    OVERLOAD_OPTIONS,
+    WIDTH,
+    LanesType,
+    vector_constant,
+)
 
-# Mantissa bits, bits of √½, and the exponent's bias of doubles and of singles.
-_FORMATS = {64: (52, 0x3FE6A09E667F3BCD, 1023), 32: (23, 0x3F3504F3, 127)}
+# Mantissa bits, bits of √½, and the exponent's bias of doubles.
+_MANTISSA, _ROOT_HALF, _BIAS = 52, 0x3FE6A09E667F3BCD, 1023
 
 _LN2 = 0.6931471805599453
 _LN2_HIGH, _LN2_LOW = 0.693147180369123816490, 1.90821492927058770002e-10
 _LOG2_E = 1.4426950408889634
-# Beyond, 2^k of singles and doubles leaves the normal numbers: the result is 0 or inf.
-_MOST = {64: 708.0, 32: 87.0}
+# Beyond, 2^k leaves the normal numbers: the result is 0 or inf.
+_MOST = 708.0
+
+_INTEGERS = ir.VectorType(I64, WIDTH)
 
 
-def _integers(kind: Any) -> Any:
-    return ir.VectorType(ir.IntType(kind.bits), kind.width)
+def _constants(value: int) -> Any:
+    return vector_constant(I64, [value] * WIDTH)
 
 
-def _constants(kind: Any, value: int) -> Any:
-    return vector_constant(ir.IntType(kind.bits), [value] * kind.width)
-
-
-def _bits_above_root_half(builder: Any, kind: Any, value: Any) -> tuple[Any, Any]:
+def _bits_above_root_half(builder: Any, value: Any) -> tuple[Any, Any]:
     """Return the bits of lanes, and k of x = 2^k m as integers."""
-    shift, root, _ = _FORMATS[kind.bits]
-    bits = builder.bitcast(value, _integers(kind))
-    power = builder.ashr(builder.sub(bits, _constants(kind, root)), _constants(kind, shift))
+    bits = builder.bitcast(value, _INTEGERS)
+    power = builder.ashr(builder.sub(bits, _constants(_ROOT_HALF)), _constants(_MANTISSA))
     return bits, power
 
 
 @intrinsic
 def _binary_exponent(typing_context: Any, a: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        _, power = _bits_above_root_half(builder, a, args[0])
-        return builder.sitofp(power, a.all)
+        _, power = _bits_above_root_half(builder, args[0])
+        return builder.sitofp(power, LANES)
 
     return a(a), generate
 
@@ -69,9 +74,9 @@ def _binary_exponent(typing_context: Any, a: Any) -> Any:
 @intrinsic
 def _mantissa(typing_context: Any, a: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits, power = _bits_above_root_half(builder, a, args[0])
-        shifted = builder.shl(power, _constants(a, _FORMATS[a.bits][0]))
-        return builder.bitcast(builder.sub(bits, shifted), a.all)
+        bits, power = _bits_above_root_half(builder, args[0])
+        shifted = builder.shl(power, _constants(_MANTISSA))
+        return builder.bitcast(builder.sub(bits, shifted), LANES)
 
     return a(a), generate
 
@@ -80,7 +85,7 @@ def _mantissa(typing_context: Any, a: Any) -> Any:
 def _nearest_integer(typing_context: Any, a: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(a.all, [a.all]), f"llvm.rint.{a.suffix}"
+            builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.rint.{LANES_NAME}"
         )
         return builder.call(function, args)
 
@@ -92,9 +97,8 @@ def _two_to_the(typing_context: Any, a: Any) -> Any:
     """2^k of lanes that hold whole numbers k of normal powers."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        shift, _, bias = _FORMATS[a.bits]
-        power = builder.add(builder.fptosi(args[0], _integers(a)), _constants(a, bias))
-        return builder.bitcast(builder.shl(power, _constants(a, shift)), a.all)
+        power = builder.add(builder.fptosi(args[0], _INTEGERS), _constants(_BIAS))
+        return builder.bitcast(builder.shl(power, _constants(_MANTISSA)), LANES)
 
     return a(a), generate
 
@@ -102,8 +106,8 @@ def _two_to_the(typing_context: Any, a: Any) -> Any:
 @intrinsic
 def _any_lane_above(typing_context: Any, a: Any, b: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        above = builder.fcmp_ordered(">", args[0], broadcast(builder, args[1], a))
-        mask = builder.bitcast(above, ir.IntType(a.width))
+        above = builder.fcmp_ordered(">", args[0], broadcast(builder, args[1]))
+        mask = builder.bitcast(above, ir.IntType(WIDTH))
         return builder.icmp_unsigned("!=", mask, ir.Constant(mask.type, 0))
 
     return types.boolean(a, types.float64), generate
@@ -119,18 +123,6 @@ def _any_above(a, b):
     if isinstance(a, LanesType):
         return lambda a, b: _any_lane_above(a, b)
     return lambda a, b: a > b
-
-
-def precision_of(a: Number) -> float:
-    """Return the relative spacing of the numbers: 2.2e-16 of doubles, 1.2e-7 of singles."""
-    return float(np.finfo(np.asarray(a).dtype).eps)
-
-
-@overload(precision_of, jit_options=OVERLOAD_OPTIONS)
-def _precision_of(a):
-    if isinstance(a, LanesType) and a.bits == 32:
-        return lambda a: 2.0**-23
-    return lambda a: 2.0**-52
 
 
 def logarithm(a: Number) -> Number:
@@ -160,7 +152,7 @@ def _logarithm(a):
 
 
 def exponential(a: Number) -> Number:
-    """Return exp a; below -708 (singles: -87) it is that of -708, above 708 that of 708."""
+    """Return exp a; below -708 it is that of -708, above 708 that of 708."""
     power = np.exp(np.clip(a, -708.0, 708.0))
     return power if np.ndim(power) else float(power)
 
@@ -169,11 +161,10 @@ def exponential(a: Number) -> Number:
 def _exponential(a):
     if not isinstance(a, LanesType):
         return lambda a: np.exp(min(max(a, -708.0), 708.0))
-    most = _MOST[a.bits]
 
     def of_lanes(a):
-        x = where_above(a, -most, a, -most)
-        x = where_above(x, most, most, x)
+        x = where_above(a, -_MOST, a, -_MOST)
+        x = where_above(x, _MOST, _MOST, x)
         k = _nearest_integer(x * _LOG2_E)
         r = (x - k * _LN2_HIGH) - k * _LN2_LOW
         r2 = r * r

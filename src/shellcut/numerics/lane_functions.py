@@ -20,30 +20,29 @@ from numba.extending import intrinsic, overload
 from shellcut.arrays import Number
 
 from .lane_arithmetic import broadcast
-from .lane_instructions import OVERLOAD_OPTIONS, LanesType
+from .lane_instructions import DOUBLES, LANES, LANES_NAME, OVERLOAD_OPTIONS, WIDTH, LanesType
 
 
 @intrinsic
 def _choose_lanes(typing_context: Any, a: Any, b: Any, yes: Any, no: Any) -> Any:
-    (kind,) = {v for v in (a, b, yes, no) if isinstance(v, LanesType)}
-    taken = [v if v == kind else types.float64 for v in (a, b, yes, no)]
+    taken = [v if v == DOUBLES else types.float64 for v in (a, b, yes, no)]
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         given = [
-            value if v == kind else broadcast(builder, value, kind)
+            value if v == DOUBLES else broadcast(builder, value)
             for value, v in zip(args, sig.args, strict=True)
         ]
         above = builder.fcmp_ordered(">", given[0], given[1])
         return builder.select(above, given[2], given[3])
 
-    return kind(*taken), generate
+    return DOUBLES(*taken), generate
 
 
 @intrinsic
 def _root_of_lanes(typing_context: Any, a: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(a.all, [a.all]), f"llvm.sqrt.{a.suffix}"
+            builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.sqrt.{LANES_NAME}"
         )
         return builder.call(function, args)
 
@@ -53,7 +52,7 @@ def _root_of_lanes(typing_context: Any, a: Any) -> Any:
 @intrinsic
 def _zeros_like(typing_context: Any, a: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(a.all, [0.0] * a.width)
+        return ir.Constant(LANES, [0.0] * WIDTH)
 
     return a(a), generate
 

@@ -2,12 +2,10 @@
 
 Kernels call these through :mod:`shellcut.numerics.lanes`, which explains them.
 
-=================  ==========================================================================
-``DOUBLES``        ``<8 x double>``, a block of eight
-``SINGLES``        ``<16 x float>``, a block of sixteen
-``WIDE``           ``<16 x double>``: values at the nodes of sixteen quads, and sums of singles
-``LaneIdsType``    as many node ids
-=================  ==========================================================================
+==============  =========================================
+``DOUBLES``     ``<8 x double>``, one number of each quad
+``LANE_IDS``    ``<8 x i32>``, a node id of each
+==============  =========================================
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -20,27 +18,19 @@ from typing import Any, TypeAlias
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import NativeValue, intrinsic, models, register_model, typeof_impl, unbox
+from numba.extending import intrinsic, models, register_model
 
 from .inlined_code import InlinedCompiler
 
 WIDTH = 8
 """Doubles in one vector; nodes are treated in groups of this size."""
 
-
-class _Sixteen:
-    """The type of :data:`SIXTEEN`."""
-
-
-SIXTEEN = _Sixteen()
-"""Lane argument for all of a block of sixteen, in single precision."""
-
-Lane: TypeAlias = int | _Sixteen | None
+Lane: TypeAlias = int | None
 
 
 def takes_all(lane: Any) -> bool:
     """Whether the type of ``lane`` means all of a block."""
-    return isinstance(lane, types.NoneType) or lane == SIXTEEN_TYPE
+    return isinstance(lane, types.NoneType)
 
 
 CACHE_LINE = 64
@@ -58,75 +48,35 @@ OVERLOAD_OPTIONS = {
 
 _I1, I8, I32, I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 _DOUBLE = ir.DoubleType()
-_LANES = ir.VectorType(_DOUBLE, WIDTH)
+LANES, LANES_NAME = ir.VectorType(_DOUBLE, WIDTH), f"v{WIDTH}f64"
+"""Lanes as LLVM's type, and their suffix in the names of its functions."""
+_IDS = ir.VectorType(I32, WIDTH)
 
 
 # ---------------------------------------------------------------- the types
 
 
 class LanesType(types.Type):
-    """Several floating-point numbers."""
-
-    def __init__(self, bits: int, width: int) -> None:
-        self.bits, self.width = bits, width
-        super().__init__(name=f"Lanes({width} x f{bits})")
-
-    @property
-    def one(self) -> Any:
-        """LLVM's type of one of them."""
-        return _DOUBLE if self.bits == 64 else ir.FloatType()
-
-    @property
-    def all(self) -> Any:
-        """LLVM's type of all."""
-        return ir.VectorType(self.one, self.width)
-
-    @property
-    def suffix(self) -> str:
-        """Suffix of the names of LLVM's functions."""
-        return f"v{self.width}f{self.bits}"
+    """Eight doubles."""
 
 
 class LaneIdsType(types.Type):
-    """Several node ids."""
-
-    def __init__(self, width: int) -> None:
-        self.width = width
-        super().__init__(name=f"LaneIds({width})")
+    """Eight node ids."""
 
 
-class _SixteenType(types.Opaque):
-    pass
-
-
-DOUBLES, SINGLES = LanesType(64, WIDTH), LanesType(32, 2 * WIDTH)
-WIDE = LanesType(64, 2 * WIDTH)  # sixteen doubles: values to round to singles, and their sums
-SIXTEEN_TYPE = _SixteenType("Sixteen")
+DOUBLES, LANE_IDS = LanesType("Lanes"), LaneIdsType("LaneIds")
 
 
 @register_model(LanesType)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, front_end_type.all)
+        super().__init__(manager, front_end_type, LANES)
 
 
 @register_model(LaneIdsType)
 class _LaneIdsModel(models.PrimitiveModel):
     def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, ir.VectorType(I32, front_end_type.width))
-
-
-register_model(_SixteenType)(models.OpaqueModel)
-
-
-@typeof_impl.register(_Sixteen)
-def _type_of_sixteen(value: _Sixteen, context: Any) -> Any:
-    return SIXTEEN_TYPE
-
-
-@unbox(_SixteenType)
-def _unbox_sixteen(kind: Any, value: Any, context: Any) -> Any:
-    return NativeValue(context.context.get_dummy_value())
+        super().__init__(manager, front_end_type, _IDS)
 
 
 # ---------------------------------------------------------------- addresses and transposition
@@ -157,7 +107,7 @@ def vector_address(
 def _row_address(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
     """Return the address of a row of a C-ordered (n, 8) array, by a shift instead of a product."""
     made = context.make_array(array_type)(context, builder, array)
-    return builder.gep(builder.bitcast(made.data, _LANES.as_pointer()), [row])
+    return builder.gep(builder.bitcast(made.data, LANES.as_pointer()), [row])
 
 
 def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
@@ -188,53 +138,40 @@ def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
 _ZERO = ir.Constant(I64, 0)
 
 
-def _of_nodes(lane: Any) -> LanesType:
-    """Return the type of lanes that are read at nodes."""
-    return WIDE if lane == SIXTEEN_TYPE else DOUBLES
-
-
-def _of_table(table: Any) -> LanesType:
-    """Return the type of a table's lanes."""
-    return SINGLES if table.dtype == types.float32 else DOUBLES
-
-
 @intrinsic
 def load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
     """Load number ``k`` of block ``b``."""
-    kind = _of_table(table)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         index = [args[1], args[2], _ZERO]
-        where = vector_address(context, builder, table, args[0], index, kind.all)
-        return builder.load(where, align=kind.bits // 8)
+        where = vector_address(context, builder, table, args[0], index, LANES)
+        return builder.load(where, align=8)
 
-    return kind(table, types.intp, types.intp), generate
+    return DOUBLES(table, types.intp, types.intp), generate
 
 
 @intrinsic
 def store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> Any:
     """Store number ``k`` of block ``b``."""
-    kind = _of_table(table)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         index = [args[1], args[2], _ZERO]
-        where = vector_address(context, builder, table, args[0], index, kind.all)
-        builder.store(args[3], where, align=kind.bits // 8)
+        where = vector_address(context, builder, table, args[0], index, LANES)
+        builder.store(args[3], where, align=8)
         return context.get_dummy_value()
 
-    return types.void(table, types.intp, types.intp, kind), generate
+    return types.void(table, types.intp, types.intp, DOUBLES), generate
 
 
 @intrinsic
-def load_at(typing_context: Any, values: Any, n: Any, c: Any, lane: Any) -> Any:
-    """Load column ``c`` of consecutive nodes, starting at ``n``."""
-    kind = _of_nodes(lane)
+def load_at(typing_context: Any, values: Any, n: Any, c: Any) -> Any:
+    """Load column ``c`` of eight consecutive nodes, starting at ``n``."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = vector_address(context, builder, values, args[0], args[1:3], kind.all)
+        where = vector_address(context, builder, values, args[0], args[1:3], LANES)
         return builder.load(where, align=8)
 
-    return kind(values, types.intp, types.intp, lane), generate
+    return DOUBLES(values, types.intp, types.intp), generate
 
 
 @intrinsic
@@ -242,7 +179,7 @@ def load_along(typing_context: Any, values: Any, n: Any) -> Any:
     """Load eight consecutive doubles."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = vector_address(context, builder, values, args[0], [args[1]], _LANES)
+        where = vector_address(context, builder, values, args[0], [args[1]], LANES)
         return builder.load(where, align=8)
 
     return DOUBLES(values, types.intp), generate
@@ -253,7 +190,7 @@ def store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> An
     """Store column ``c`` of eight consecutive nodes, starting at ``n``."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
+        where = vector_address(context, builder, values, args[0], [args[1], args[2]], LANES)
         builder.store(args[3], where, align=8)
         return context.get_dummy_value()
 
@@ -261,23 +198,20 @@ def store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> An
 
 
 @intrinsic
-def load_ids(typing_context: Any, corner: Any, b: Any, a: Any, lane: Any) -> Any:
+def load_ids(typing_context: Any, corner: Any, b: Any, a: Any) -> Any:
     """Load the node ids of a corner."""
-    kind = LaneIdsType(_of_nodes(lane).width)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         index = [args[1], args[2], _ZERO]
-        ids = ir.VectorType(I32, kind.width)
-        where = vector_address(context, builder, corner, args[0], index, ids)
+        where = vector_address(context, builder, corner, args[0], index, _IDS)
         return builder.load(where, align=4)
 
-    return kind(corner, types.intp, types.intp, lane), generate
+    return LANE_IDS(corner, types.intp, types.intp), generate
 
 
 @intrinsic
 def gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
     """Load column ``c`` at nodes."""
-    kind = LanesType(64, ids.width)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         column = _address(context, builder, values, args[0], [_ZERO, args[1]])
@@ -286,18 +220,17 @@ def gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
         where = builder.gep(column, [_ZERO])
         where.indices = [args[2]]
         where.operands = [column, args[2]]
-        where.type = ir.VectorType(_DOUBLE.as_pointer(), kind.width)
-        mask = vector_constant(_I1, [1] * kind.width)
+        where.type = ir.VectorType(_DOUBLE.as_pointer(), WIDTH)
+        mask = vector_constant(_I1, [1] * WIDTH)
         function = cgutils.get_or_insert_function(
             builder.module,
-            ir.FunctionType(kind.all, [where.type, I32, mask.type, kind.all]),
-            f"llvm.masked.gather.{kind.suffix}.v{kind.width}p0",
+            ir.FunctionType(LANES, [where.type, I32, mask.type, LANES]),
+            f"llvm.masked.gather.{LANES_NAME}.v{WIDTH}p0",
         )
-        return builder.call(
-            function, [where, ir.Constant(I32, 8), mask, ir.Constant(kind.all, ir.Undefined)]
-        )
+        nothing = ir.Constant(LANES, ir.Undefined)
+        return builder.call(function, [where, ir.Constant(I32, 8), mask, nothing])
 
-    return kind(values, types.intp, ids), generate
+    return DOUBLES(values, types.intp, ids), generate
 
 
 @intrinsic
@@ -308,27 +241,14 @@ def scatter_add_rows(
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         columns = cgutils.unpack_tuple(builder, args[4], 6)
-        lane = 0
-        for first in range(0, force.dtype.width, WIDTH):
-            for row in _transpose(builder, [_eight(builder, c, first) for c in columns]):
-                index = [args[2], args[3], ir.Constant(I64, lane)]
-                node = builder.load(_address(context, builder, corner, args[1], index))
-                where = _row_address(context, builder, rows, args[0], builder.sext(node, I64))
-                more = builder.fpext(row, _LANES) if force.dtype.bits == 32 else row
-                builder.store(builder.fadd(builder.load(where, align=8), more), where, align=8)
-                lane += 1
+        for lane, row in enumerate(_transpose(builder, columns)):
+            index = [args[2], args[3], ir.Constant(I64, lane)]
+            node = builder.load(_address(context, builder, corner, args[1], index))
+            where = _row_address(context, builder, rows, args[0], builder.sext(node, I64))
+            builder.store(builder.fadd(builder.load(where, align=8), row), where, align=8)
         return context.get_dummy_value()
 
     return types.void(rows, corner, types.intp, types.intp, force), generate
-
-
-def _eight(builder: Any, value: Any, first: int) -> Any:
-    """Return eight of the lanes."""
-    if value.type.count == WIDTH:
-        return value
-    return builder.shuffle_vector(
-        value, value, vector_constant(I32, list(range(first, first + WIDTH)))
-    )
 
 
 @intrinsic
@@ -352,7 +272,7 @@ def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         given = cgutils.unpack_tuple(builder, args[2], columns.count)
-        nothing = [ir.Constant(_LANES, [0.0] * WIDTH)] * (WIDTH - columns.count)
+        nothing = [ir.Constant(LANES, [0.0] * WIDTH)] * (WIDTH - columns.count)
         for lane, row in enumerate(_transpose(builder, [*given, *nothing])):
             index = builder.add(args[1], ir.Constant(I64, lane))
             where = _row_address(context, builder, rows, args[0], index)
@@ -383,18 +303,17 @@ def zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
         for lane in range(WIDTH):
             row = builder.add(args[1], ir.Constant(I64, lane))
             where = _row_address(context, builder, rows, args[0], row)
-            builder.store(ir.Constant(_LANES, [0.0] * WIDTH), where, align=8)
+            builder.store(ir.Constant(LANES, [0.0] * WIDTH), where, align=8)
         return context.get_dummy_value()
 
     return types.void(rows, types.intp), generate
 
 
 @intrinsic
-def no_lanes(typing_context: Any, lane: Any) -> Any:
+def no_lanes(typing_context: Any) -> Any:
     """Return zeros."""
-    kind = SINGLES if lane == SIXTEEN_TYPE else DOUBLES
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(kind.all, [0.0] * kind.width)
+        return ir.Constant(LANES, [0.0] * WIDTH)
 
-    return kind(lane), generate
+    return DOUBLES(), generate

@@ -1,4 +1,4 @@
-"""Lanes: eight doubles, or sixteen singles, that a kernel treats as one number.
+"""Lanes: eight doubles that a kernel treats as one number.
 
 The compiler does not vectorise a loop over quads written with plain floats, because of the gathers
 at its start and the scatters at its end. Lanes are explicit vectors. The mechanics are functions of
@@ -6,13 +6,11 @@ at its start and the scatters at its end. Lanes are explicit vectors. The mechan
 quads of a block.
 
 Only loads and stores differ, and the functions here hide that. Their argument ``lane`` selects
-quads of a block: an integer takes one, as a float; ``None`` takes all eight, as doubles;
-:data:`SIXTEEN` takes all sixteen, as singles. Values at nodes are always read as doubles, and
-:func:`narrow` rounds them to singles:
+quads of a block: an integer takes one, as a float; ``None`` takes all eight:
 
 =====================================  ===================================================
 :func:`turns`, :func:`nth`             number of visits per block, lane of a visit
-:func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8 or 16)
+:func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
 :func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
 :func:`first_node`                     the first of them, for :func:`at` with consecutive ids
 :func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
@@ -22,15 +20,14 @@ quads of a block: an integer takes one, as a float; ``None`` takes all eight, as
 :func:`add_row_columns`                add to the first three
 :func:`put_row_columns`                set the first three, the others to zero
 :func:`clear_rows`                     set the rows to zero
-:func:`narrow`, :func:`widen`          from doubles to the block's precision, and back
 :func:`zero`, :func:`total`            zero, and the sum over the lanes in order
 :func:`multiply_add`                   a b + c, one instruction if available
 =====================================  ===================================================
 
 Lanes support + - * / and negation, with lanes and with floats; a multiplication and an addition may
-become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` and
-``<16 x float>`` to one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler
-(NUMBA_DISABLE_JIT=1) the same functions run on NumPy arrays.
+become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` to
+one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler (NUMBA_DISABLE_JIT=1)
+the same functions run on NumPy arrays.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -46,12 +43,10 @@ from numba.extending import overload
 
 from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
 
-from .lane_arithmetic import fewer_bits, fused, more_bits, sum_of_lanes
+from .lane_arithmetic import fused, sum_of_lanes
 from .lane_instructions import (
     CACHE_LINE,
     OVERLOAD_OPTIONS,
-    SIXTEEN,
-    SIXTEEN_TYPE,
     WIDTH,
     Lane,
     LaneIdsType,
@@ -76,16 +71,6 @@ from .lane_instructions import (
 def _one(lane: Lane) -> TypeGuard[int]:
     """Whether ``lane`` selects one place."""
     return isinstance(lane, int | np.integer)
-
-
-def block_width(lane: Lane) -> int:
-    """Return the number of quads in a block; eight if they are taken one by one."""
-    return 2 * WIDTH if lane is SIXTEEN else WIDTH
-
-
-def block_dtype(lane: Lane) -> npt.DTypeLike:
-    """Return the type of numbers in block tables."""
-    return np.float32 if lane is SIXTEEN else np.float64
 
 
 def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
@@ -119,8 +104,8 @@ def _nth(lane, turn):
     return (lambda lane, turn: lane) if takes_all(lane) else (lambda lane, turn: turn)
 
 
-def pick(table: Numbers, b: int, k: int, lane: Lane) -> Number:
-    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8 or 16)."""
+def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
+    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
     return table[b, k, lane] if _one(lane) else table[b, k].copy()
 
 
@@ -131,8 +116,8 @@ def _pick(table, b, k, lane):
     return lambda table, b, k, lane: table[b, k, lane]
 
 
-def put(table: Numbers, b: int, k: int, lane: Lane, value: Number) -> None:
-    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8 or 16)."""
+def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> None:
+    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
     if _one(lane):
         table[b, k, lane] = value
     else:
@@ -158,7 +143,7 @@ def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
 @overload(corner_node, jit_options=OVERLOAD_OPTIONS)
 def _corner_node(corner, b, a, lane):
     if takes_all(lane):
-        return lambda corner, b, a, lane: load_ids(corner, b, a, lane)
+        return lambda corner, b, a, lane: load_ids(corner, b, a)
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
 
 
@@ -208,14 +193,14 @@ def _scatter_add(rows, corner, b, a, lane, force):
 
 
 def at(values: Floats, n: int, c: int, lane: Lane) -> Number:
-    """Return column ``c`` of values : (m, 3) at node ``n``, or at the 8 or 16 nodes from ``n``."""
-    return values[n, c] if _one(lane) else values[n : n + block_width(lane), c].copy()
+    """Return column ``c`` of values : (m, 3) at node ``n``, or at the eight from ``n``."""
+    return values[n, c] if _one(lane) else values[n : n + WIDTH, c].copy()
 
 
 @overload(at, jit_options=OVERLOAD_OPTIONS)
 def _at(values, n, c, lane):
     if takes_all(lane):
-        return lambda values, n, c, lane: load_at(values, n, c, lane)
+        return lambda values, n, c, lane: load_at(values, n, c)
     return lambda values, n, c, lane: values[n, c]
 
 
@@ -323,44 +308,20 @@ def _clear_rows(rows, n, lane):
     return clear
 
 
-def narrow(value: Number, lane: Lane) -> Number:
-    """Return values read at nodes in the precision of the block tables."""
-    return value.astype(np.float32) if lane is SIXTEEN else value
-
-
-@overload(narrow, jit_options=OVERLOAD_OPTIONS)
-def _narrow(value, lane):
-    if lane == SIXTEEN_TYPE:
-        return lambda value, lane: fewer_bits(value)
-    return lambda value, lane: value
-
-
-def widen(value: Number, lane: Lane) -> Number:
-    """Return a number in double precision, to sum it over many blocks."""
-    return value.astype(np.float64) if lane is SIXTEEN else value
-
-
-@overload(widen, jit_options=OVERLOAD_OPTIONS)
-def _widen(value, lane):
-    if lane == SIXTEEN_TYPE:
-        return lambda value, lane: more_bits(value)
-    return lambda value, lane: value
-
-
 def zero(lane: Lane) -> Number:
     """Return zero, to start a sum."""
-    return 0.0 if _one(lane) else np.zeros(block_width(lane), block_dtype(lane))
+    return 0.0 if _one(lane) else np.zeros(WIDTH)
 
 
 @overload(zero, jit_options=OVERLOAD_OPTIONS)
 def _zero(lane):
     if takes_all(lane):
-        return lambda lane: no_lanes(lane)
+        return lambda lane: no_lanes()
     return lambda lane: 0.0
 
 
 def total(value: Number) -> float:
-    """Return the sum over the lanes, doubles, from the first to the last."""
+    """Return the sum over the lanes from the first to the last."""
     sum_ = 0.0
     for one in np.atleast_1d(value):
         sum_ += float(one)

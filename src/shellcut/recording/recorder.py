@@ -167,9 +167,7 @@ class Recorder:
         """Begin the files of the run, or resume them where its checkpoint is."""
         columns = [(column, unit) for column, unit, _ in self._row()]
         curve = self.resistance.columns[0][0]
-        self._files = RunFiles(
-            self.folder, self.name, curve, columns=columns, pvd=chosen.pvd, also=also
-        )
+        self._files = RunFiles(self.folder, self.name, curve, columns=columns, also=also)
         with ExitStack() as on_error:
             on_error.callback(self._files.release)
             if chosen.resume:
@@ -180,9 +178,7 @@ class Recorder:
                     n_picture=self._schedule.n_picture,
                 )
             else:
-                self._files.begin(
-                    n_snapshot=chosen.n_snapshot, n_frame=chosen.n_frame, replace=chosen.replace
-                )
+                self._files.begin(n_snapshot=chosen.n_snapshot, replace=chosen.replace)
             on_error.pop_all()
 
     def due(self, sim: Simulation) -> bool:

@@ -43,8 +43,6 @@ class RunFiles:
         Quantity plotted over the run, like ``"torque"``.
     columns : sequence of (name, unit)
         Columns of the history.
-    pvd : bool
-        Whether to write the frames also as PVD + VTU.
     also : sequence of str
         Names of further files that belong to the run.
 
@@ -68,19 +66,18 @@ class RunFiles:
         curve: str,
         *,
         columns: Sequence[tuple[str, str]],
-        pvd: bool,
         also: Sequence[str],
     ) -> None:
         if name != Path(name).name or not name.isprintable():
             raise ValueError(f"name must be the stem of a file, without a folder, got {name!r}")
         self.folder, self._name = Path(folder), name
-        self._curve, self._columns, self._pvd, self._also = curve, columns, pvd, also
+        self._curve, self._columns, self._also = curve, columns, also
         self._taken = TakenFolder(self.folder)
         self.lost = False
         """Whether the folder is no longer the one of this run."""
         self._is_new = False
 
-    def begin(self, *, n_snapshot: int, n_frame: int, replace: bool) -> None:
+    def begin(self, *, n_snapshot: int, replace: bool) -> None:
         """Remove the previous run, if allowed, and create new files.
 
         Raises
@@ -90,7 +87,7 @@ class RunFiles:
         OSError
             If a file cannot be written.
         """
-        always, later = self._planned(n_snapshot=n_snapshot, n_frame=n_frame)
+        always, later = self._planned(n_snapshot)
         self._taken.begin(always, later, replace=replace)
         try:
             self._open("w", None, None)
@@ -125,7 +122,7 @@ class RunFiles:
                 f"cannot append to {' and '.join(gone)}: not there; run it from the beginning"
             )
         own = [snapshot(self.folder, k).name for k in range(n_picture)]
-        self._taken.resume([*self._planned(n_snapshot=0, n_frame=0)[0], *own])
+        self._taken.resume([*self._planned(0)[0], *own])
         later = [path.name for path in snapshots(self.folder, first=n_picture)]
         self._taken.remove([*self._last_names(drawn=True), *later])
         self._open("a", row_time, frame_time)
@@ -186,10 +183,8 @@ class RunFiles:
         curves = [resistance_picture(self.folder, self._curve).name, ENERGY_PICTURE]
         return [SUMMARY, SPLITS, *(curves if drawn else ())]
 
-    def _planned(self, *, n_snapshot: int, n_frame: int) -> tuple[list[str], list[str]]:
-        always, later = planned_names(
-            self._name, self._curve, n_snapshot=n_snapshot, n_frame=n_frame, pvd=self._pvd
-        )
+    def _planned(self, n_snapshot: int) -> tuple[list[str], list[str]]:
+        always, later = planned_names(self._name, self._curve, n_snapshot=n_snapshot)
         return [*always, *self._also], later
 
     def _open(
@@ -199,14 +194,7 @@ class RunFiles:
             self.folder / HISTORY, self._columns, mode=mode, until=row_time
         )
         try:
-            self.frames = FrameOutput(
-                self.folder,
-                self._name,
-                pvd=self._pvd,
-                mode=mode,
-                until=frame_time,
-                announce=self._taken.add,
-            )
+            self.frames = FrameOutput(self.folder, self._name, mode=mode, until=frame_time)
         except BaseException:
             self.history.close()
             raise

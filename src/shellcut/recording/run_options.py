@@ -34,10 +34,6 @@ class RunOptions:
     progress: bool = True
     """Whether to show progress on standard error, with a status line every 5 %."""
 
-    pvd: bool = False
-    """Whether to write the frames also as PVD + VTU, for ParaView before 5.12; this takes about
-    eight times as long as the result file."""
-
     log: Callable[[str], None] | None = None
     """Function that also receives each line shown."""
 

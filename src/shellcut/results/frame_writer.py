@@ -1,4 +1,4 @@
-"""Write frames to the files of a run in a background thread.
+"""Write frames to the result file of a run in a background thread.
 
 Making, packing and writing a frame takes as long as forty steps of a small film, so a separate
 thread does it. At most one frame is pending: the next one waits for it, as does a caller who needs
@@ -12,15 +12,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Literal
 
-from shellcut.files.run_folder import frame_list, result_file
+from shellcut.files.run_folder import result_file
 from shellcut.frame import Frame
 
-from .pvd import PvdWriter
 from .vtkhdf import VtkHdfWriter
 
 
 class FrameOutput:
-    """Write frames to ``NAME.vtkhdf`` and, if asked for, to ``NAME.pvd`` with its ``.vtu`` files.
+    """Write frames to ``NAME.vtkhdf``.
 
     Parameters
     ----------
@@ -28,12 +27,8 @@ class FrameOutput:
         Output folder.
     name : str
         NAME.
-    pvd : bool
-        Whether to write PVD + VTU too.
     mode, until
         As in :class:`AppendableFile`, ``until`` in s.
-    announce : callable, optional
-        Receives the path of each further file before it is written.
 
     Raises
     ------
@@ -46,18 +41,10 @@ class FrameOutput:
         folder: Path,
         name: str,
         *,
-        pvd: bool = False,
         mode: Literal["w", "a"] = "w",
         until: float | None = None,
-        announce: Callable[[Path], None] = lambda _: None,
     ) -> None:
-        self._announce = announce
         self._result = VtkHdfWriter(result_file(folder, name), mode=mode, until=until)
-        try:
-            self._pvd = self._pvd_writer(frame_list(folder, name)) if pvd else None
-        except BaseException:
-            self._result.close()
-            raise
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._writing: Future[None] | None = None
         self.failed = False
@@ -69,7 +56,7 @@ class FrameOutput:
         self._writing = self._thread.submit(lambda: self._write(make()))
 
     def settle(self) -> None:
-        """Wait until all frames are in the files; raises the error of the last frame, if any."""
+        """Wait until all frames are in the file; raises the error of the last frame, if any."""
         writing, self._writing = self._writing, None
         if writing is not None:
             try:
@@ -95,22 +82,12 @@ class FrameOutput:
             self.settle()
 
     def close(self) -> None:
-        """Flush pending frames and close the files; a second call does nothing."""
+        """Flush pending frames and close the file; a second call does nothing."""
         try:
             self.settle()
         finally:
             self._thread.shutdown()
             self._result.close()
-            if self._pvd is not None:
-                self._pvd.close()
-
-    def _pvd_writer(self, path: Path) -> PvdWriter:
-        if self._result.appending:  # with the frames kept there
-            until = self._result.last_time
-            return PvdWriter(path, mode="a", until=until, announce=self._announce)
-        return PvdWriter(path, announce=self._announce)
 
     def _write(self, frame: Frame) -> None:
         self._result.append(frame)
-        if self._pvd is not None:
-            self._pvd.append(frame)

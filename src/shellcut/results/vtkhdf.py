@@ -110,11 +110,6 @@ class VtkHdfWriter(AppendableFile):
         """Number of frames in the file."""
         return self._n_frame
 
-    @property
-    def last_time(self) -> float:
-        """Time of the last frame [s]; minus infinity without one."""
-        return self._last_time
-
     def append(self, frame: Frame) -> None:
         """Write one frame and flush it.
 

@@ -26,7 +26,7 @@ from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.mitc4.shell import MITC4Shell, Precision
+from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.threads import Workers
 from shellcut.state import State
 from shellcut.tool.motion import Motion
@@ -75,9 +75,6 @@ class Simulation:
     imperfection : int, optional
         Number of the shape out of its plane with which the film begins, so that it can buckle
         (:mod:`.imperfection`), 0 for none; by default 1 with a tool and a law, else 0.
-    precision : {"double", "single"}
-        Of what is kept and computed of each quad; nodes, contact and cables are double either way,
-        see docs/performance.md for what it saves and what it changes.
     threads : int, optional
         Threads to use; by default one for a small film, else the cores there are. The result does
         not depend on it, bit for bit.
@@ -120,7 +117,6 @@ class Simulation:
         damping_beta: float = 5e-8,
         velocity: Floats | None = None,
         imperfection: int | None = None,
-        precision: Precision = "double",
         threads: int | None = None,
     ) -> None:
         check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
@@ -139,7 +135,6 @@ class Simulation:
             "directional": directional,
             "damping_alpha": damping_alpha,
             "damping_beta": damping_beta,
-            "precision": precision,
             "velocity": None if velocity is None else np.asarray(velocity, float),
             "imperfection": imperfection,
         }
@@ -149,9 +144,7 @@ class Simulation:
         self.material, self.tool, self.motion = material, tool, motion
         self.law, self.fracture = law, fracture
         workers = Workers(mesh.n_quad, threads)
-        self.shell = MITC4Shell(
-            self.mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
-        )
+        self.shell = MITC4Shell(self.mesh, material, damping_beta=damping_beta, workers=workers)
         self.supports = SupportSet(self.mesh, supports)
         self.loads = LoadSet(self.mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)

@@ -244,7 +244,6 @@ def _compile(planned: Plan) -> None:
     """Compile the kernels once, before many processes would do it at the same time."""
     criteria: set[Any] = set()
     paths: set[Any] = set()
-    precisions = set()
     for run in planned.runs[:: max(1, len(planned.runs) // 8)]:
         model = planned.variants.read(run.values, try_out=False)
         section = model.sections.get("fracture")
@@ -252,15 +251,13 @@ def _compile(planned: Plan) -> None:
             criteria.add(section.criterion)
             # Left out, the path is decided when the model is built.
             paths |= {section.path} if section.path else {"edges", "free"}
-        precisions.add(model.head.precision)
     _compile_for(
         tuple(sorted(criteria)) or ("force",),
-        tuple(sorted(precisions)),
         tuple(sorted(paths)) or ("edges",),
     )
 
 
 @functools.cache
-def _compile_for(criteria: Any, precisions: Any, paths: Any) -> None:
+def _compile_for(criteria: Any, paths: Any) -> None:
     """Compile once in a process: a fit comes here before every few runs."""
-    warmup(criteria, precisions, paths)
+    warmup(criteria, paths)
