@@ -16,6 +16,7 @@ from known_film import (
     check_geometry,
     rows_in,
 )
+from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
 from shellcut.mesh.film_file import read_film
 
@@ -206,7 +207,7 @@ def test_nodes_of_no_quad_are_said(tmp_path, caplog):
             "element 1 must have nodes that are defined, got 3",
         ),
         (f"*ELEMENT, TYPE=S4\n{quads([0])}", f"element id must occur once, got {QUAD_ID[0]}"),
-        ("*NODE\n10, 0., 0.\n", "each node id must occur once, got 10"),
+        ("*NODE\n10, 0., 1.\n", "node 10 must have one place, got (0.0, 1.0, 0.0) and (0.0, 0.0"),
         ("*NODE\n1000, a, 0.\n", "entry 2 must be a number, got 'a'"),
         ("*NODE\n1.5, 0., 0.\n", "entry 1 must be a whole number, got '1.5'"),
         ("*NODE, SYSTEM=C\n1000, 1., 0.\n", "must be Cartesian"),
@@ -214,12 +215,23 @@ def test_nodes_of_no_quad_are_said(tmp_path, caplog):
         ("*NSET, NSET=x\nnone\n", "there must be node set 'none'"),
         ("*NSET, NSET=x\nx\n", "must not contain itself"),
         ("*NSET, NSET=x, GENERATE\n1, 10, 2\n", "by a step that divides the difference"),
+        (
+            "*NSET, NSET=x, GENERATE\n1, 1000000000000, 1\n",
+            "must make 50,000,000 ids in its sets at most, got 1,000,000,000,000",
+        ),
+        (
+            "".join(f"*NSET, NSET=s{k}\ns{k + 1}\n" for k in range(60)),
+            "sets must nest to 50 levels at most",
+        ),
         ("*NSET, NSET=x, INSTANCE=i\n10\n", "there must be an instance 'i'"),
         ("*PART, NAME=p\n", "*PART: must be ended by *END PART: cut short?"),
         ("*END PART\n", "but none is open"),
         ("*INCLUDE, INPUT=none.inp\n", "'none.inp' must lie beside"),
         ("*INCLUDE, INPUT=film.inp\n", "must not include itself"),
-        ("*ELEMENT, TYPE=S8R\n1, 1, 2, 3, 4, 5, 6, 7,\n8\n", "1 cells of kind 'S8R' (ids 1)"),
+        (
+            "*ELEMENT, TYPE=S8R\n1, 10, 17, 24, 31, 38, 45, 52,\n59\n",
+            "1 cells of kind 'S8R' (ids 1); mesh with linear shells, choose quadratic=\"corn",
+        ),
         ("*ELEMENT, TYPE=C3D8R\n1, 1, 2, 3, 4, 5, 6, 7, 8\n", "1 cells of kind 'C3D8R' (ids 1)"),
         (
             "*ELEMENT, TYPE=S3\n1, 10, 17, 24\n",
@@ -232,9 +244,49 @@ def test_refusals(tmp_path, add, words):
     assert words in refusal(tmp_path, FLAT + add)
 
 
+def test_sets_that_double_are_read_once_each(tmp_path):
+    double = "".join(f"*NSET, NSET=s{k + 1}\ns{k}, s{k}\n" for k in range(40))
+    mesh = film(tmp_path, FLAT + f"*NSET, NSET=s0\n{NODE_ID[0]}\n{double}")
+    assert mesh.node_set("s40").tolist() == mesh.node_set("s0").tolist()
+
+
+def test_what_instances_and_includes_make_is_counted(tmp_path, monkeypatch):
+    monkeypatch.setitem(LIMITS, "nodes and elements with those of all instances", 100)
+    instances = "".join(f"*INSTANCE, NAME=s{k}, PART=Sheet\n*END INSTANCE\n" for k in range(4))
+    text = f"{TestPartsAndInstances.PART}*ASSEMBLY, NAME=a\n{instances}*END ASSEMBLY\n"
+    assert "100 nodes and elements with those of all instances at most, got 112" in refusal(
+        tmp_path, text
+    )
+    for k in range(1, 30):
+        (tmp_path / f"i{k}.inp").write_text(f"*INCLUDE, INPUT=i{k + 1}.inp\n" * 2)
+    (tmp_path / "i30.inp").write_text("** nothing\n")
+    told = refusal(tmp_path, f"{FLAT}*INCLUDE, INPUT=i1.inp\n")
+    assert "1,000 files with those included at most, got 1,001" in told
+
+
 def test_line_and_file_are_named(tmp_path):
     told = refusal(tmp_path, FLAT + "*NODE\n1000, a, 0.\n")
     assert f"film.inp, line {FLAT.count(chr(10)) + 2}: " in told
+
+
+def test_a_node_written_again_at_its_place_is_one(tmp_path):
+    check_film(film(tmp_path, FLAT + "*NODE, NSET=again\n" + nodes().splitlines()[3] + "\n"))
+
+
+def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path, caplog):
+    text = (
+        "*NODE\n1, 0., 0.\n2, 4., 0.\n3, 4., 2.\n4, 0., 2.\n5, 2., -0.2\n6, 4., 1.\n7, 2., 2.\n"
+        "8, 0., 1.\n*ELEMENT, TYPE=S8R, ELSET=film\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=left\n"
+        "1, 8, 4\n"
+    )
+    mesh = film(tmp_path, text, quadratic="corners")
+    assert mesh.nodes[mesh.quads].tolist() == [[[0, 0, 0], [4, 0, 0], [4, 2, 0], [0, 2, 0]]]
+    assert mesh.quad_set("film").tolist() == [0]
+    assert len(mesh.node_set("left")) == 2
+    assert "'S8R' are read by their corners: their sides bow by 5 % of their leng" in caplog.text
+    assert "1 of 3 of node set 'left'" in caplog.text
+    with pytest.raises(ValueError, match='quadratic must be "refuse" or "corners"'):
+        film(tmp_path, text, quadratic="yes")
 
 
 def test_a_file_without_keywords_is_refused(tmp_path):

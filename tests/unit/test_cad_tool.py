@@ -1,6 +1,7 @@
 """Tools from STEP and IGES, written by Gmsh's OpenCASCADE here and by CadQuery in data."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 from math import pi, radians, tan
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from shellcut import guillotine, read_tool
 from shellcut.command_line import main
-from shellcut.formats import cad_surface
+from shellcut.formats import cad_surface, own_process
 from shellcut.formats.errors import FileError
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import ToolError
@@ -129,12 +130,28 @@ class TestUnits:
         assert [chain.length for chain in tool.chains()] == pytest.approx([4.0, 4.0], rel=1e-6)
         assert "states the unit inch, converted to mm: the tool is 11.8 mm across" in caplog.text
 
-    def test_metres(self, written, caplog):
-        path = written("metres.step", lambda occ: occ.addBox(0, 0, 0, 0.003, 0.004, 0.005))
-        text = path.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")
-        path.write_text(text)
+    @pytest.mark.parametrize(
+        ("name", "unit", "millimetres"),
+        [
+            ("m", "LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.)", 1e3),
+            ("cm", "CONVERSION_BASED_UNIT('CENTIMETRE',#901) LENGTH_UNIT() NAMED_UNIT(#903)", 10.0),
+        ],
+    )
+    def test_each_unit_is_applied_once(self, written, name, unit, millimetres, caplog):
+        sides = np.array([3.0, 4.0, 5.0]) / millimetres
+        path = written(f"{name}.step", lambda occ: occ.addBox(0, 0, 0, *sides))
+        text = path.read_text().replace(
+            "LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.)", unit
+        )
+        more = "#901=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(10.),#902);\n#902=(LENGTH_UNIT()"
+        more += (
+            "NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n#903=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,"
+        )
+        path.write_text(text.replace("\nENDSEC;\nEND-ISO", f"\n{more}0.,0.);\nENDSEC;\nEND-ISO"))
         assert read_tool(path, sharp_angle_deg=80.0).volume().sum() == pytest.approx(60.0)
-        assert "states the unit m, converted to mm: the tool is 5 mm across" in caplog.text
+        assert f"states the unit {name}, converted to mm: the tool is 5 mm across" in caplog.text
+        given = read_tool(path, sharp_angle_deg=80.0, unit=name)
+        assert given.volume().sum() == pytest.approx(60.0)
 
     def test_a_given_unit_goes_before(self, caplog):
         tool = read_tool(DATA / "two_teeth_inch.step", unit="mm", chord_deviation=1e-3)
@@ -155,6 +172,8 @@ class TestUnits:
             27.2, rel=0.01
         )
         assert "units of 1 and 25.4 mm: all lengths are converted to mm" in caplog.text
+        with pytest.raises(FileError, match=r"unit= must not be given, got 10 mm"):
+            read_tool(DATA / "two_teeth_inch.step", unit="cm")
 
 
 def test_the_same_cut_as_from_stl(written, tmp_path):
@@ -320,9 +339,10 @@ class TestRefusals:
     def test_a_kernel_that_breaks_down(self, tmp_path, monkeypatch, script, error, words):
         # OpenCASCADE ends the process, or never ends, on one damaged file in ten
         (tmp_path / "process.py").write_text(script)
-        monkeypatch.setattr(cad_surface.cad_process, "__file__", str(tmp_path / "process.py"))
+        other = replace(cad_surface._GMSH, script=str(tmp_path / "process.py"))
+        monkeypatch.setattr(cad_surface, "_GMSH", other)
         if "sleep" in script:
-            monkeypatch.setattr(cad_surface, "_LONGEST", 0.5)
+            monkeypatch.setattr(own_process, "LONGEST", 0.5)
         with pytest.raises(error, match=words):
             read_tool(DATA / "two_teeth_inch.step")
 

@@ -7,19 +7,33 @@ import pytest
 
 from shellcut import read_tool
 from shellcut.formats import cad_unit
+from shellcut.formats.errors import FileError
 from shellcut.formats.length_unit import unit_in_mm
 
 DATA = Path(__file__).parent / "data"
 
 
 @pytest.mark.parametrize(
-    ("flag", "length"), [("2,2HMM", 1.0), ("6,1HM", 1e3), ("3,4HINCH", 25.4), ("10,2HCM", 10.0)]
+    ("flag", "length"),
+    [
+        ("3,5HSMOOT", "got '3' and 'SMOOT': OpenCASCADE takes others for mm"),
+        ("2,2HMM", 1.0),
+        ("6,1HM", 1e3),
+        ("3,4HINCH", 25.4),
+        ("10,2HCM", 10.0),
+        (",", 25.4),
+        ("7,", 1e6),
+    ],
 )
 def test_flags_of_iges(flag, length):
     text = f"1H,,1H;,5Hmodel,8Ha,b.iges,,6Htester,32,308,15,308,15,,1.,{flag},1,0.01;"
     lines = [f"{text[k : k + 72]:72}G{k // 72 + 1:7}" for k in range(0, len(text), 72)]
     content = "\n".join([f"{'':72}S      1", *lines]).encode()
-    assert cad_unit.stated_unit(Path("a.igs"), content) == [length]
+    if isinstance(length, float):
+        assert cad_unit.stated_unit(Path("a.igs"), content) == [length]
+    else:
+        with pytest.raises(FileError, match=length):
+            cad_unit.stated_unit(Path("a.igs"), content)
 
 
 def test_a_stated_unit_is_in_the_note():
@@ -41,14 +55,58 @@ def test_another_program_states_inches(name):
     assert cad_unit.stated_unit(path, path.read_bytes()) == [25.4]
 
 
-def test_a_unit_that_only_defines_another_is_none_of_the_file():
-    content = b"""ISO-10303-21;
-#1=(CONVERSION_BASED_UNIT('INCH',#3)LENGTH_UNIT()NAMED_UNIT(#9));
-#2=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+def step(*units, used="#1"):
+    return f"""ISO-10303-21;
+{";".join(units)};
 #4=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));
-#5=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#1,#4))REPRESENTATION(''));
-"""
-    assert cad_unit.stated_unit(Path("a.stp"), content) == [25.4]
-    both = content.replace(b"(#1,#4)", b"(#1,#2)")
-    assert cad_unit.stated_unit(Path("a.stp"), both) == [1.0, 25.4]
+#5=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT(({used},#4))REPRESENTATION(''));
+""".encode()
+
+
+def by_name(name, number, base="#1"):
+    return (
+        f"#2=(CONVERSION_BASED_UNIT('{name}',#3)LENGTH_UNIT()NAMED_UNIT(#9))",
+        f"#3=LENGTH_MEASURE_WITH_UNIT({number},{base})",
+    )
+
+
+MM = "#1=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))"
+
+
+def test_a_unit_is_what_defines_it_whatever_its_name():
+    """As the kernel converts: test_cad_tool compares with it."""
+
+    def stated(*units, used="#2"):
+        return cad_unit.stated_unit(Path("a.stp"), step(*units, used=used))
+
+    for name, number, length in (
+        ("INCH", "LENGTH_MEASURE(25.4)", 25.4),
+        ("CENTIMETRE", "LENGTH_MEASURE(10.)", 10.0),
+        ("a span", "228.6", 228.6),
+    ):
+        # millimetres only define the other unit
+        assert stated(MM, *by_name(name, number)) == [length]
+        metre = MM.replace(".MILLI.", "$")
+        assert stated(metre, *by_name(name, number)) == [1e3 * length]
+    assert stated(MM, *by_name("INCH", "25.4"), used="#1,#2") == [1.0, 25.4]
+    assert stated(MM.replace("MILLI", "MICRO"), used="#1") == [1e-3]
     assert cad_unit.stated_unit(Path("a.stp"), b"ISO-10303-21;") == []
+
+
+@pytest.mark.parametrize(
+    "units",
+    [
+        (MM, *by_name("HAND", "4.", base="#2")),  # by a unit that is none of SI
+        (MM, *by_name("HAND", "0.")),
+        (MM, by_name("HAND", "4.")[0]),
+        (
+            MM,
+            by_name("HAND", "4.")[0].replace("LENGTH_UNIT()", "") + "LENGTH_UNIT()",
+            by_name("", 4.0)[1],
+        ),
+        (MM.replace("MILLI", "PICO").replace("#1", "#2"),),
+    ],
+)
+def test_a_unit_that_the_kernel_passes_over_is_refused(units):
+    with pytest.raises(FileError, match=r"unit of length.* #2, must be a metre .* for mm"):
+        cad_unit.stated_unit(Path("a.stp"), step(*units, used="#2"))

@@ -11,6 +11,7 @@ import pytest
 
 from shellcut import mesh_from_drawing, read_drawing, read_model
 from shellcut.formats import drawing, dxf, svg
+from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
 from test_mesh_files_damaged import mutated
 
@@ -205,6 +206,10 @@ class TestSvg:
         assert read_drawing(path).area == pytest.approx(18 * 8, rel=1e-12)
 
 
+def box(x, y, width, height):
+    return [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
+
+
 class TestLoops:
     def opened(self, tmp_path, gap):
         document = ezdxf.new(units=4)
@@ -239,12 +244,39 @@ class TestLoops:
         with pytest.raises(FileError, match=r"3 ends meet at \(10, 8\) .* drawn twice"):
             read_drawing(saved(tmp_path / "twice.dxf", document))
 
-    def test_two_films(self, tmp_path):
+    @pytest.mark.parametrize(
+        ("loops", "words"),
+        [
+            ([box(50, 5, 20, 10)], r"largest, of 1600 .* 200 .* \(60, 10\) lies outside"),
+            ([box(35, 5, 20, 10)], r"1600 .* crosses the loop of 200 .* at \(40, 5\)"),
+            ([box(0, 5, 9, 9)], r"touches \(or comes closer .* 81 .* at \(0, 5\)"),
+            ([box(5, 5, 9, 9), box(14, 14, 9, 9)], r"touches .* at \(14, 14\)"),
+            ([box(5, 5, 20, 20), box(8, 8, 4, 4)], "of 16 mm² .* lies in a hole"),
+            ([box(40, 40, -40, -40)], "1600 .* is drawn twice; choose layers"),
+            ([[(1, 1), (9, 1), (9, 9), (12, 12), (9, 9), (1, 9)]], r"touches itself at \(9, 9\)"),
+            ([[(1, 1), (9, 9), (9, 1), (1, 9)]], r"crosses itself at \(5, 5\)"),
+        ],
+    )
+    def test_loops_that_make_no_film(self, tmp_path, loops, words):
         document = ezdxf.new(units=4)
-        for x in (0, 20):
-            document.modelspace().add_circle((x, 0), 5 + x / 20)
-        with pytest.raises(FileError, match=r"largest, of 113.* of 78.* around .* lies out"):
-            read_drawing(saved(tmp_path / "two.dxf", document))
+        for corners in (box(0, 0, 40, 40), *loops):
+            document.modelspace().add_lwpolyline(corners, close=True)
+        with pytest.raises(FileError, match=words):
+            read_drawing(saved(tmp_path / "loops.dxf", document))
+
+    def test_a_circle_drawn_again_by_arcs(self, tmp_path):
+        document = ezdxf.new(units=4)
+        document.modelspace().add_circle((0, 0), 5)
+        document.modelspace().add_arc((0, 0), 5, 10, 150)
+        document.modelspace().add_arc((0, 0), 5, 150, 10)
+        with pytest.raises(FileError, match=r"78\.5. mm² around .* is drawn twice"):
+            read_drawing(saved(tmp_path / "twice.dxf", document))
+
+    def test_only_paper_space(self, tmp_path):
+        document = ezdxf.new(units=4)
+        document.layout("Layout1").add_circle((0, 0), 5)
+        with pytest.raises(FileError, match="got none; left out: 1 entities in paper space 'Layo"):
+            read_drawing(saved(tmp_path / "paper.dxf", document))
 
     def test_a_drawing_in_space(self, tmp_path):
         document = plate()
@@ -253,7 +285,44 @@ class TestLoops:
             read_drawing(saved(tmp_path / "space.dxf", document))
 
 
+def unfolding(space, document, *, rows=1):
+    """Blocks of two blocks each, 2^30 in all, and without curves; or copies in rows."""
+    inner = document.blocks.new("b0")
+    for k in range(1, 31 if rows == 1 else 1):
+        inner = document.blocks.new(f"b{k}")
+        inner.add_blockref(f"b{k - 1}", (0, 0))
+        inner.add_blockref(f"b{k - 1}", (1, 0))
+    space.add_blockref(inner.name, (0, 0), dxfattribs={"row_count": rows, "column_count": rows})
+
+
 class TestRefusals:
+    def test_copies_of_copies_are_counted(self, tmp_path, monkeypatch):
+        monkeypatch.setitem(LIMITS, "elements drawn", 500)
+        for rows, got in ((1, "501"), (30_000, "900,000,001")):
+            document = ezdxf.new(units=4)
+            unfolding(document.modelspace(), document, rows=rows)
+            with pytest.raises(FileError, match=f"500 elements drawn at most, got {got}: choose"):
+                read_drawing(saved(tmp_path / "a.dxf", document))
+        groups = (
+            f'<g id="g{k}"><use href="#g{k - 1}"/><use href="#g{k - 1}"/></g>' for k in range(40)
+        )
+        (tmp_path / "a.svg").write_text(
+            f'<svg xmlns="http://www.w3.org/2000/svg">{"".join(groups)}</svg>'
+        )
+        with pytest.raises(FileError, match="500 elements drawn at most, got 501: choose"):
+            read_drawing(tmp_path / "a.svg")
+
+    def test_a_block_in_itself(self, tmp_path):
+        document = ezdxf.new(units=4)
+        document.blocks.new("b").add_blockref("b", (1, 0))
+        document.modelspace().add_blockref("b", (0, 0))
+        with pytest.raises(FileError, match="blocks must nest to 50 levels at most"):
+            read_drawing(saved(tmp_path / "a.dxf", document))
+
+    def test_a_deviation_beyond_round_off(self):
+        with pytest.raises(FileError, match=r"chord_deviation must be .* or more .* got 1e-14"):
+            read_drawing(PLATE, layers=["film"], chord_deviation=1e-14)
+
     @pytest.mark.parametrize(
         ("name", "content", "words"),
         [
@@ -289,10 +358,11 @@ class TestRefusals:
 
     def test_too_many_points(self, tmp_path, monkeypatch):
         path = saved(tmp_path / "plate.dxf", plate())
-        for module in (dxf, svg):
-            monkeypatch.setattr(module, "MOST_POINTS", 20)
+        monkeypatch.setitem(LIMITS, "points of curves", 20)
         for one, layer in ((path, "cut"), (PLATE, "film")):
-            with pytest.raises(FileError, match="must have 20 points at most: enlarge"):
+            with pytest.raises(
+                FileError, match=r"make 20 points of curves at most, got .* enlarge"
+            ):
                 read_drawing(one, layers=[layer])
 
     def test_a_huge_file(self, tmp_path, monkeypatch):

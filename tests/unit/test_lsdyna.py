@@ -147,6 +147,35 @@ def test_shells_with_thickness_have_two_cards(tmp_path):
     check_film(film(tmp_path, f"{head}*ELEMENT_SHELL_THICKNESS\n{both}*SET_NODE{tail}"))
 
 
+def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path):
+    text, order = deck(), sorted(QUAD_ID, key=lambda e: e % 3)
+    for e in order[::2]:  # the middle nodes need no place: only the corners are taken
+        (line,) = (t for t in text.splitlines() if t.startswith(f"{e:>8}") and len(t) == 48)
+        text = text.replace(line, line + card([line[16:24].strip()] * 4, 8)[:-1])
+    check_film(film(tmp_path, text, quadratic="corners"))
+
+
+def test_a_node_written_again_at_its_place_is_one(tmp_path, caplog):
+    def again(x):
+        place = [f"{c:g}" for c in (x, *NODES[3][1:])]
+        return more("*NODE\n" + card([NODE_ID[3]], 8)[:-1] + card(place, 16))
+
+    check_film(film(tmp_path, again(NODES[3][0])))
+    assert f"1 nodes belong to no quad and are left out (ids {NODE_ID[3]})" in caplog.text
+    told = refusal(tmp_path, again(7.0))
+    assert f"must occur once, or twice at one place, got {NODE_ID[3]}" in told
+
+
+def test_ranges_and_includes_without_end(tmp_path):
+    wide = "*SET_NODE_LIST_GENERATE\n" + card([8], None) + f"1, {2**63 - 1}\n"
+    assert len(film(tmp_path, more(wide)).node_set("node_set_8")) == 18
+    for k in range(1, 30):
+        (tmp_path / f"i{k}.k").write_text(f"*INCLUDE\ni{k + 1}.k\ni{k + 1}.k\n")
+    (tmp_path / "i30.k").write_text("*KEYWORD\n")
+    told = refusal(tmp_path, more("*INCLUDE\ni1.k\n"))
+    assert "1,000 files with those included at most, got 1,001" in told
+
+
 def test_includes(tmp_path):
     text = deck()
     at, end = text.index("*NODE"), text.index("*PART")
@@ -171,7 +200,7 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
         ("*INCLUDE\nnone.k\n", "'none.k' must lie beside"),
         ("*INCLUDE\nfilm.k\n", "must not include itself"),
         ("*ELEMENT_SOLID\n" + card([5, 1], 8), "1 cells of kind 'ELEMENT_SOLID' (ids 5)"),
-        ("*ELEMENT_SHELL\n" + card([5, 1, *range(1, 9)], 8), "'ELEMENT_SHELL of 5 to 8 nodes'"),
+        ("*ELEMENT_SHELL\n" + card([5, 1, *NODE_ID[:8]], 8), "'ELEMENT_SHELL of 5 to 8 nodes'"),
         ("*ELEMENT_SHELL_COMPOSITE\n", "options must be among THICKNESS"),
         ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 0, 0], 8), "must have 3 or 4 nodes"),
         ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 24, 3], 8), "shells must name nodes"),

@@ -7,8 +7,8 @@ declare no counts betray a loss by what is left, or by what no mesher makes, and
 format, and shows what is not said.
 """
 
-import contextlib
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from damaged.mutations import mutated as damaged_content
 from damaged.outcomes import film_of, read_quietly, tool_of
 from damaged.outcomes import outcome as outcome_of
 from damaged.samples import FILMS, TOOLS
+from shellcut.formats import vtk as vtk_file
 from shellcut.mesh.film_file import read_film
 from test_lsdyna import deck
 from test_vtk import write_by_vtk
@@ -30,6 +31,12 @@ N_TRUNCATION = 25
 ASSEMBLY = test_abaqus.TestPartsAndInstances.PART + (
     "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=s-1, PART=Sheet\n1., 2., 3.\n*END INSTANCE\n*END ASSEMBLY\n"
 )
+
+
+@pytest.fixture(autouse=True)
+def _without_vtk(monkeypatch):
+    """What meshio refuses is final; VTK's second opinion is in test_vtk, a process for each."""
+    monkeypatch.setattr(vtk_file, "_VTK", replace(vtk_file._VTK, module="no_such_module"))
 
 
 def contents(tmp_path):
@@ -162,17 +169,15 @@ def test_every_line_that_is_lost_is_missed(tmp_path, name):
 
 
 @pytest.mark.parametrize("mode", ["text", "binary"])
+@pytest.mark.filterwarnings("ignore")
 def test_meshio_says_why_it_cannot_read(tmp_path, capsys, mode):
     for kind in ("VTK", "VTU"):
         file, content_of, text = FILMS[f"{kind} {mode}"]
         content, path, rng = content_of(), tmp_path / file, np.random.default_rng(4)
-        for _ in range(40):
-            damaged, _way = damaged_content(rng, content, text=text)
-            path.write_bytes(damaged)
-            with contextlib.suppress(ValueError):
+        for _ in range(20):
+            path.write_bytes(damaged_content(rng, content, text=text)[0])
+            try:
                 read_film(path, unit="mm")
-                continue
-            with pytest.raises(ValueError) as refusal:  # noqa: PT011
-                read_film(path, unit="mm")
-            said = str(refusal.value).rpartition("meshio cannot read it: ")[2]
-            assert len(said.split()) > 2, "words, not the bare name of an error"
+            except ValueError as refusal:
+                said = str(refusal).rpartition("meshio cannot read it: ")[2].partition("; VTK")[0]
+                assert len(said.split()) > 2, "words, not the bare name of an error"

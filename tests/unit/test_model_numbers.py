@@ -48,7 +48,9 @@ STRIP = 'model = "guillotine"\n[membrane]\nlength = 6.0\nwidth = 4.0\nsize = 1.0
         (f"[output]\nrows = {10**400}", "must hold whole numbers up to 9223372036854775807"),
         (f"[output]\nrows = 1{'0' * 5000}", "is not valid TOML: Exceeds the limit"),
         (f"x = {'[' * 3000}{']' * 3000}", "must nest tables and arrays to 8 lev"),
-        (f"x.{'y.' * 3000}z = 1", "must nest tables and arrays to 8 levels"),
+        (f"x.{'y.' * 20}z = 1", "must nest tables and arrays to 8 levels"),
+        (f"x.{'y.' * 100_000}z = 1", "a key must have 100 parts at most, got 100,002"),
+        (f"[x{'.y' * 100_000}]", "a key must have 100 parts at most, got 100,001"),
     ],
     ids=lambda text: text[:24],
 )

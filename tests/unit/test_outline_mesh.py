@@ -98,7 +98,7 @@ class TestWithGmsh:
         ([[0, 0], [1, np.nan], [1, 0]], [], 0.1, "outline must be finite"),
         (5.0 * CIRCLE, [CIRCLE + 20.0], 0.5, "hole_1 must lie inside the outline"),
         (5.0 * CIRCLE, [CIRCLE + np.array([4.5, 0.0])], 0.5, "outline crosses hole_1"),
-        (5.0 * CIRCLE, [3.0 * CIRCLE, CIRCLE], 0.5, "hole_2 lies in hole_1"),
+        (5.0 * CIRCLE, [3.0 * CIRCLE, CIRCLE], 0.5, "hole_2 lies in another"),
         (5.0 * CIRCLE, [], 0.0, "size must be a finite length above 0"),
     ],
 )

@@ -16,7 +16,11 @@ from shellcut import (
     read_tool,
     tensile,
 )
+from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
+from shellcut.results.history import read_history
+from shellcut.results.splits_csv import read_splits
+from shellcut.results.vtkhdf_reader import VtkHdfReader
 
 needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 needs_devices = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs /dev/zero")
@@ -65,6 +69,23 @@ def test_a_pipe_is_not_waited_for(tmp_path, name):
     os.mkfifo(tmp_path / name)
     with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a pipe; save it"):
         READERS[name](tmp_path / name)
+
+
+@needs_pipes
+@pytest.mark.parametrize(
+    ("name", "read"),
+    [
+        ("a.vtkhdf", VtkHdfReader),
+        ("history.csv", read_history),
+        ("splits.csv", read_splits),
+        ("run.files", lambda path: FileList(path.parent).add("a.vtkhdf")),
+        ("a.vtkhdf", lambda path: shellcut.read(path.parent)),
+    ],
+)
+def test_a_pipe_among_results_is_not_waited_for(tmp_path, name, read):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(OSError, match=f"{name} must be a regular file, got a pipe|has {name},"):
+        read(tmp_path / name)
 
 
 @needs_devices

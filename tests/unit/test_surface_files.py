@@ -179,6 +179,7 @@ class TestPly:
             ("double x", "double a", "vertex with x, y and z"),
             ("double x", "quad x", "this line of the header is invalid: 'property quad x'"),
             ("element face 12", "element face 13", "cut short"),
+            ("element v", "element odd 1000000000\nelement v", "got 1,000,000,000 of odd without"),
             ("element face", "element face 0\nelement face", "each element must occur once"),
             ("double x", "list uchar double x", "vertex with x, y and z"),
             ("element face 12", "element face 11", "must end after the content"),

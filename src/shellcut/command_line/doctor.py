@@ -37,7 +37,7 @@ _FIRST_RIGHT_VTK = (9, 3)
 _EXTRAS = {
     "matplotlib": ("pictures", "pip install shellcut[plot]"),
     "pyvista": ("3-D scenes and movies", "pip install shellcut[view]"),
-    "vtk": ("3-D scenes and movies", "pip install shellcut[view]"),
+    "vtk": ("3-D scenes, no VTK files beyond those of meshio", "pip install shellcut[view]"),
     "imageio-ffmpeg": ("movies as mp4", "pip install shellcut[movie]"),
     "gmsh": ("meshes of outlines, no tools from STEP and IGES", "pip install shellcut[mesh]"),
     "ezdxf": ("outlines from DXF", "pip install shellcut[outline]"),

@@ -97,7 +97,10 @@ def _ready(
         return case, _recorder(case, model, folder, log, options)
     except RunEnded as ended:
         log.say(f"{ended}; nothing was changed", stream=sys.stderr)
-        _say_end(folder, log)
+        try:
+            _say_end(folder, log)
+        except (OSError, ValueError) as problem:  # the summary is gone, or is none
+            log.say(str(problem), stream=sys.stderr)
         return DONE
     except (OSError, ValueError) as problem:
         log.say(str(problem), stream=sys.stderr)
@@ -210,8 +213,9 @@ def _remedy(problem: Exception, folder: Path) -> str:
 
 def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.file_list import files_there
+    from shellcut.files.regular_file import read_regular
 
-    summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    summary: dict[str, Any] = json.loads(read_regular(folder / "summary.json"))
     for label, value in plain_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>12,.6g}")
     for words, energy, share in chain(*account(summary)):

@@ -6,6 +6,7 @@ Both are refused before they are opened.
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from pathlib import Path
@@ -19,26 +20,35 @@ _OTHER_KINDS = (
 )
 
 
-def read_regular(path: str | os.PathLike[str], most: int) -> bytes:
+_LARGEST = 4_000_000_000
+
+
+class NotRegularError(OSError):
+    """The path is a folder, a pipe or a device."""
+
+    def __str__(self) -> str:
+        return f"{self.filename} {self.strerror}"
+
+
+def read_regular(path: str | os.PathLike[str], most: int = _LARGEST) -> bytes:
     """Return the content of a regular file.
 
     Parameters
     ----------
     path : path
-    most : int
-        Largest size allowed [bytes].
+    most : int, optional
+        Largest size allowed [bytes]; by default 4 GB.
 
     Raises
     ------
     OSError
         If it does not exist, cannot be read, is not a regular file, or is larger.
     """
-    path = Path(path)
-    _check_kind(path.stat().st_mode)
+    require_regular(path)
     # The file may have been replaced by a pipe meanwhile: opening it must not block.
     with open(os.open(path, os.O_RDONLY | _FLAGS), "rb") as file:
         found = os.fstat(file.fileno())
-        _check_kind(found.st_mode)
+        _check_kind(path, found.st_mode)
         # One byte too many shows the excess, even where the system reports no size (/proc).
         content = b"" if found.st_size > most else file.read(most + 1)
         size = max(found.st_size, len(content))
@@ -53,7 +63,19 @@ def read_regular(path: str | os.PathLike[str], most: int) -> bytes:
 _FLAGS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
-def _check_kind(mode: int) -> None:
+def require_regular(path: str | os.PathLike[str]) -> None:
+    """Check the kind of a file that another library is to open.
+
+    Raises
+    ------
+    OSError
+        If it does not exist, or is not a regular file.
+    """
+    _check_kind(path, Path(path).stat().st_mode)
+
+
+def _check_kind(path: str | os.PathLike[str], mode: int) -> None:
     for is_kind, words in _OTHER_KINDS:
         if is_kind(mode):
-            raise OSError(f"must be a regular file, got {words}; save it as a file first")
+            told = f"must be a regular file, got {words}; save it as a file first"
+            raise NotRegularError(errno.EINVAL, told, os.fspath(path))

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 
 from . import numerals
+from .budget import Budget
 from .errors import FileError, read_lines
 from .losses import comment_note, end_note, is_numbers
 
-_DEEPEST = 20  # nested includes; more means a cycle
 _DATA = frozenset(["NODE", "ELEMENT", "NSET", "ELSET"])  # keywords with no blank after the star
 _CLOSE = 0.75  # similarity to a known keyword: that of NSET with one letter changed
 
@@ -80,7 +81,9 @@ class Keyword:
         return value
 
 
-def read_deck(path: Path, known: frozenset[str], notes: list[str]) -> Iterator[Keyword]:
+def read_deck(
+    path: Path, known: frozenset[str], notes: list[str], budget: Budget
+) -> Iterator[Keyword]:
     """Return the keywords of a file and of the files it includes, in order.
 
     Parameters
@@ -92,6 +95,8 @@ def read_deck(path: Path, known: frozenset[str], notes: list[str]) -> Iterator[K
         one of these.
     notes : list of str
         Receives signs of lost data: data in comments, an unfinished last line.
+    budget : Budget
+        Counts files and lines.
 
     Raises
     ------
@@ -100,16 +105,22 @@ def read_deck(path: Path, known: frozenset[str], notes: list[str]) -> Iterator[K
     """
     if not any(line.lstrip().startswith("*") for line in read_lines(path)):
         raise FileError(path, "an Abaqus input file must hold *KEYWORD lines, got none")
-    yield from _keywords(path, path.parent, known, [], notes)
+    yield from _keywords(path, path.parent, known, [], notes, budget)
 
 
 def _keywords(
-    path: Path, folder: Path, known: frozenset[str], above: list[Path], notes: list[str]
+    path: Path,
+    folder: Path,
+    known: frozenset[str],
+    above: list[Path],
+    notes: list[str],
+    budget: Budget,
 ) -> Iterator[Keyword]:
-    if len(above) > _DEEPEST or path.resolve() in above:
+    if path.resolve() in above:
         raise FileError(path, "a file must not include itself")
+    budget.descend("includes", len(above))
     current: Keyword | None = None
-    for keyword, data in _lines(path, notes):
+    for keyword, data in _lines(path, notes, budget):
         if keyword is None:
             if data is None or current is None:
                 if data is not None and any(data.entries):
@@ -122,9 +133,9 @@ def _keywords(
         current = None
         if keyword.name == "INCLUDE":
             included = _find(keyword, keyword.required("INPUT"), folder)
-            yield from _keywords(included, folder, known, [*above, path.resolve()], notes)
+            yield from _keywords(included, folder, known, [*above, path.resolve()], notes, budget)
             continue
-        near = get_close_matches(keyword.name, known, n=1, cutoff=_CLOSE)
+        near = _near(keyword.name, known)
         if "=" in keyword.name:
             raise keyword.error("a comma must stand between a keyword and its parameters")
         if keyword.name not in known and near:
@@ -132,13 +143,18 @@ def _keywords(
         current = keyword
         if keyword.name in known and "INPUT" in keyword.parameters:
             source = _find(keyword, keyword.required("INPUT"), folder)
-            for inner, line in _lines(source, notes):
+            for inner, line in _lines(source, notes, budget):
                 if inner is not None:
                     raise inner.error("a file of data must hold no keywords")
                 if line is not None:
                     current.data.append(line)
     if current is not None:
         yield current
+
+
+@lru_cache(maxsize=1000)
+def _near(name: str, known: frozenset[str]) -> list[str]:
+    return get_close_matches(name, known, n=1, cutoff=_CLOSE)
 
 
 def _find(keyword: Keyword, name: str, folder: Path) -> Path:
@@ -148,11 +164,16 @@ def _find(keyword: Keyword, name: str, folder: Path) -> Path:
     raise keyword.error(f"the file {name!r} must lie beside {keyword.path}, but is not there")
 
 
-def _lines(path: Path, notes: list[str]) -> Iterator[tuple[Keyword | None, DataLine | None]]:
+def _lines(
+    path: Path, notes: list[str], budget: Budget
+) -> Iterator[tuple[Keyword | None, DataLine | None]]:
     # yield each line as one of the two; skip blank lines and comments
     off: list[int] = []  # comments that look like data
     pending: tuple[int, str] | None = None
-    for number, line in enumerate(read_lines(path), start=1):
+    lines = read_lines(path)
+    budget.take("files with those included")
+    budget.take("lines with those of included files", len(lines))
+    for number, line in enumerate(lines, start=1):
         text = line.strip()
         if text.startswith("**") or not text:
             if is_numbers(text[2:]) or text[2:].split(",")[0].rstrip().upper() in _DATA:

@@ -6,7 +6,7 @@ they are called ``instance.set``.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,6 +15,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 
 from .abaqus_deck import DataLine
+from .budget import Budget
 from .errors import FileError, named
 from .file_mesh import LINE, QUAD, TRIANGLE, CellBlock, FileMesh
 from .losses import gap_note
@@ -50,6 +51,14 @@ KINDS: dict[str, tuple[str, int]] = {
 }
 """Three- and four-node shells of any formulation, and the trusses that mesh programs write for
 curves, with kind and number of nodes; the film's formulation replaces theirs."""
+
+QUADRATIC: dict[str, tuple[str, int]] = {
+    **dict.fromkeys(["S8R", "S8R5", "S8RT", "M3D8", "M3D8R", "SFM3D8", "SFM3D8R"], (QUAD, 8)),
+    **dict.fromkeys(["CPS8", "CPS8R", "CPE8", "CPE8R"], (QUAD, 8)),
+    **dict.fromkeys(["S9R5", "M3D9", "M3D9R"], (QUAD, 9)),
+    **dict.fromkeys(["STRI65", "M3D6", "SFM3D6", "CPS6", "CPE6"], (TRIANGLE, 6)),
+}
+"""Quadratic kinds: that of their corners, which come first, and number of nodes."""
 
 Transform = tuple[Floats, Floats]
 """Rotation R, shape (3, 3), and translation t, shape (3,): x = R X + t."""
@@ -100,11 +109,15 @@ class Model:
         Named in messages.
     notes : list of str
         Receives signs of lost data.
+    budget : Budget
+        Counts ids of sets of sets.
     """
 
-    def __init__(self, path: Path, notes: list[str]):
+    def __init__(self, path: Path, notes: list[str], budget: Budget):
         self.path = path
         self.notes = notes
+        self.budget = budget
+        self._known: dict[tuple[str, str, str], Ints] = {}  # members of sets
         self.positions: list[Floats] = []
         self.node_labels: list[str] = []
         self.rows: dict[str, dict[tuple[str, int], int]] = {"node": {}, "element": {}}
@@ -151,6 +164,16 @@ class Model:
         by_kind: dict[str, list[int]] = defaultdict(list)
         for i, (_, kind, _) in enumerate(self.elements):
             by_kind[kind].append(i)
+        for kind in by_kind:
+            if (
+                kind in KINDS
+                and KINDS[kind][0] != LINE
+                and not kind.startswith(("S3", "S4", "STRI"))
+            ):
+                self.notes.append(
+                    f"{len(by_kind[kind])} elements of type {kind}, which do not bend, are read as "
+                    "shells"
+                )
         blocks, new_number, n_cell = [], np.zeros(len(self.elements), np.int64), 0
         for kind, members in by_kind.items():
             new_number[members] = n_cell + np.arange(len(members))
@@ -159,6 +182,9 @@ class Model:
             if kind in KINDS:
                 nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
                 blocks.append(CellBlock(KINDS[kind][0], labels, nodes))
+            elif kind in QUADRATIC:
+                nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
+                blocks.append(CellBlock(kind, labels, nodes, QUADRATIC[kind][0]))
             else:
                 blocks.append(CellBlock(kind, labels, np.empty((len(members), 0), np.int64)))
         groups = {
@@ -187,10 +213,10 @@ class Model:
                 for (of, upper), spelling in scope.spelling.items():
                     if of == kind:
                         found.setdefault((key, upper), spelling)
-        uppers = [upper for _, upper in found]
+        n_scope = Counter(upper for _, upper in found)
 
         def name(key: str, upper: str, spelling: str) -> str:
-            shared = key and uppers.count(upper) > 1
+            shared = key and n_scope[upper] > 1
             return f"{instance_names[key]}.{spelling}" if shared else spelling
 
         return [(name(*at, spelling), *at) for at, spelling in found.items()]
@@ -198,6 +224,9 @@ class Model:
     def _members(self, kind: str, key: str, upper: str, above: tuple[str, ...]) -> Ints:
         if upper in above:
             raise FileError(self.path, f"set {upper} must not contain itself")
+        self.budget.descend("sets", len(above))
+        if (kind, key, upper) in self._known:
+            return self._known[kind, key, upper]
         rows: list[int] = []
         for scope in self.scopes[key]:
             for entry in scope.sets.get((kind, upper), []):
@@ -211,7 +240,9 @@ class Model:
                     rows += self._ids(kind, at, entry)
                     continue
                 rows += self._other(kind, key, at, entry, (*above, upper))
-        return np.unique(np.array(rows, dtype=np.int64))
+        members = np.unique(np.array(rows, dtype=np.int64))
+        self._known[kind, key, upper] = members
+        return members
 
     def _ids(self, kind: str, at: str, entry: Entry) -> list[int]:
         assert entry.ids is not None
@@ -237,6 +268,7 @@ class Model:
         for where in dict.fromkeys((at, key)):
             if any((of, upper) in scope.sets for scope in self.scopes[where]):
                 rows = self._members(of, where, upper, above if of == kind else ())
+                self.budget.take("ids in its sets", len(rows))
                 if of == kind:
                     return [int(i) for i in rows]
                 return sorted({n for i in rows for n in self.elements[i][2]})

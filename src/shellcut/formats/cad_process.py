@@ -174,7 +174,4 @@ def _triangles(gmsh: Any, chord: float, scale: float) -> tuple[Any, Any, list[st
 
 
 if __name__ == "__main__":
-    # The folder of this file comes first on the path of a script, and holds another gmsh.py.
-    _HERE = Path(__file__).resolve().parent
-    sys.path[:] = [folder for folder in sys.path if Path(folder).resolve() != _HERE]
     main(*sys.argv[1:])

@@ -6,9 +6,6 @@ own; :mod:`shellcut.tool.seams` joins them.
 
 from __future__ import annotations
 
-import importlib.util
-import subprocess
-import sys
 import tempfile
 from math import isfinite
 from pathlib import Path
@@ -19,6 +16,7 @@ import numpy as np
 from . import cad_process
 from .cad_unit import stated_unit
 from .errors import FileError, read_bytes
+from .own_process import OwnProcess
 from .surface_file import SurfaceFile
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
@@ -30,7 +28,14 @@ LARGEST_FILE = 200_000_000
 _SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
 """Statements of STEP that make a solid; assemblies repeat them without statements."""
 
-_LONGEST = 600.0  # s; the kernel hangs on some damaged files
+_GMSH = OwnProcess(
+    "Gmsh",
+    "gmsh",
+    cad_process.__file__,
+    "is it damaged, of a kind that OpenCASCADE cannot read, or chord_deviation too small? write it "
+    "anew, or as STL",
+    "libglu1-mesa libxcursor1 libxft2 libxinerama1",
+)
 
 
 def read_cad(
@@ -51,7 +56,7 @@ def read_cad(
     -------
     SurfaceFile
         In the unit that the file states, which ``unit_mm`` holds. A file that states several units
-        is returned in mm.
+        is returned in mm, and then ``unit_mm`` must not be given.
 
     Raises
     ------
@@ -74,6 +79,13 @@ def read_cad(
             f"{len(content) / 1e6:,.0f} MB: leave out what does not touch the film",
         )
     units = stated_unit(path, content)
+    listed = " and ".join(f"{unit:g}" for unit in units)
+    if len(units) > 1 and unit_mm is not None:
+        raise FileError(
+            path,
+            f"the file states units of {listed} mm, each converted to mm: unit= must not be given, "
+            f"got {unit_mm:g} mm",
+        )
     of_file = units[0] if len(units) == 1 else 1.0
     answer = _triangulated(path, chord_deviation or 0.0, (unit_mm or of_file) / of_file)
     if answer["problems"]:
@@ -85,7 +97,6 @@ def read_cad(
             f"{stated} solids are in the file, {answer['n_solid']} could be read: is it damaged?"
         )
     if len(units) > 1:
-        listed = " and ".join(f"{unit:g}" for unit in units)
         notes.append(f"the file states units of {listed} mm: all lengths are converted to mm")
     return SurfaceFile(
         path,
@@ -98,43 +109,14 @@ def read_cad(
 
 
 def _triangulated(path: Path, deviation: float, scale: float) -> dict[str, Any]:
-    if importlib.util.find_spec("gmsh") is None:
+    if not _GMSH.installed:
         raise ImportError(
             f"{path}: reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
             "pip install 'shellcut[mesh]'"
         )
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "answer.npz"
-        command = [sys.executable, cad_process.__file__, str(path.resolve()), str(out)]
-        command += [repr(float(deviation)), repr(float(scale))]
-        try:
-            done = subprocess.run(
-                command,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=_LONGEST,
-            )
-        except subprocess.TimeoutExpired:
-            raise FileError(
-                path,
-                f"Gmsh did not finish within {_LONGEST:g} s: is the file damaged, or "
-                "chord_deviation too small?",
-            ) from None
-        if done.returncode < 0 or (done.returncode and not done.stderr):
-            raise FileError(
-                path,
-                f"Gmsh broke down on it (code {done.returncode}): it is damaged, or of a kind that "
-                "OpenCASCADE cannot read; write it anew, or as STL",
-            )
-        if done.returncode:
-            said = done.stderr.strip().splitlines()[-1]
-            if "OSError" in said:  # a system library missing from its wheel
-                raise ImportError(
-                    f"Gmsh is installed but cannot be loaded: {said}; on Debian and Ubuntu: "
-                    "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1"
-                )
-            raise FileError(path, f"Gmsh cannot read it: {said}")
+        _GMSH.run(path, str(out), repr(float(deviation)), repr(float(scale)))
         with np.load(out) as held:
             return {
                 "vertices": held["vertices"],

@@ -1,28 +1,39 @@
-"""The unit of length that a STEP or IGES file states."""
+"""The unit of length that a STEP or IGES file states, as OpenCASCADE converts it.
+
+The kernel goes by the definition of a unit of STEP, never by its name: an SI prefix, or a number
+of such units (``CONVERSION_BASED_UNIT``). What it cannot resolve it takes for millimetres; such a
+file is refused here.
+"""
 
 from __future__ import annotations
 
 import re
+from math import inf
 from pathlib import Path
 
 from .errors import FileError
-from .length_unit import MILLIMETRES
 
 _STEP_BEGINS = b"ISO-10303-21"
-_LENGTH = re.compile(rb"#(\d+)\s*=\s*\(?.*\bLENGTH_UNIT\b", re.S)
+_STATEMENT = re.compile(rb"\s*#(\d+)\s*=(.*)", re.S)
 _CONTEXT = re.compile(rb"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)")
-_SI = re.compile(rb"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)")
-_NAMED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", re.S)
+_SI = re.compile(rb"\bSI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)")
+# parts in the order of the alphabet, as the standard wants
+_NAMED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'\s*,\s*#(\d+)\s*\)\s*LENGTH_UNIT\b")
+_MEASURE = re.compile(rb"MEASURE_WITH_UNIT\s*\(\s*(?:\w+\s*\(\s*)?([^(),]*?)\s*\)?\s*,\s*#(\d+)")
 
-_PREFIXES = {b"": 1e3, b"DECI": 1e2, b"CENTI": 10.0, b"MILLI": 1.0, b"MICRO": 1e-3, b"KILO": 1e6}
-_NAMES = {
-    **dict.fromkeys((b"INCH", b"INCHES", b"IN"), MILLIMETRES["inch"]),
-    **dict.fromkeys((b"FOOT", b"FEET", b"FT"), 304.8),
-    **dict.fromkeys((b"MIL", b"THOU"), MILLIMETRES["mil"]),
+_PREFIXES = {
+    **{b"NANO": 1e-6, b"MICRO": 1e-3, b"MILLI": 1.0, b"CENTI": 10.0, b"DECI": 1e2, b"": 1e3},
+    **{b"DECA": 1e4, b"HECTO": 1e5, b"KILO": 1e6},
 }
 # by the flag of the global section; 3 refers to the name that follows it
-_IGES_FLAGS = {1: 25.4, 2: 1.0, 4: 304.8, 6: 1e3, 8: 0.0254, 9: 1e-3, 10: 10.0, 11: 2.54e-5}
-_IGES_NAMES = {"IN": 1, "INCH": 1, "MM": 2, "FT": 4, "M": 6, "MIL": 8, "UM": 9, "CM": 10}
+_IGES_FLAGS = {
+    **{1: 25.4, 2: 1.0, 4: 304.8, 5: 1609344.0, 6: 1e3, 7: 1e6, 8: 0.0254, 9: 1e-3, 10: 10.0},
+    11: 2.54e-5,
+}
+_IGES_NAMES = {
+    **{"": 1, "IN": 1, "INCH": 1, "MM": 2, "FT": 4, "MI": 5, "M": 6, "KM": 7, "MIL": 8, "UM": 9},
+    **{"CM": 10, "UIN": 11},
+}
 _FLAG = 13  # of the unit, among the parameters of the global section
 
 
@@ -32,35 +43,58 @@ def stated_unit(path: Path, content: bytes) -> list[float]:
     Raises
     ------
     FileError
-        If it is neither STEP nor IGES.
+        If it is neither STEP nor IGES, or states a unit that the kernel does not know.
     """
     if path.suffix.lower() in (".step", ".stp"):
         if _STEP_BEGINS not in content[:1000]:
             raise FileError(path, f"a STEP file must begin with {_STEP_BEGINS.decode()}")
-        return _of_step(content)
+        return _of_step(path, content)
     lines = content.splitlines()
     if not any(line[72:73] == b"S" for line in lines[:1]):
         raise FileError(path, "an IGES file must have an S in column 73 of its first line")
-    return _of_iges(b"".join(line[:72] for line in lines if line[72:73] == b"G"))
+    return _of_iges(path, b"".join(line[:72] for line in lines if line[72:73] == b"G"))
 
 
-def _of_step(content: bytes) -> list[float]:
+def _of_step(path: Path, content: bytes) -> list[float]:
     # the units of the contexts; one that only defines another (inches by millimetres) is in none
-    lengths: dict[bytes, float] = {}
+    of_length: dict[bytes, bytes] = {}
+    measures: dict[bytes, tuple[bytes, bytes]] = {}  # a number, and the unit it counts
     used: set[bytes] = set()
     for statement in content.split(b";"):
-        if b"GLOBAL_UNIT_ASSIGNED_CONTEXT" in statement:
-            for context in _CONTEXT.findall(statement):
-                used |= set(re.findall(rb"#(\d+)", context))
-        elif b"LENGTH_UNIT" in statement and (found := _LENGTH.search(statement)):
-            if si := _SI.search(statement):
-                lengths[found[1]] = _PREFIXES.get(si[1] or b"", 0.0)
-            elif name := _NAMED.search(statement):
-                lengths[found[1]] = _NAMES.get(name[1].strip().upper(), 0.0)
-    return sorted({length for tag, length in lengths.items() if tag in used and length})
+        if b"UNIT" not in statement or not (found := _STATEMENT.search(statement)):
+            continue
+        for context in _CONTEXT.findall(statement):
+            used |= set(re.findall(rb"#(\d+)", context))
+        if measure := _MEASURE.search(statement):
+            measures[found[1]] = measure[1], measure[2]
+        elif re.search(rb"\bLENGTH_UNIT\b", statement):
+            of_length[found[1]] = found[2]
+    lengths = set()
+    for tag in sorted(used & of_length.keys()):
+        unit, factor, name = of_length[tag], 1.0, b""
+        if conversion := _NAMED.search(unit):
+            name, counted = conversion.groups()
+            number, base = measures.get(counted, (b"0", b""))
+            unit = of_length.get(base, b"")
+            try:
+                factor = float(number)
+            except ValueError:
+                factor = 0.0
+        si = _SI.search(unit)
+        length = factor * _PREFIXES.get(si[1] or b"", 0.0) if si else 0.0
+        if not 0.0 < length < inf:
+            called = f" {name.decode('latin-1')!r}" if name else ""
+            raise FileError(
+                path,
+                f"its unit of length{called}, #{tag.decode()}, must be a metre with a prefix, or a "
+                "number of these above 0: other units OpenCASCADE takes for mm; write the file in "
+                "mm",
+            )
+        lengths.add(float(f"{length:.12g}"))  # 0.0254 of a metre is 25.4 mm
+    return sorted(lengths)
 
 
-def _of_iges(section: bytes) -> list[float]:
+def _of_iges(path: Path, section: bytes) -> list[float]:
     text = section.decode("ascii", errors="replace")
     values: list[str] = []
     separator, at = ",", 0
@@ -79,9 +113,15 @@ def _of_iges(section: bytes) -> list[float]:
         if not values and held:
             separator = value
         values.append(value)
-    if len(values) <= _FLAG or not values[_FLAG].isdecimal():
-        return []
-    flag = int(values[_FLAG])
-    if flag == 3 and len(values) > _FLAG + 1:
-        flag = _IGES_NAMES.get(values[_FLAG + 1].strip().upper(), 0)
-    return [_IGES_FLAGS[flag]] if flag in _IGES_FLAGS else []
+    flag, name = [*values[_FLAG : _FLAG + 2], "", ""][:2]
+    number = int(flag) if flag.isdecimal() else 3
+    if number == 3:
+        number = _IGES_NAMES.get(name.strip().upper(), 0)
+    if number not in _IGES_FLAGS:
+        raise FileError(
+            path,
+            f"the flag of its unit must be 1 to {max(_IGES_FLAGS)}, or 3 with a name among "
+            f"{', '.join(filter(None, _IGES_NAMES))}, got {flag!r} and {name.strip()!r}: "
+            "OpenCASCADE takes others for mm; write the file in mm",
+        )
+    return [_IGES_FLAGS[number]]

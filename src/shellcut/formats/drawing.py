@@ -13,8 +13,8 @@ from shellcut.arrays import Floats
 LARGEST_FILE = 50_000_000
 """Largest size of a drawing [bytes]."""
 
-MOST_POINTS = 200_000
-"""Limit of all curves together, after they became polygons."""
+FEWER_POINTS = "enlarge chord_deviation, or choose layers"
+"""Remedy for too many points of curves."""
 
 DEVIATION = 1e-4
 """Default chord deviation over the diagonal: 2 um for a film of 20 mm."""

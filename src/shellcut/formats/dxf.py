@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,8 @@ import scipy
 from shellcut.arrays import Floats
 from shellcut.unit import LENGTH
 
-from .drawing import DEVIATION, LARGEST_FILE, MOST_POINTS, Curve, Drawing, extent_of
+from .budget import LIMITS, Budget
+from .drawing import DEVIATION, FEWER_POINTS, LARGEST_FILE, Curve, Drawing, extent_of
 from .errors import FileError, named, read_bytes
 
 # $INSUNITS; 0 is without a unit, others (miles, light years) are no films
@@ -62,22 +63,17 @@ def read_dxf(
     document = _document(path, content)
     chosen = _layers(path, document, layers)
     kinds: Counter[str] = Counter()
-    paths = list(_paths(path, document, chosen, kinds))
+    budget = Budget(path)
+    paths = list(_paths(path, document, chosen, kinds, budget))
     if chord_deviation is None:
         box = np.array(
             [list(p)[:2] for _, c in paths for p in c.control_vertices()] or [[0.0, 0.0]]
         )
         chord_deviation = DEVIATION * (extent_of(box) or 1.0)
-    curves, heights, n_point = [], [0.0], 0
+    curves, heights = [], [0.0]
     for where, curve in paths:
         points = np.array([list(p) for p in curve.flattening(chord_deviation, segments=_FEWEST)])
-        n_point += len(points)
-        if n_point > MOST_POINTS:
-            raise FileError(
-                path,
-                f"the curves must have {MOST_POINTS:,} points at most: enlarge chord_deviation, or "
-                "choose layers",
-            )
+        budget.take("points of curves", len(points), FEWER_POINTS)
         if len(points) > 1:
             curves.append(Curve(points[:, :2], where))
             heights += points[:, 2].tolist()
@@ -134,19 +130,21 @@ def _layers(path: Path, document: Any, wanted: Collection[str]) -> set[str]:
 
 
 def _paths(
-    path: Path, document: Any, layers: set[str], others: Counter[str]
+    path: Path, document: Any, layers: set[str], others: Counter[str], budget: Budget
 ) -> Iterator[tuple[str, Any]]:
     # paths of ezdxf with their place; entities that are no curves are counted
-    from ezdxf import disassemble
     from ezdxf.path import make_path
 
+    for layout in document.layouts:
+        if n := sum(one.dxftype() != "VIEWPORT" for one in layout if not layout.is_modelspace):
+            others[f"entities in paper space {layout.name!r}"] = n
     for outer in document.modelspace():
         if outer.dxf.layer.lower() not in layers:
             others[f"entities on layer {outer.dxf.layer!r}"] += 1
             continue
         try:
             entity: Any  # each kind has attributes of its own
-            for entity in disassemble.recursive_decompose([outer]):
+            for entity in _decomposed([outer], others, budget):
                 kind = entity.dxftype()
                 if kind not in _CURVES:
                     others[kind] += 1
@@ -156,12 +154,44 @@ def _paths(
                     yield where, _OpenSpline(entity)
                 else:
                     yield where, make_path(entity, segments=_n_cubic(entity, kind))
+        except FileError:
+            raise
         except Exception as reason:  # numbers that make no curve raise errors of all kinds
             raise FileError(
                 path,
                 f"{outer.dxftype()} #{outer.dxf.handle} on layer {outer.dxf.layer!r} is no curve: "
                 f"{_told(reason)}",
             ) from None
+
+
+def _decomposed(
+    entities: Iterable[Any], others: Counter[str], budget: Budget, level: int = 0
+) -> Iterator[Any]:
+    # ezdxf.disassemble.recursive_decompose, which follows blocks of blocks without a limit
+    from ezdxf.entities.insert import Insert
+    from ezdxf.protocols import SupportsVirtualEntities, virtual_entities
+
+    def skip(entity: Any, reason: str) -> None:
+        others[f"{entity.dxftype()} ({reason})"] += 1
+
+    budget.descend("blocks", level)
+    for entity in entities:
+        budget.take("elements drawn", remedy="choose layers, or draw without blocks of blocks")
+        inner: Iterable[Any] = ()
+        if isinstance(entity, Insert):
+            rows, columns = max(entity.dxf.row_count, 1), max(entity.dxf.column_count, 1)
+            if rows * columns > 1:
+                budget.take("elements drawn", rows * columns, "choose layers, or fewer copies")
+                inner = entity.multi_insert()
+            else:
+                yield from entity.attribs
+                inner = entity.virtual_entities(skipped_entity_callback=skip)
+        elif isinstance(entity, SupportsVirtualEntities):
+            inner = virtual_entities(entity)
+        else:
+            yield entity
+            continue
+        yield from _decomposed(inner, others, budget, level + 1)
 
 
 def _n_cubic(entity: Any, kind: str) -> int:
@@ -205,7 +235,7 @@ class _OpenSpline:
             at = np.append(at, spans[-1])
             points, middles = self._at(at), self._at(0.5 * (at[1:] + at[:-1]))
             off = np.linalg.norm(middles - 0.5 * (points[1:] + points[:-1]), axis=1)
-            if off.max() <= deviation or len(at) > MOST_POINTS:
+            if off.max() <= deviation or len(at) > LIMITS["points of curves"]:
                 return points
             segments *= 2
 

@@ -6,6 +6,7 @@ labels for messages.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +22,8 @@ from .errors import FileError, named
 POINT, LINE, TRIANGLE, QUAD = "point", "line", "triangle", "quad"
 """Kinds of cell that a film can have; other kinds have the file's own name."""
 
+N_CORNER = {LINE: 2, TRIANGLE: 3, QUAD: 4}
+
 
 @dataclass(frozen=True)
 class CellBlock:
@@ -32,6 +35,8 @@ class CellBlock:
     """Labels of the cells in the file, length n."""
     nodes: Ints
     """Node numbers, shape (n, k); (n, 0) for kinds that are only counted."""
+    corners: str = ""
+    """Of a quadratic kind: the one that its first nodes make; the next are those of the sides."""
 
 
 @dataclass
@@ -60,14 +65,22 @@ class FileMesh:
 class Numbering:
     """Map labels (ids in a file) to rows of an array."""
 
-    def __init__(self, path: Path, what: str, labels: npt.ArrayLike):
+    def __init__(self, path: Path, what: str, labels: npt.ArrayLike, places: Floats | None = None):
         self.path, self.what = path, what
         self.labels = np.asarray(labels, dtype=np.int64)
-        self._order = np.argsort(self.labels, kind="stable")
+        order = np.argsort(self.labels, kind="stable")
+        again = np.flatnonzero(np.diff(self.labels[order]) == 0)
+        one, other = order[again], order[again + 1]
+        # a node that is written again at the same place is the same node
+        differs = np.ones(len(one), np.bool_)
+        if places is not None:
+            differs = (places[one] != places[other]).any(axis=1)
+        if differs.any():
+            ids = np.unique(self.labels[one[differs]])
+            at = "" if places is None else ", or twice at one place"
+            raise FileError(path, f"each {what} id must occur once{at}, got {named(ids)} again")
+        self._order = np.delete(order, again + 1)
         self._sorted = self.labels[self._order]
-        again = self._sorted[1:][self._sorted[1:] == self._sorted[:-1]]
-        if len(again):
-            raise FileError(path, f"each {what} id must occur once, got {named(again)} again")
 
     def rows(self, labels: npt.ArrayLike, wanted_by: str) -> Ints:
         """Return the rows of some labels, of any shape.
@@ -105,9 +118,9 @@ class Numbering:
 
 def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:
     """Return groups by name; groups with the same name get their id appended, ``name (id)``."""
-    names = [name for name, _, _ in groups]
+    n_group = Counter(name for name, _, _ in groups)
     return {
-        name if names.count(name) == 1 else f"{name} ({label})": members
+        name if n_group[name] == 1 else f"{name} ({label})": members
         for name, label, members in groups
     }
 

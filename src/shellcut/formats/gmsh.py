@@ -6,7 +6,7 @@ declared counts; sections without mesh data are skipped.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ from shellcut.arrays import Floats, Ints
 from . import numerals
 from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
+from .losses import unused_note
 
 # Gmsh's element types: name, number of nodes. Only the four kinds of a film have constants.
 _TYPES: dict[int, tuple[str, int]] = {
@@ -42,6 +43,12 @@ _TYPES: dict[int, tuple[str, int]] = {
     21: ("10-node triangle", 10),
     26: ("4-node line", 4),
     36: ("16-node quad", 16),
+}
+_QUADRATIC = {
+    "3-node line": LINE,
+    "6-node triangle": TRIANGLE,
+    "8-node quad": QUAD,
+    "9-node quad": QUAD,
 }
 _PASSED_OVER = frozenset(
     [
@@ -88,6 +95,7 @@ class _Reader:
         self.tokens: list[bytes] = []  # of a text section
         self.next_token = 0
         self.names: dict[tuple[int, int], str] = {}
+        self.unused: Counter[str] = Counter()
         self.unnamed: set[str] = set()  # groups without a name while others have one
         self.entities: dict[tuple[int, int], list[int]] = {}
         self.node_labels: list[Ints] = []
@@ -110,6 +118,7 @@ class _Reader:
         seen = set()
         while (name := self._section()) is not None:
             if name in _PASSED_OVER:
+                self.unused[f"${name}"] += name != "Comments"
                 self._skip_to_end(name)
                 continue
             if name not in readers:
@@ -244,7 +253,7 @@ class _Reader:
         self._check_count("elements", count, read)
         for (kind, group), table in rows.items():
             name, _ = self._type(kind)
-            dim = {POINT: 0, LINE: 1, TRIANGLE: 2, QUAD: 2}.get(name, 3)
+            dim = {POINT: 0, LINE: 1, TRIANGLE: 2, QUAD: 2}.get(name.split()[-1], 3)
             groups = (self._name(dim, group),) if group else ()
             array = np.array(table, dtype=np.int64)
             self.cells.append(_Cells(name, array[:, 0], array[:, 1:], groups))
@@ -273,10 +282,13 @@ class _Reader:
             raise self._error(f"{declared} {what} are declared, got {read}; is the file cut short?")
 
     def _assemble(self) -> FileMesh:
-        numbering = Numbering(
-            self.path, "node", np.concatenate([np.empty(0, np.int64), *self.node_labels])
-        )
         positions = np.concatenate([np.empty((0, 3)), *self.positions])
+        numbering = Numbering(
+            self.path,
+            "node",
+            np.concatenate([np.empty(0, np.int64), *self.node_labels]),
+            positions,
+        )
         blocks: list[CellBlock] = []
         groups: dict[str, list[Ints]] = defaultdict(list)
         first: dict[tuple[str, tuple[int, ...]], int] = {}  # version 2 repeats a cell per group
@@ -297,9 +309,14 @@ class _Reader:
             for name in cells.groups:
                 groups[name].append(np.array(members, dtype=np.int64))
             if keep:
-                blocks.append(CellBlock(cells.kind, cells.labels[keep], nodes[keep]))
+                blocks.append(
+                    CellBlock(
+                        cells.kind, cells.labels[keep], nodes[keep], _QUADRATIC.get(cells.kind, "")
+                    )
+                )
                 n_cell += len(keep)
         mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=union(groups))
+        mesh.notes += unused_note(+self.unused)
         if self.unnamed:
             mesh.notes.append(
                 "groups without a name, though others have one, are called "

@@ -1,4 +1,4 @@
-"""Signs of lost data in files without counts: gaps in ids, ragged lines, data in comments.
+"""What of a file is not used, and signs of lost data: gaps in ids, ragged lines, data in comments.
 
 None of these is an error; each becomes a note that is logged.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +17,32 @@ from .errors import named
 _FEW = 3
 """Up to this many of a kind look like slips; more look intended."""
 _MANY = 10
+_MOST_KINDS = 50
 _LONGEST_GAP = 10
 """Longest gap in the ids that looks like a lost part of a file."""
 
 _NUMBERS = re.compile(r"[\s,]*[+-]?[\d.][\d.eE+-]*([\s,]+[+-]?[\d.][\d.eE+-]*){2,}[\s,]*")
+
+
+def unused_note(counts: Mapping[str, int]) -> list[str]:
+    """Return a note on all that a reader of meshes passes over, because no film takes it.
+
+    Parameters
+    ----------
+    counts : mapping from str to int
+        How often each keyword, section or array occurs.
+
+    Examples
+    --------
+    >>> unused_note({"*ELASTIC": 1, "*BOUNDARY": 2})
+    ['not used, a film takes nodes, quads and sets only: 2 *BOUNDARY, 1 *ELASTIC']
+    """
+    if not counts:
+        return []
+    names = sorted(counts)
+    listed = ", ".join(f"{counts[name]} {name}" for name in names[:_MOST_KINDS])
+    more = f" and {len(names) - _MOST_KINDS} more kinds" if len(names) > _MOST_KINDS else ""
+    return [f"not used, a film takes nodes, quads and sets only: {listed}{more}"]
 
 
 def gap_note(what: str, labels: Iterable[int]) -> list[str]:

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Literal
 
 from . import numerals
+from .budget import Budget
 from .errors import FileError, read_lines
 from .losses import comment_note, is_numbers
 
 Layout = Literal["standard", "i10", "long"]
 _MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
 _DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
-_DEEPEST = 20  # nested includes; more means a cycle
 
 
 @dataclass
@@ -85,7 +85,7 @@ class Block:
         return FileError(self.path, f"*{self.name}: {problem}", line=self.line)
 
 
-def read_deck(path: Path, notes: list[str]) -> tuple[list[Block], bool]:
+def read_deck(path: Path, notes: list[str], budget: Budget) -> tuple[list[Block], bool]:
     """Return the keyword blocks of a file, with its includes inserted.
 
     Parameters
@@ -93,6 +93,8 @@ def read_deck(path: Path, notes: list[str]) -> tuple[list[Block], bool]:
     path : Path
     notes : list of str
         Receives signs of lost data: data in comments.
+    budget : Budget
+        Counts files and lines.
 
     Returns
     -------
@@ -108,7 +110,7 @@ def read_deck(path: Path, notes: list[str]) -> tuple[list[Block], bool]:
     folders = [path.parent]
     blocks: list[Block] = []
     ended = False
-    for block in _blocks(path, folders, "standard", [], notes):
+    for block in _blocks(path, folders, "standard", [], notes, budget):
         ended |= block.name == "END" and block.path == path
         blocks.append(block)
     if not blocks:
@@ -117,29 +119,39 @@ def read_deck(path: Path, notes: list[str]) -> tuple[list[Block], bool]:
 
 
 def _blocks(
-    path: Path, folders: list[Path], layout: Layout, above: list[Path], notes: list[str]
+    path: Path,
+    folders: list[Path],
+    layout: Layout,
+    above: list[Path],
+    notes: list[str],
+    budget: Budget,
 ) -> Iterator[Block]:
-    if len(above) > _DEEPEST or path.resolve() in above:
+    if path.resolve() in above:
         raise FileError(path, "a file must not include itself")
+    budget.descend("includes", len(above))
     here = [*above, path.resolve()]
-    for block in _plain_blocks(path, layout, notes):
+    for block in _plain_blocks(path, layout, notes, budget):
         if block.name == "KEYWORD" or block.name.startswith("KEYWORD "):
             layout = block.layout
         elif block.name == "INCLUDE_PATH" or block.name == "INCLUDE_PATH_RELATIVE":
             folders += [path.parent / name for name in _file_names(block)]
         elif block.name == "INCLUDE":
             for name in _file_names(block):
-                yield from _blocks(_find(block, name, folders), folders, layout, here, notes)
+                found = _find(block, name, folders)
+                yield from _blocks(found, folders, layout, here, notes, budget)
         elif block.name.startswith("INCLUDE"):
             raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
         else:
             yield block
 
 
-def _plain_blocks(path: Path, layout: Layout, notes: list[str]) -> Iterator[Block]:
+def _plain_blocks(path: Path, layout: Layout, notes: list[str], budget: Budget) -> Iterator[Block]:
     current: Block | None = None
     off: list[int] = []  # comments that look like data
-    for number, line in enumerate(read_lines(path), start=1):
+    lines = read_lines(path)
+    budget.take("files with those included")
+    budget.take("lines with those of included files", len(lines))
+    for number, line in enumerate(lines, start=1):
         text = line.rstrip()
         if text.startswith("$") or (not text and current is None):
             if is_numbers(text[1:]) or text[1:].startswith(_DATA):

@@ -124,6 +124,10 @@ class _Reader:
                 continue
             else:
                 raise self._error(f"this line of the header is invalid: {line!r}")
+        if bare := [e for e in self.elements if e.count and not e.properties]:
+            raise self._error(
+                f"elements must have properties, got {bare[0].count:,} of {bare[0].name} without"
+            )
         names = [e.name for e in self.elements]
         if len(set(names)) < len(names):
             raise self._error(f"each element must occur once, got {names}")

@@ -18,7 +18,8 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.unit import LENGTH
 
-from .drawing import DEVIATION, LARGEST_FILE, LARGEST_TURN, MOST_POINTS, Curve, Drawing, n_of_arc
+from .budget import Budget
+from .drawing import DEVIATION, FEWER_POINTS, LARGEST_FILE, LARGEST_TURN, Curve, Drawing, n_of_arc
 from .errors import FileError, named, read_bytes
 
 _SPACE = "{http://www.w3.org/2000/svg}"
@@ -30,12 +31,11 @@ _UNITS = {
     "pc": float(LENGTH["in"]) / 6,
     "Q": 0.25,
 }
-_LENGTH = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*([A-Za-z%]*)\s*")
+_LENGTH = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*([A-Za-z%]*)")
 _HIDDEN = re.compile(r"(?:^|;)\s*(?:display\s*:\s*none|visibility\s*:\s*hidden)")
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 _SILENT = ("defs", "metadata", "namedview", "title", "desc", "style", "symbol", "clipPath", "mask")
 _SAME_SCALE = 1e-3  # x and y may differ by the rounding of the page's size
-_DEEPEST = 50  # levels of groups and uses
 
 
 class _Place(NamedTuple):
@@ -135,7 +135,7 @@ def _page(path: Path, root: Any) -> tuple[Floats, float | None, float]:
 def _length(path: Path, text: str | None) -> tuple[float, str]:
     if text is None:
         return 0.0, ""
-    found = _LENGTH.fullmatch(text)
+    found = _LENGTH.fullmatch(text.strip())
     if not found:
         raise FileError(path, f"width and height must be lengths, got {text!r}")
     return float(found[1]), found[2]
@@ -149,12 +149,12 @@ class _Reader:
         self.labels: set[str] = set()
         self._path, self._layers, self._deviation = path, layers, deviation
         self._by_id = {one.get("id"): one for one in root.iter() if one.get("id")}
-        self._n_point = 0
+        self._budget = Budget(path)
 
     def read(self, element: Any, place: _Place) -> None:
         """Read an element and all within it."""
-        if place.level > _DEEPEST:
-            raise FileError(self._path, f"groups must nest to {_DEEPEST} levels at most")
+        self._budget.descend("groups", place.level)
+        self._budget.take("elements drawn", remedy="choose layers, or draw without <use>")
         kind = _tag(element)
         own = [name for name in (element.get(_LABEL), element.get("id")) if name]
         if kind == "g" and own:
@@ -204,25 +204,23 @@ class _Reader:
         self.read(target, place._replace(matrix=place.matrix @ shift))
 
     def _shape(self, kind: str, element: Any, place: _Place) -> None:
+        stretch = float(np.linalg.norm(place.matrix[:2, :2], 2))
+        deviation = self._deviation / max(stretch, 1e-12)
         try:
-            parts = list(_subpaths(kind, element))
+            with np.errstate(all="ignore"):  # read_drawing reports what is not finite
+                parts = [
+                    _flattened(part, deviation, self._budget) for part in _subpaths(kind, element)
+                ]
+        except FileError:
+            raise
         except Exception as reason:  # the parser raises errors of all kinds
             raise FileError(
                 self._path,
                 f"{_said(element)} is no curve: {reason or type(reason).__name__}; lengths must be "
                 "numbers without a unit",
             ) from None
-        stretch = float(np.linalg.norm(place.matrix[:2, :2], 2))
-        for part in parts:
-            local = _flattened(part, self._deviation / max(stretch, 1e-12))
+        for local in parts:
             points = np.column_stack([local.real, local.imag, np.ones(len(local))])
-            self._n_point += len(points)
-            if self._n_point > MOST_POINTS:
-                raise FileError(
-                    self._path,
-                    f"the curves must have {MOST_POINTS:,} points at most: enlarge "
-                    "chord_deviation, or choose layers",
-                )
             self.curves.append(Curve((points @ place.matrix.T)[:, :2], _said(element)))
 
 
@@ -260,7 +258,7 @@ def _subpaths(kind: str, element: Any) -> Iterator[Any]:
             yield part
 
 
-def _flattened(part: Any, deviation: float) -> Floats:
+def _flattened(part: Any, deviation: float, budget: Budget) -> Floats:
     # complex points along a path without jumps
     from svgpathtools import Arc, Line
 
@@ -280,7 +278,7 @@ def _flattened(part: Any, deviation: float) -> Floats:
             sides = np.diff(corners)
             turns = np.abs(np.angle(sides[1:] * np.conj(sides[:-1])))
             n = max(n, int(np.ceil(turns.sum() / LARGEST_TURN)), 1)
-        n = min(n, MOST_POINTS)
+        budget.take("points of curves", n, FEWER_POINTS)
         found.append(np.array([piece.point(t) for t in np.linspace(0.0, 1.0, n + 1)[1:]]))
     points = np.concatenate(found)
     if part.isclosed():

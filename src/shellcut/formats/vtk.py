@@ -1,4 +1,7 @@
-"""VTK files (.vtu, .vtk) through meshio: cells, and integer arrays as groups.
+"""VTK files: cells, and integer arrays as groups.
+
+meshio reads them. What it cannot (other versions, LZ4, .vtp, polygons of legacy files, several
+pieces, ...) VTK itself rewrites for it, if it is installed (``pip install 'shellcut[view]'``, BSD).
 
 An integer or boolean array on points or cells becomes groups: one with the array's name if it
 contains only 0 and 1, otherwise ``name_7`` and the like for each value.
@@ -7,79 +10,148 @@ contains only 0 and 1, otherwise ``name_7`` and the like for each value.
 from __future__ import annotations
 
 import re
+import tempfile
 import traceback
+from collections import Counter
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 
 from shellcut.arrays import Ints
 
+from . import vtk_process
+from .budget import Budget
 from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
+from .losses import unused_note
+from .own_process import OwnProcess
 
-_KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD}
+_KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD, "pixel": QUAD}
+_POLYGONS = {3: TRIANGLE, 4: QUAD}
+_QUADRATIC = {"line3": LINE, "triangle6": TRIANGLE, "quad8": QUAD, "quad9": QUAD}
 _FEW = 3  # up to this many values other than 0 and 1 look like slips
 _MOST_VALUES = 64  # an array with more distinct values is data, not a group
-_DECLARED = {
-    ".vtu": (rb'NumberOfPoints="\s*(\d+)\s*"', rb'NumberOfCells="\s*(\d+)\s*"'),
-    ".vtk": (rb"\n\s*POINTS\s+(\d+)", rb"\n\s*CELL_TYPES\s+(\d+)"),
-}
+_VTK = OwnProcess(
+    "VTK",
+    "vtkmodules",
+    vtk_process.__file__,
+    "is it damaged? write it anew, as a .vtu of version 1.0",
+    "libgl1 libxrender1",
+)
 
 
 def read_vtk(path: str | Path) -> FileMesh:
-    """Read a .vtu or legacy .vtk file of an unstructured grid.
+    """Read a grid or polygons: .vtu, .vtp or legacy .vtk.
 
     Raises
     ------
     FileError
-        If meshio cannot read it, or finds other counts than declared.
+        If neither meshio nor VTK can read it, or they find other counts than declared.
     """
+    path = Path(path)
+    declared = _declared(path, read_bytes(path))
+    Budget(path).take("nodes and elements with those of all instances", sum(declared.values()))
+    unused: Counter[str] = Counter()
+    try:
+        return _mesh_of(path, _by_meshio(path, declared), unused)
+    except _Unread as reason:
+        if not _VTK.installed:
+            raise FileError(
+                path, f"{reason}; VTK reads more of these files: pip install 'shellcut[view]'"
+            ) from None
+        problem = str(reason)
+    with tempfile.TemporaryDirectory() as folder:
+        rewritten = Path(folder) / "grid.vtu"
+        try:
+            unused.update(_VTK.run(path, str(rewritten)).splitlines())
+            return _mesh_of(path, _by_meshio(rewritten, declared), unused)
+        except FileError as reason:
+            told = str(reason).removeprefix(f"{path}: ")
+            raise FileError(path, f"{problem}; {told}") from None
+        except _Unread as reason:
+            raise FileError(path, f"{problem}; as rewritten by VTK, {reason}") from None
+
+
+class _Unread(Exception):
+    """meshio cannot read the file; the message says why."""
+
+
+def _declared(path: Path, content: bytes) -> dict[str, int]:
+    # numbers of points and cells; none of a structured grid, whose dimensions give them
+    if path.suffix.lower() != ".vtk":
+        points = re.findall(rb"\bNumberOfPoints\s*=\s*[\"']\s*(\d+)", content)
+        cells = re.findall(
+            rb"\bNumberOf(?:Cells|Verts|Lines|Strips|Polys)\s*=\s*[\"']\s*(\d+)", content
+        )
+        return {"points": sum(map(int, points)), "cells": sum(map(int, cells))}
+    points = re.findall(rb"(?i)\n\s*POINTS\s+(\d+)", content)
+    cells = re.findall(rb"(?i)\n\s*CELL_TYPES\s+(\d+)", content)
+    counts = [*map(int, cells)]
+    if re.search(rb"(?i)\n\s*DATASET\s+POLYDATA", content):
+        parts = rb"(?i)\n\s*(?:VERTICES|LINES|POLYGONS|TRIANGLE_STRIPS)\s+(\d+)"
+        # versions from 5 on declare the number of offsets
+        more = re.match(rb"# vtk DataFile Version [5-9]", content) is not None
+        counts = [max(int(n) - more, 0) for n in re.findall(parts, content)]
+    found = {"points": [*map(int, points)], "cells": counts}
+    return {what: sum(numbers) for what, numbers in found.items() if numbers}
+
+
+def _by_meshio(path: Path, declared: dict[str, int]) -> Any:
     import meshio  # takes 0.3 s, so only for this format
 
-    path = Path(path)
-    content = read_bytes(path)
-    read = meshio.vtu.read if path.suffix.lower() == ".vtu" else meshio.vtk.read
+    legacy = path.suffix.lower() == ".vtk"
     try:
-        mesh = read(str(path))
-        n_cell = sum(len(block.data) for block in mesh.cells)
-        points = np.asarray(mesh.points, dtype=np.float64)
+        mesh = (meshio.vtk if legacy else meshio.vtu).read(str(path))
+        mesh.points = np.asarray(mesh.points, dtype=np.float64)
     except (Exception, SystemExit) as reason:  # meshio raises any exception, or exits
-        raise FileError(path, f"meshio cannot read it: {_cause(reason)}") from None
-    for what, pattern, read_count in zip(
-        ("points", "cells"), _DECLARED[path.suffix.lower()], (len(points), n_cell), strict=True
-    ):
-        declared = sum(int(n) for n in re.findall(pattern, content))
-        if declared != read_count:
-            raise FileError(path, f"{declared} {what} are declared, got {read_count}")
+        raise _Unread(f"meshio cannot read it: {_cause(reason)}") from None
+    read = {"points": len(mesh.points), "cells": sum(len(block.data) for block in mesh.cells)}
+    if problems := [
+        f"{n} {what} are declared, got {read[what]}"
+        for what, n in declared.items()
+        if n != read[what]
+    ]:
+        raise _Unread(
+            f"{'; '.join(problems)}: is it damaged, or are there several pieces, or polylines, "
+            "strips, sets of points, which meshio leaves out?"
+        )
+    if legacy and any(block.type == "polygon" for block in mesh.cells):
+        raise _Unread("meshio leaves out the arrays of cells where there are polygons")
+    if legacy:  # where %20 is a blank
+        mesh.point_data = {unquote(name): v for name, v in mesh.point_data.items()}
+        mesh.cell_data = {unquote(name): v for name, v in mesh.cell_data.items()}
+    return mesh
+
+
+def _mesh_of(path: Path, mesh: Any, unused: Counter[str]) -> FileMesh:
+    points = mesh.points
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise FileError(path, f"points must have 3 coordinates, got shape {points.shape}")
-    if points.shape[1] == 2:
-        points = np.column_stack([points, np.zeros(len(points))])
+    points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
     blocks, first = [], 0
     for block in mesh.cells:
-        nodes = np.asarray(block.data)
-        count = len(nodes)
-        if block.type in _KINDS:
-            nodes = nodes.astype(np.int64)
+        count, kind = len(block.data), _KINDS.get(block.type, block.type)
+        if kind == "polygon":
+            kind = _POLYGONS.get(np.shape(block.data)[1], kind)
+        nodes = np.empty((count, 0), np.int64)
+        if kind in (*_KINDS.values(), *_QUADRATIC):
+            nodes = np.asarray(block.data).astype(np.int64)
             if nodes.size and (nodes.min() < 0 or nodes.max() >= len(points)):
-                raise FileError(path, f"{block.type} cells must name existing points")
-        else:
-            nodes = np.empty((count, 0), np.int64)
+                raise FileError(path, f"{kind} cells must name existing points")
+        if block.type == "pixel":
+            nodes = nodes[:, [0, 1, 3, 2]]
         labels = range(first, first + count)
-        blocks.append(CellBlock(_KINDS.get(block.type, block.type), labels, nodes))
+        blocks.append(CellBlock(kind, labels, nodes, _QUADRATIC.get(kind, "")))
         first += count
     notes: list[str] = []
-    of_cells = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
-    return FileMesh(
-        path,
-        points,
-        range(len(points)),
-        blocks,
-        _groups(mesh.point_data, notes),
-        _groups(of_cells, notes),
-        notes,
-    )
+    unused.update(f"array {name!r} of the field data" for name in mesh.field_data)
+    of_points = _groups(mesh.point_data, notes, unused)
+    cell_data = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
+    of_cells = _groups(cell_data, notes, unused)
+    notes += unused_note(unused)
+    return FileMesh(path, points, range(len(points)), blocks, of_points, of_cells, notes)
 
 
 def _cause(reason: BaseException) -> str:
@@ -101,13 +173,16 @@ def _cause(reason: BaseException) -> str:
     )
 
 
-def _groups(data: dict[str, Any], notes: list[str]) -> dict[str, Ints]:
+def _groups(data: dict[str, Any], notes: list[str], unused: Counter[str]) -> dict[str, Ints]:
     groups: dict[str, Ints] = {}
     for name, array in data.items():
         values = np.asarray(array)
-        if values.ndim != 1 or values.dtype.kind not in "iub":
-            continue
+        if values.ndim == 2 and values.shape[1] == 1:
+            values = values[:, 0]
         distinct, counts = np.unique(values, return_counts=True)
+        if values.ndim != 1 or values.dtype.kind not in "iub" or len(distinct) > _MOST_VALUES:
+            unused[f"array {name!r}"] += 1
+            continue
         marks = np.isin(distinct, (0, 1))
         if marks.all() != marks.any() and (n := int(counts[~marks].sum())) <= _FEW:
             notes.append(
@@ -116,7 +191,7 @@ def _groups(data: dict[str, Any], notes: list[str]) -> dict[str, Ints]:
             )
         if set(distinct.tolist()) <= {0, 1}:
             groups[name] = np.flatnonzero(values).astype(np.int64)
-        elif len(distinct) <= _MOST_VALUES:
+        else:
             for value in distinct.tolist():
                 groups[f"{name}_{value}"] = np.flatnonzero(values == value).astype(np.int64)
     return groups

@@ -23,8 +23,9 @@ from shellcut.formats.length_unit import unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
 
-from .mesh import Mesh
-from .outline import area_of, inside, mesh_from_outline
+from .loops import Meeting, area_of, levels, meetings
+from .mesh import Mesh, MeshError
+from .outline import mesh_from_outline
 
 _log = logging.getLogger("shellcut.drawing")
 
@@ -33,6 +34,8 @@ READERS = {".dxf": read_dxf, ".svg": read_svg}
 
 _JOIN = 1e-6
 """Ends of curves closer than this part of the drawing's diagonal meet: round-off of six digits."""
+
+_FINEST = 1e-8  # chord deviation over the diagonal: finer is lost in round-off
 
 _NAMED = 4  # gaps named in a message
 _GAP = 0.005
@@ -95,7 +98,8 @@ def read_drawing(
     ------
     FileError
         If the file cannot be read, or its curves form no outline: lists ends that meet nothing,
-        with the gap to the next end, and places where more than two curves meet.
+        with the gap to the next end, places where more than two curves meet, and loops that cross,
+        touch, are drawn twice, or lie in a hole.
     ImportError
         If the reader of the format is missing.
 
@@ -122,13 +126,20 @@ def read_drawing(
     drawing = reader(path, wanted)  # coarse, for the size and the unit
     factor, extent, note = _factor(drawing, unit)
     fine = DEVIATION * extent if chord_deviation is None else chord_deviation / factor
+    if not fine >= _FINEST * extent:
+        raise FileError(
+            path,
+            f"chord_deviation must be {_FINEST * extent * factor:.2g} mm or more for a drawing of "
+            f"{extent * factor:.4g} mm across, got {chord_deviation:g}",
+        )
     drawing = reader(path, wanted, fine)
     for said in (*drawing.notes, note):
         if said:
             _log.warning("%s: %s", path, said)
     curves = [Curve(factor * curve.points, curve.where) for curve in drawing.curves]
-    loops = _loops(path, curves, join)
-    return _with_holes(path, loops)
+    reach = join or _JOIN * factor * extent
+    loops = _loops(path, curves, reach)
+    return _with_holes(path, loops, reach + 2.0 * factor * fine)
 
 
 def mesh_from_drawing(
@@ -187,9 +198,8 @@ def _factor(drawing: Drawing, unit: str | float | None) -> tuple[float, float, s
     return factor, extent_of(points), note
 
 
-def _loops(path: Path, curves: list[Curve], join: float | None) -> list[Floats]:
+def _loops(path: Path, curves: list[Curve], reach: float) -> list[Floats]:
     # closed curves, and chains of open ones, in the order of the first curve of each
-    reach = join or _JOIN * extent_of(np.concatenate([curve.points for curve in curves]))
     open_ones, loops = [], []
     for number, curve in enumerate(curves):
         if extent_of(curve.points) <= reach:
@@ -278,24 +288,44 @@ def _cleaned(points: Floats, reach: float) -> Floats:
     return points[kept]
 
 
-def _with_holes(path: Path, loops: list[Floats]) -> FilmOutline:
+def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
+    # `apart`: least distance of two loops by which their curves are sure not to touch
     whole = [loop for loop in loops if len(loop) > 2]
     if not whole:
         raise FileError(path, "curves must form closed loops with an area, got none")
-    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
-    holes = [loop for k, loop in enumerate(whole) if k != largest]
-    problems = [
-        f"the loop of {area_of(hole):.4g} mm² around {_text(hole.mean(axis=0))} lies outside"
-        for hole in holes
-        if not inside(hole[0], whole[largest])
-    ]
+    name = [f"the loop of {area_of(p):.4g} mm² around {_text(p.mean(axis=0))}" for p in whole]
+    try:
+        problems = [_met(found, name, apart) for found in meetings(whole, apart)]
+    except MeshError as problem:
+        raise FileError(path, str(problem)) from None
     if problems:
         raise FileError(
             path,
-            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm²: "
-            f"{'; '.join(problems[:_NAMED])}; choose the layers of one film",
+            f"loops must lie apart: {'; '.join(problems)}; choose layers, or mend the drawing",
         )
-    return FilmOutline(whole[largest], tuple(holes))
+    level = levels(whole)
+    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
+    problems = [f"{name[k]} lies outside" for k in np.flatnonzero(level == 0) if k != largest]
+    problems += [f"{name[k]} lies in a hole" for k in np.flatnonzero(level > 1)]
+    if problems:
+        raise FileError(
+            path,
+            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm², and not in "
+            f"each other: {'; '.join(problems[:_NAMED])}; choose the layers of one film",
+        )
+    return FilmOutline(whole[largest], tuple(p for k, p in enumerate(whole) if k != largest))
+
+
+def _met(found: Meeting, name: list[str], apart: float) -> str:
+    one, other = name[found.one], name[found.other]
+    if found.whole:
+        return f"{one} is drawn twice"
+    if found.one == found.other:
+        other = "itself"
+    how = "crosses" if found.crosses else "touches"
+    if not found.crosses and other != "itself":
+        how += f" (or comes closer than {apart:.2g} mm to)"
+    return f"{one} {how} {other} at {_text(found.place)}"
 
 
 def _of(open_ones: list[tuple[int, Curve]], end: int) -> str:

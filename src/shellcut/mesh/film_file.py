@@ -18,7 +18,7 @@ import scipy
 from shellcut.arrays import Floats, Ints
 from shellcut.formats.abaqus import read_abaqus
 from shellcut.formats.errors import FileError, named
-from shellcut.formats.file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
+from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import unit_in_mm
 from shellcut.formats.lsdyna import read_lsdyna
@@ -32,6 +32,7 @@ from .mesh import Mesh, MeshError
 from .triangles_to_quads import split_in_quads
 
 Triangles: TypeAlias = Literal["refuse", "split"]
+Quadratic: TypeAlias = Literal["refuse", "corners"]
 
 _log = logging.getLogger("shellcut.film_file")
 
@@ -42,6 +43,7 @@ READERS: dict[str, Callable[[str | Path], FileMesh]] = {
     ".key": read_lsdyna,
     ".dyn": read_lsdyna,
     ".vtu": read_vtk,
+    ".vtp": read_vtk,
     ".vtk": read_vtk,
 }
 """The reader for each file name suffix."""
@@ -54,11 +56,12 @@ def read_film(
     *,
     unit: str | float | None = None,
     triangles: Triangles = "refuse",
+    quadratic: Quadratic = "refuse",
     leave_out: Collection[str] = (),
     merge: float | None = None,
     max_fold_deg: float = 60.0,
 ) -> Mesh:
-    """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu and .vtk.
+    """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu, .vtp and .vtk.
 
     Parameters
     ----------
@@ -70,6 +73,9 @@ def read_film(
     triangles : {"refuse", "split"}
         Treatment of triangles, including quads with a repeated node: refuse the mesh, or split
         every triangle into three quads and then, to stay conforming, every quad into four.
+    quadratic : {"refuse", "corners"}
+        Treatment of quadratic quads, triangles and lines: refuse the mesh, or take their corners
+        and straight sides.
     leave_out : collection of str
         Kinds of other cells (named in the refusal) to leave out: solids, beams, quadratic shells.
     merge : float, optional, [mm]
@@ -113,13 +119,15 @@ def read_film(
     path = Path(path)
     if triangles not in ("refuse", "split"):
         raise ValueError(f'triangles must be "refuse" or "split", got {triangles!r}')
+    if quadratic not in ("refuse", "corners"):
+        raise ValueError(f'quadratic must be "refuse" or "corners", got {quadratic!r}')
     if merge is not None and not merge > 0.0:
         raise ValueError(f"merge must be a length above 0 in mm, got {merge!r}")
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
     file = reader(path)
-    film = _Film(file, leave_out)
+    film = _Film(file, leave_out, straight=quadratic == "corners")
     film.say(*file.notes)
     if len(film.triangles):
         if triangles == "refuse":
@@ -148,18 +156,30 @@ def read_film(
 class _Cells:
     # The cells of a file by kind; numbers count all cells in the order of the file.
 
-    def __init__(self, file: FileMesh, leave_out: Collection[str]):
+    def __init__(self, file: FileMesh, leave_out: Collection[str], straight: bool):
         self.nodes: dict[str, list[Ints]] = {LINE: [], TRIANGLE: [], QUAD: []}
         self.numbers: dict[str, list[Ints]] = {QUAD: [], TRIANGLE: []}
         self.triangle_labels: list[str] = []
         self.number_of_line = np.full(file.n_cell, -1, dtype=np.int64)
         self.point_of = np.full(file.n_cell, -1, dtype=np.int64)
-        self.left_out: list[tuple[str, int]] = []
+        self.notes: list[str] = []
         self.problems: list[str] = []
         first = n_line = 0
         for block in file.blocks:
             number = first + np.arange(len(block.nodes))
             first += len(block.nodes)
+            if block.kind.casefold() in map(str.casefold, leave_out):
+                self.notes.append(
+                    f"{len(number)} cells of kind {block.kind!r} are left out, as chosen"
+                )
+                continue
+            if straight and block.corners and block.kind != block.corners:
+                self.notes.append(
+                    f"{len(number)} cells of kind {block.kind!r} are read by their corners"
+                    + _bow(file.nodes, block)
+                )
+                nodes = block.nodes[:, : N_CORNER[block.corners]]
+                block = CellBlock(block.corners, block.labels, nodes)
             if block.kind == QUAD:
                 self._add_quads(block, number)
             elif block.kind == TRIANGLE:
@@ -172,8 +192,6 @@ class _Cells:
                 n_line += len(number)
             elif block.kind == POINT:
                 self.point_of[number] = block.nodes[:, 0]
-            elif block.kind.casefold() in map(str.casefold, leave_out):
-                self.left_out.append((block.kind, len(number)))
             else:
                 self.problems.append(
                     f"{len(number)} cells of kind {block.kind!r} (ids {named(block.labels)})"
@@ -191,29 +209,28 @@ class _Cells:
 class _Film:
     # The mesh on its way from the file's form to that of the package; each step logs its changes.
 
-    def __init__(self, file: FileMesh, leave_out: Collection[str]):
+    def __init__(self, file: FileMesh, leave_out: Collection[str], *, straight: bool):
         self.path = file.path
         self.nodes: Floats = file.nodes
         self.node_labels = file.node_labels
         self.node_sets: dict[str, Ints] = dict(file.node_groups)
         self.quad_sets: dict[str, Ints] = {}
         self.lines: dict[str, Ints] = {}  # of the named groups, shape (n, 2)
-        self._sort_cells(file, leave_out)
+        self._sort_cells(file, _Cells(file, leave_out, straight))
 
     def say(self, *notes: str) -> None:
         for note in notes:
             _log.warning("%s: %s", self.path, note)
 
-    def _sort_cells(self, file: FileMesh, leave_out: Collection[str]) -> None:
+    def _sort_cells(self, file: FileMesh, cells: _Cells) -> None:
         # sheet cells get their own numbers, quads first; groups are split by kind
-        cells = _Cells(file, leave_out)
-        for kind, number in cells.left_out:
-            self.say(f"{number} cells of kind {kind!r} are left out, as chosen")
+        self.say(*cells.notes)
         if cells.problems:
             raise FileError(
                 self.path,
                 f"a film is made of 4-node quads, got {'; '.join(cells.problems)}; mesh with "
-                "linear shells only, or name those to drop in leave_out=[...]",
+                'linear shells, choose quadratic="corners" for quadratic ones, or name those to '
+                "drop in leave_out=[...]",
             )
         self.quads = np.concatenate([*cells.nodes[QUAD], np.empty((0, 4), np.int64)])
         self.triangles = np.concatenate([*cells.nodes[TRIANGLE], np.empty((0, 3), np.int64)])
@@ -342,6 +359,19 @@ class _Film:
                 f"{int(turned.sum())} of {len(self.quads)} quads are turned over to agree with "
                 "their neighbours"
             )
+
+
+def _bow(nodes: Floats, block: CellBlock) -> str:
+    # how far the middle nodes of quadratic cells lie from straight sides
+    n = N_CORNER[block.corners]
+    n_side = n if n > 2 else 1
+    if block.nodes.shape[1] < n + n_side:
+        return ""
+    a = nodes[block.nodes[:, :n_side]]
+    b = nodes[np.roll(block.nodes[:, :n], -1, axis=1)[:, :n_side]]
+    off = np.linalg.norm(nodes[block.nodes[:, n : n + n_side]] - 0.5 * (a + b), axis=2)
+    share = (off / np.maximum(np.linalg.norm(b - a, axis=2), 1e-300)).max()
+    return f": their sides bow by {100.0 * share:.2g} % of their length at most"
 
 
 def _parted(quads: Ints) -> list[tuple[str, Ints, Ints]]:

@@ -22,13 +22,14 @@ from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 
 from .film_size import check_film_size
+from .loops import area_of, levels, meetings
 from .mesh import Mesh, MeshError
 
 CORNER_DEG = 30.0
 """A vertex at which the outline turns by more is a corner and becomes a node [deg]."""
 
 _MOST_EDGES = 50_000
-"""Limit along outline and holes; for so many edges the check for crossings takes a minute."""
+"""Limit along outline and holes."""
 
 _ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: tried if triangles remain
 _OPTIONS = {
@@ -110,12 +111,6 @@ def _check_count(polygons: list[Floats], size: float) -> None:
         )
 
 
-def area_of(polygon: Floats) -> float:
-    """Return the area within a polygon, shape (n, 2)."""
-    x, y = (polygon - polygon[0]).T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
-
-
 def _polygon(vertices: npt.ArrayLike, name: str) -> Floats:
     try:
         points = np.array(vertices, dtype=np.float64)
@@ -133,40 +128,19 @@ def _polygon(vertices: npt.ArrayLike, name: str) -> Floats:
 
 
 def _check_apart(loops: list[Floats], names: list[str]) -> None:
-    # Gmsh hangs on crossing outlines: sides must not cross, and holes must lie inside
-    a = np.concatenate(loops)
-    b = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
-    loop_of = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
-
-    def side(i: int, p: Floats) -> Floats:
-        d = b[i] - a[i]
-        turn: Floats = d[0] * (p[:, 1] - a[i, 1]) - d[1] * (p[:, 0] - a[i, 0])
-        return turn
-
-    for i in range(len(a)):
-        for j in np.flatnonzero(side(i, a) * side(i, b) < 0.0).tolist():
-            ends = side(j, np.array([a[i], b[i]]))
-            if ends[0] * ends[1] < 0.0:
-                x, y = 0.5 * (a[i] + b[i])
-                one, two = names[loop_of[i]], names[loop_of[j]]
-                raise MeshError(
-                    f"the outline and its holes must not cross, {one} crosses "
-                    f"{'itself' if one == two else two} near ({x:.4g}, {y:.4g})"
-                )
-    for k, hole in enumerate(loops[1:], start=1):
-        if not inside(hole[0], loops[0]):
-            raise MeshError(f"{names[k]} must lie inside the outline")
-        for other, name in zip(loops[1:], names[1:], strict=True):
-            if other is not hole and inside(hole[0], other):
-                raise MeshError(f"holes must lie apart, {names[k]} lies in {name}")
-
-
-def inside(point: Floats, polygon: Floats) -> bool:
-    """Whether a point lies within a polygon: from the sides crossed by a ray along +x."""
-    (x1, y1), (x2, y2) = polygon.T, np.roll(polygon, -1, axis=0).T
-    spans = (y1 > point[1]) != (y2 > point[1])
-    at = x1[spans] + (point[1] - y1[spans]) / (y2[spans] - y1[spans]) * (x2[spans] - x1[spans])
-    return bool((at > point[0]).sum() % 2)
+    # Gmsh hangs on crossing outlines: sides must not cross or touch, and holes must lie inside
+    for found in meetings(loops):
+        other = "itself" if found.one == found.other else names[found.other]
+        raise MeshError(
+            f"the outline and its holes must not cross or touch, {names[found.one]} "
+            f"{'crosses' if found.crosses else 'touches'} {other} near ({found.place[0]:.4g}, "
+            f"{found.place[1]:.4g})"
+        )
+    for name, level in zip(names[1:], levels(loops)[1:], strict=True):
+        if level == 0:
+            raise MeshError(f"{name} must lie inside the outline")
+        if level > 1:
+            raise MeshError(f"holes must lie apart, {name} lies in another")
 
 
 def _divided(points: Floats, size: float) -> Floats:

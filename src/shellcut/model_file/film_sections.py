@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, get_args
 
 from shellcut.mesh.drawing import mesh_from_drawing
-from shellcut.mesh.film_file import Triangles, read_film
+from shellcut.mesh.film_file import Quadratic, Triangles, read_film
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import OpeningName, disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test
@@ -105,6 +105,7 @@ class FilmFile(Section):
     )
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("rim",))
     triangles: str = key(choice(*get_args(Triangles)), "what to do with triangles")
+    quadratic: str = key(choice(*get_args(Quadratic)), "what to do with quadratic cells")
     leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
     merge: float | None = key(number("mm"), "merge nodes closer than this", unset="no merging")
     max_fold_deg: float = key(number("deg"), "sharpest fold allowed")

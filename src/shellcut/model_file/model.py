@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
 
 from .key import Section
@@ -119,6 +120,6 @@ class Model:
 def digest_of(path: str | Path) -> str:
     """Return the SHA-256 of a file, "" if it cannot be read."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        return hashlib.sha256(read_regular(path)).hexdigest()
     except OSError:
         return "none"

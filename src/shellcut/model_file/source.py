@@ -30,6 +30,8 @@ _TOKEN = re.compile(
 )
 _DEEPEST = 8  # levels of tables and arrays; holes = [[[x, y], ...]] in a section are five
 _TOO_DEEP = f"must nest tables and arrays to {_DEEPEST} levels at most"
+_LONGEST_KEY = 100  # parts; tomllib takes time by their square
+_NO_KEY = re.compile(r"[^\w.\"' \t-]")
 _LARGEST_WHOLE = 2**63 - 1
 _ERROR_LINE = re.compile(r"(.*) \(at (?:line (\d+), column \d+|end of document)\)")
 
@@ -75,7 +77,7 @@ def parse(text: str, name: str, folder: Path) -> Source:
         If it is not valid TOML.
     """
     try:
-        values = tomllib.loads(text)
+        values = _loaded(text)
     except ValueError as error:  # from TOML, or from Python for a number of thousands of digits
         found = _ERROR_LINE.fullmatch(str(error))
         place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
@@ -97,10 +99,23 @@ def parse_value(text: str) -> object:
     (4, [1, 2], 'M1', '12 um')
     """
     try:
-        values = tomllib.loads(f"value = {text}")
+        values = _loaded(f"value = {text}")
     except (ValueError, RecursionError):
         return text
     return text if len(values) != 1 or beyond_all(values) else values["value"]
+
+
+def _loaded(text: str) -> dict[str, Any]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.count(".") < _LONGEST_KEY:
+            continue
+        n_part = max(sum(map(bool, key.split("."))) for key in _NO_KEY.split(line))
+        if n_part > _LONGEST_KEY:
+            raise ValueError(
+                f"a key must have {_LONGEST_KEY} parts at most, got {n_part:,} "
+                f"(at line {number}, column 1)"
+            )
+    return tomllib.loads(text)
 
 
 def beyond_all(values: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Bools, Floats
+from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SUMMARY
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
@@ -147,7 +148,7 @@ def gather(folder: Path) -> Gathered:
         )
         run.history, run.units = {}, {}
     if (folder / _MODEL).exists():
-        run.model = (folder / _MODEL).read_text(encoding="utf-8", errors="replace")
+        run.model = read_regular(folder / _MODEL).decode(errors="replace")
     if not (folder / SUMMARY).exists():
         run.problems.append(
             "summary.json is missing: the run has not ended, or it was killed. The report shows "

@@ -17,6 +17,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.files.appendable_file import AppendableFile
+from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import opened, write_all
 
 _FORBIDDEN = ',"[]\r\n'
@@ -139,7 +140,7 @@ class HistoryWriter(AppendableFile):
                 )
 
     def _kept_bytes(self, until: float | None) -> int:
-        lines = self.path.read_bytes().splitlines(keepends=True)
+        lines = read_regular(self.path).splitlines(keepends=True)
         if lines and not lines[-1].endswith(b"\n"):
             lines.pop()
         found = lines[0].decode(errors="replace").rstrip("\r\n") if lines else ""
@@ -175,8 +176,7 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
         If the header is not ``name [unit],...`` or a line has another number of cells.
     """
     path = Path(path)
-    with path.open("rb") as file:
-        lines = file.read().decode().split("\n")
+    lines = read_regular(path).decode().split("\n")
     # After the last line break there is nothing, or an unfinished line.
     header, rows = lines[0].rstrip("\r"), lines[1:-1]
     columns = _parse_header(header, path)

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.files.file_list import names_in
+from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from shellcut.frame import Frame
 from shellcut.numerics.trapezoid import integral
@@ -324,6 +325,6 @@ def read(path: str | os.PathLike[str]) -> Results:
 
 def _read_summary(path: Path) -> dict[str, Any]:
     try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
+        return dict(json.loads(read_regular(path)))
     except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
         return {}

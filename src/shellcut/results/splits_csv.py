@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import atomic_write
 
 if TYPE_CHECKING:
@@ -41,8 +42,7 @@ def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]
     """Return the columns, each of shape (n_split,), and their units; empty without a file."""
     if not path.exists():
         return {}, {}
-    with path.open(newline="", encoding="utf-8") as file:
-        header, *rows = csv.reader(file)
+    header, *rows = csv.reader(read_regular(path).decode().splitlines())
     columns: dict[str, npt.NDArray[Any]] = {}
     units: dict[str, str] = {}
     cells = zip(*rows, strict=True) if rows else [()] * len(header)

@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.files.regular_file import require_regular
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
 
@@ -116,6 +117,7 @@ class VtkHdfReader:
 
     def _settled(self, read: Callable[[Any], _Value]) -> _Value:
         """Return the result of ``read`` on the open file, never of a partly written one."""
+        require_regular(self.path)
         for _ in range(_MOST_TRIES):
             before = self.path.stat()
             if time.time() - before.st_mtime < _TICK_S:

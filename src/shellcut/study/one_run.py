@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
+from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import CHECKPOINT, SUMMARY
 from shellcut.files.whole_file import log_file, write_text
 from shellcut.model_file import Model, ModelFileError
@@ -136,7 +137,7 @@ def _run_or_say(task: Task) -> Outcome:
 def outcome_in(folder: Path, key: str) -> Outcome | None:
     """Return the outcome of a run that is done, None if it is not."""
     try:
-        kept = json.loads((folder / OUTCOME).read_text(encoding="utf-8"))
+        kept = json.loads(read_regular(folder / OUTCOME))
         if kept["key"] == key:
             return Outcome("done", figures=kept["figures"])
     except (OSError, ValueError, KeyError, TypeError):  # none, or cut short by a full disk

@@ -11,6 +11,7 @@ from html import escape
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY
 from shellcut.report.chart import Curve, chart
 from shellcut.report.markup import missing, pretty
@@ -106,7 +107,7 @@ def _chooser(groups: list[Colouring]) -> str:
 def _read(study: Study, row: int) -> _OfRun | None:
     """Return the second and third column of a history, the coordinate going ahead."""
     try:
-        text = (study.run_folder(row) / HISTORY).read_text(encoding="utf-8")
+        text = read_regular(study.run_folder(row) / HISTORY).decode()
         whole = text[: text.rfind("\n") + 1]  # a run that was killed leaves part of a line
         heads = [cell.partition(" [") for cell in whole.partition("\n")[0].split(",")[1:3]]
         x, y = np.loadtxt(io.StringIO(whole), delimiter=",", skiprows=1, usecols=(1, 2), ndmin=2).T

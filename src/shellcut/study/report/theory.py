@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
+from shellcut.files.regular_file import read_regular
 from shellcut.model_file import ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.opening import steady_work_per_radian
@@ -110,7 +111,7 @@ def _theory_of(study: Study) -> Floats | None:
     done = np.flatnonzero(study.done)
     for row in done[:: max(1, -(-len(done) // _MOST))].tolist():
         try:
-            text = (study.run_folder(row) / USED).read_text(encoding="utf-8")
+            text = read_regular(study.run_folder(row) / USED).decode()
             model = model_of_text(text, USED)
         except (OSError, ValueError, ModelFileError):
             continue

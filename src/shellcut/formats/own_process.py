@@ -1,0 +1,80 @@
+"""A library that crashes or hangs on damaged files reads them in a process of its own."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from .errors import FileError
+
+LONGEST = 600.0
+"""Time after which a reader is ended [s]."""
+
+# The folder of the script and the working folder do not come on the path of modules: the former
+# holds another gmsh.py.
+_START = (
+    "import runpy, sys; sys.path[:] = filter(None, sys.path); del sys.argv[0]; "
+    "runpy.run_path(sys.argv[0], run_name='__main__')"
+)
+
+
+@dataclass(frozen=True)
+class OwnProcess:
+    """A script of this folder that reads files by a library."""
+
+    library: str
+    """Its name in messages."""
+    module: str
+    """What the script imports of it."""
+    script: str
+    """Path of the script; it imports nothing of shellcut, so that it starts at once."""
+    remedy: str
+    """What to do about a file on which the library breaks down or hangs."""
+    system: str
+    """Packages of Debian and Ubuntu that the library needs."""
+
+    @property
+    def installed(self) -> bool:
+        """Whether the library is installed."""
+        return importlib.util.find_spec(self.module) is not None
+
+    def run(self, path: Path, *arguments: str) -> str:
+        """Run the script with the file and further arguments; return its standard output.
+
+        Raises
+        ------
+        FileError
+            If it refuses the file, breaks down or does not end.
+        ImportError
+            If the library cannot be loaded.
+        """
+        command = [sys.executable, "-X", "utf8", "-c", _START, self.script, str(path.resolve())]
+        try:
+            done = subprocess.run(
+                [*command, *arguments],
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
+                timeout=LONGEST,
+            )
+        except subprocess.TimeoutExpired:
+            raise FileError(
+                path, f"{self.library} did not finish within {LONGEST:g} s: {self.remedy}"
+            ) from None
+        if done.returncode < 0 or (done.returncode and not done.stderr):
+            raise FileError(
+                path, f"{self.library} broke down on it (code {done.returncode}): {self.remedy}"
+            )
+        if done.returncode:
+            said = done.stderr.strip().splitlines()[-1]
+            if re.match("(OS|Import|ModuleNotFound)Error", said):  # a system library is missing
+                raise ImportError(
+                    f"{self.library} is installed but cannot be loaded: {said}; on Debian and "
+                    f"Ubuntu: apt install {self.system}"
+                )
+            raise FileError(path, f"{self.library} cannot read it: {said}")
+        return done.stdout
