@@ -1,10 +1,11 @@
 """Compile the kernels of the ready models before they are needed, on all cores.
 
 ``kernels.json`` lists the kernels that runs of these models call, the largest first: the models,
-the kernel, the types of its arguments (:mod:`shellcut.numerics.signature_text`); ``python
-tests/record_kernels.py`` writes it. This process and others beside it go through the list, and each compiles what no other has
-begun; the machine code meets on disk (:mod:`shellcut.numerics.kernel_cache`). A run of a model with
-options of its own may call others, which are compiled when it does.
+the kernel, the types of its arguments (:mod:`shellcut.numerics.signature_text`);
+``tests/record_kernels.py`` writes it. This process and others beside it go through the list, and
+each compiles what no other has begun; the machine code meets on disk
+(:mod:`shellcut.numerics.kernel_cache`). A run of a model with options of its own may call others,
+which are compiled when it does.
 """
 
 from __future__ import annotations
