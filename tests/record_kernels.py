@@ -41,6 +41,12 @@ def called():
     return found
 
 
+def listed(model):
+    """Return the kernels in the list of a model, as text."""
+    rows = json.loads(TARGET.read_text())
+    return {json.dumps(entry) for models, *entry in rows if model in models}
+
+
 def _kernels():
     """Yield the place, "module:name", of each kernel and the kernel."""
     for name, module in list(sys.modules.items()):
