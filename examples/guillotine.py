@@ -23,7 +23,7 @@ def main() -> None:
     parser.add_argument("--classical", action="store_true", help="cables never meet the blade")
     options = parser.parse_args()
 
-    warmup(["force"])
+    warmup(["guillotine"])
     case = guillotine(options.size, length=options.length, directional=not options.classical)
     case.run(options.out)
     print((options.out / "summary.json").read_text(), end="")

@@ -30,7 +30,7 @@ def main() -> None:
     options = parser.parse_args()
 
     print("compiling (first run only)", file=sys.stderr, flush=True)
-    warmup(["force"])
+    warmup(["opening"])
     cut(options, options.out, directional=True)
     if options.compare:
         cut(options, options.out / "classical", directional=False)

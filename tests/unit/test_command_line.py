@@ -318,7 +318,7 @@ def test_ctrl_c_before_the_run_leaves_nothing(tmp_path, capsys, monkeypatch):
 
 
 def test_ctrl_c_in_any_command_ends_with_130(capsys, monkeypatch):
-    def interrupted(**_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     module = importlib.import_module("shellcut.command_line.warmup")

@@ -80,7 +80,8 @@ def test_the_cache_is_empty_or_closed(lines, monkeypatch, tmp_path):
     _, said = lines()
     assert "none yet" in said["compiled code"]
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(doctor, "_cache_folders", lambda: [tmp_path / "file" / "cache"])
-    code, said = lines()
-    assert code == 0
-    assert "NUMBA_CACHE_DIR" in said["compiled code"]
+    for folders in ([tmp_path / "file" / "cache"], []):
+        monkeypatch.setattr(doctor, "_cache_folders", lambda found=folders: found)
+        code, said = lines()
+        assert code == 0
+        assert "NUMBA_CACHE_DIR" in said["compiled code"]

@@ -12,7 +12,7 @@ import time
 
 import pytest
 
-import shellcut.files.folder_lock
+import shellcut.files.file_lock
 from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
 
 HOLDER = """
@@ -156,7 +156,7 @@ def test_a_file_system_without_locks_is_told_of(tmp_path, monkeypatch, caplog):
     def without(*_):
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(shellcut.files.folder_lock.fcntl, "flock", without)
+    monkeypatch.setattr(shellcut.files.file_lock.fcntl, "flock", without)
     FolderLock(tmp_path).close()
     assert "without locks" in caplog.text
     assert "no second run" in caplog.text

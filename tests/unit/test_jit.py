@@ -2,11 +2,8 @@
 
 import ast
 import gc
-import importlib
-import sys
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
@@ -155,70 +152,3 @@ def test_no_garbage_is_looked_for_while_a_kernel_is_compiled(monkeypatch, before
         assert gc.isenabled() is before
     finally:
         (gc.enable if was else gc.disable)()
-
-
-_OF_A_VERSION = """
-from typing import NamedTuple
-
-import numpy as np
-from shellcut.numerics.jit import bound, kernel
-
-
-class {name}(NamedTuple):
-    length: object
-
-
-@kernel
-def longest(rods):
-    return rods.length.max()
-
-
-@kernel
-def longest_of_bound(rods):
-    return rods.length.max()
-
-
-rods = {name}(np.arange(3.0))
-found = longest(rods), bound(longest_of_bound, rods)(rods)
-misses = len(longest.stats.cache_misses), len(longest_of_bound.stats.cache_misses)
-"""
-
-
-@pytest.fixture
-def of_a_version(tmp_path, monkeypatch):
-    """Return a function that runs kernels in a version of a file, as in another process.
-
-    It returns how often each of two was compiled.
-    """
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.syspath_prepend(tmp_path)
-    source = tmp_path / "of_a_version.py"
-
-    def misses(name=None):
-        if name:
-            source.write_text(_OF_A_VERSION.format(name=name))
-        importlib.invalidate_caches()
-        version = importlib.import_module(source.stem)
-        del sys.modules[source.stem]
-        assert version.found == (2.0, 2.0)
-        return version.misses
-
-    return misses
-
-
-def test_a_cache_of_an_older_version_is_written_anew(of_a_version):
-    """Numba cannot open it where the class of a table has another name by now."""
-    assert [of_a_version(name) for name in ("Bars", "Rods", None)] == [(1, 1), (1, 1), (0, 0)]
-
-
-@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
-@pytest.mark.parametrize("left", [0.0, 0.4, 0.95, None])
-def test_a_damaged_cache_is_written_anew(of_a_version, tmp_path, suffix, left):
-    """Of a file a full disk leaves nothing or a part, a power cut zeros."""
-    assert of_a_version("Rods") == (1, 1)
-    files = list((tmp_path / "cache").rglob(f"*{suffix}"))
-    assert len(files) == 2
-    for file in files:
-        content = file.read_bytes()
-        file.write_bytes(bytes(99) if left is None else content[: int(left * len(content))])
-    assert [of_a_version(), of_a_version()] == [(1, 1), (0, 0)]

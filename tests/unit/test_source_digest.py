@@ -7,10 +7,8 @@ import pytest
 
 from shellcut.material import (
     Elastic,
-    Hencky,
     JohnsonCook,
     Linear,
-    Plastic,
     PointLaw,
     Swift,
     Table,
@@ -18,7 +16,6 @@ from shellcut.material import (
 )
 from shellcut.material.rate_factor import RateFactor
 from shellcut.material.return_mapping import make_flow
-from shellcut.material.source_digest import source_files
 
 FOIL = Elastic(70_000.0, 0.33, 2.7e-9)
 LAW = """
@@ -65,21 +62,6 @@ def test_an_edit_of_any_module_that_a_law_calls_changes_its_digest(
         file.write("# another version\n")
     laws = [_law_in(folder, monkeypatch) for folder in (first, second)]
     assert (laws[0].digest != laws[1].digest) == changes
-
-
-def test_laws_of_plasticity_count_all_their_files():
-    law = Plastic(FOIL, Swift(150.0, 0.002, 0.2)).law
-    names = {path.name for path in source_files(law.stress, law.thickness_stretch)}
-    assert names >= {
-        "plastic.py",
-        "hardening.py",
-        "return_mapping.py",
-        "logarithmic_strain.py",
-        "lane_exponentials.py",
-    }
-    elastic = {path.name for path in source_files(Hencky(FOIL).law.stress)}
-    assert "logarithmic_strain.py" in elastic
-    assert "return_mapping.py" not in elastic
 
 
 def test_functions_that_kernels_call_have_names_of_their_own_in_each_law():

@@ -127,6 +127,9 @@ def _cache() -> Finding:
     """Report where Numba stores machine code, from the imported kernels."""
     folders = _cache_folders()
     remedy = "set NUMBA_CACHE_DIR to a folder you can write to"
+    if not folders:
+        value = "no folder can be written: every run compiles again"
+        return Finding("note", "compiled code", value, remedy)
     for folder in folders:
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -139,9 +142,7 @@ def _cache() -> Finding:
     held = [entry.stat() for entry in entries if entry.suffix in (".nbi", ".nbc")]
     common = os.path.commonpath(folders)
     size = sum(entry.st_size for entry in held) / 1e6
-    sources = Path(__file__).parents[1].rglob("*.py")
-    newest = max(source.stat().st_mtime for source in sources)
-    if not any(entry.st_mtime >= newest for entry in held):
+    if not held:
         value = f"none yet in {common}"
         return Finding("note", "compiled code", value, "shellcut warmup compiles, half a minute")
     return Finding("ok", "compiled code", f"{size:.1f} MB in {common}")

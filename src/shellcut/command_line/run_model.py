@@ -29,6 +29,9 @@ USED, LOG = "used.toml", "run.log"
 
 _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
+_BETWEEN_LINES = 3.0
+"""Shortest time between two lines on compilation [s]."""
+
 _FIGURES = (
     *("n_step", "wall_s", "torque_plateau_Nmm", "torque_peak_Nmm", "axial_force_plateau_N"),
     *("force_plateau_N", "force_peak_N", "crack_length_mm"),
@@ -115,9 +118,10 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
 
     def compiling() -> None:
         began.append(time.perf_counter())
-        log.say("compiling (first run only, about half a minute) ...")
+        log.say("compiling (first run only) ...")
 
     with on_compilation(compiling):
+        warmup([model.head.model], told=_Told(log))
         case = model.build()
         if not options["resume"]:
             case.check.enforce(force=options["force"])
@@ -125,10 +129,22 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
         resistance = resistance_of(sim, case.duration)
         for line in start_lines(sim, resistance, case.duration, case.check.sweep):
             log.say(line)
-        warmup([sim.fracture.criterion], paths=[sim.fracture.path or "free"])
     if began:
         log.say(f"compiled in {time.perf_counter() - began[0]:.0f} s")
     return case
+
+
+class _Told:
+    """Say now and then how many kernels are compiled."""
+
+    def __init__(self, log: RunLog) -> None:
+        self._log = log
+        self._said = time.perf_counter()
+
+    def __call__(self, n: int, n_all: int) -> None:
+        if time.perf_counter() - self._said > _BETWEEN_LINES:
+            self._said = time.perf_counter()
+            self._log.say(f"compiling {n} of {n_all} kernels ...")
 
 
 def _recorder(

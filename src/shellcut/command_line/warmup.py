@@ -7,24 +7,28 @@ import os
 import time
 from typing import Any
 
-from shellcut.models.warmup import warmup
+from shellcut.models.warmup import MODELS, warmup
 
 
 def add_to(commands: Any) -> None:
     """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "warmup",
-        help="compile all kernels into the cache",
-        description="Compile all kernels into the cache, so that the first run starts at once.",
+        help="compile the kernels of the ready models into the cache",
+        description="Compile the kernels of the ready models into the cache, on all cores, so that "
+        "the first run starts at once.",
+    )
+    parser.add_argument(
+        "models", nargs="*", metavar="MODEL", help=f"only for some of {', '.join(MODELS)}"
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compile; print how long it took and where the cache is."""
-    print("compiling the kernels (half a minute, on the first run only) ...", flush=True)
+    print("compiling the kernels (on the first run only) ...", flush=True)
     start = time.perf_counter()
-    warmup()
+    warmup(arguments.models or MODELS, told=lambda n, of: print(f"{n} of {of}", flush=True))
     cache = os.environ.get("NUMBA_CACHE_DIR", "__pycache__ of the package")
     print(f"done in {time.perf_counter() - start:.1f} s; the cache is in {cache}")
     return 0

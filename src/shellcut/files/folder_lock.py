@@ -11,7 +11,6 @@ warning and proceeds without.
 
 from __future__ import annotations
 
-import errno
 import json
 import logging
 import os
@@ -23,18 +22,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from . import file_lock
 from .file_list import LOCK
 from .whole_file import opened
 
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
-
 _log = logging.getLogger(__name__)
-
-# On Windows a locked byte cannot be read: lock one far behind the text.
-_LOCKED_BYTE = 1 << 20
 
 # Attempts, if the lock file vanishes between opening and locking it; after that the file system is
 # assumed unable to tell files apart.
@@ -42,8 +34,6 @@ _MOST_TRIES = 100
 
 # How the text of a holder begins; a full disk may have cut it short.
 _BEGINS = b'{"process": '
-
-_HELD_BY_ANOTHER = {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}
 
 
 class FolderInUse(OSError):
@@ -136,13 +126,9 @@ class FolderLock:
 
     def _take(self, file: Any) -> None:
         try:
-            if sys.platform == "win32":
-                file.seek(_LOCKED_BYTE)
-                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-            else:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            file_lock.take(file)
         except OSError as refusal:
-            if refusal.errno in _HELD_BY_ANOTHER:
+            if refusal.errno in file_lock.HELD_BY_ANOTHER:
                 holder, remedy = _holder(file)
                 raise FolderInUse(
                     f"{self._path.parent} is being written by {holder}: {remedy}, or choose "

@@ -17,8 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from shellcut.arrays import Number
-
-from .source_digest import source_digest
+from shellcut.numerics.source_digest import source_digest
 
 History: TypeAlias = tuple[Number, ...]
 
@@ -82,7 +81,7 @@ class PointLaw:
     first_leads: bool = False
     elastic: bool = False
     digest: str = field(init=False, default="")
-    """Digest of all fields, and of the sources (:mod:`shellcut.material.source_digest`)."""
+    """Digest of all fields, and of the sources (:mod:`shellcut.numerics.source_digest`)."""
 
     def __post_init__(self) -> None:
         problems = []

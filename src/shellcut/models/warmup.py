@@ -1,50 +1,105 @@
-"""Compile every kernel once, by cutting a tiny film.
+"""Compile the kernels of the ready models before they are needed, on all cores.
 
-Numba stores the machine code in its cache, so this takes half a minute on a machine's first run and
-a fraction of a second later. Call it before timing anything.
+``kernels.json`` lists the kernels that runs of these models call, the largest first: the models,
+the kernel, the types of its arguments (:mod:`shellcut.numerics.signature_text`);
+``tests/record_kernels.py`` writes it. This process and others beside it go through the list, and
+each compiles what no other has begun; the machine code meets on disk
+(:mod:`shellcut.numerics.kernel_cache`). A run of a model with options of its own may call others,
+which are compiled when it does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterable
+from importlib import resources
+from typing import Any
 
-import numpy as np
+from shellcut.numerics.jit import compile_if_free, is_stored
+from shellcut.numerics.signature_text import named, read
+from shellcut.numerics.threads import available_cores
 
-from shellcut.fracture.criterion import Fracture, Measure, Path
-from shellcut.mesh.structured import rectangle
-from shellcut.view._raster import Canvas
+MODELS = ("opening", "guillotine", "oscillating", "trouser")
+"""Ready models whose kernels are listed."""
 
-from .guillotine import guillotine
+_MOST_PROCESSES = 8
+"""Beyond, the largest kernel alone decides how long it takes."""
+
+_Kernel = tuple[Any, tuple[Any, ...]]
 
 
-def warmup(
-    criteria: Sequence[Measure] = ("force", "stress"),
-    paths: Sequence[Path] = ("edges", "free"),
-) -> None:
-    """Run a film of a few quads through every mechanism: shells, contact, cables, cuts.
+def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | None = None) -> None:
+    """Compile the kernels of ready models into the cache, or load them.
 
-    Also compile the kernels for pictures of the film.
+    On a machine's first run this takes half a minute of one core, a second later. Call it before
+    timing anything.
 
     Parameters
     ----------
-    criteria : sequence of str
-        Criteria of :class:`Fracture` to compile for, of cracks along edges.
-    paths : sequence of str
-        Paths of :class:`Fracture` to compile for.
+    models : iterable of str
+        Of :data:`MODELS`; of any other no kernel is listed.
+    told : callable, optional
+        Called with the number of kernels that are ready and of all, after each; not at all if none
+        has to be compiled.
 
     Examples
     --------
     >>> import shellcut
-    >>> shellcut.warmup()  # doctest: +SKIP
+    >>> shellcut.warmup(["opening"])  # doctest: +SKIP
     """
-    along_edges = [Fracture(criterion=name, path="edges") for name in criteria]
-    ways = {"edges": along_edges, "free": [Fracture(path="free")]}
-    between_lines = rectangle(6.0, 4.0, n_x=6, n_y=5)
-    for path in paths:
-        film = {"mesh": between_lines, "notch": 0.0} if path == "free" else {"notch": 1.0}
-        for fracture in ways[path]:
-            case = guillotine(1.0, length=6.0, width=4.0, travel=1.5, fracture=fracture, **film)
-            case.simulation.run(case.duration)
-    canvas = Canvas((1, 1))
-    canvas.draw(np.zeros((0, 3, 3)), np.ones(3))
-    canvas.blend(canvas, 0.5)
+    names = [name for name in models if name in MODELS]
+    kernels = _listed(names)
+    missing = [one for one in kernels if not is_stored(*one)]
+    others = _others(names, len(missing))
+    try:
+        for function, types in missing:
+            if compile_if_free(function, types) and told is not None:
+                told(sum(is_stored(*one) for one in kernels), len(kernels))
+        for function, types in kernels:  # waits for those that others have begun
+            if hasattr(function, "compile"):
+                function.compile(types)
+        if missing and told is not None:
+            told(len(kernels), len(kernels))
+    finally:
+        for other in others:
+            other.kill()
+            other.communicate()
+
+
+def _listed(models: Iterable[str]) -> list[_Kernel]:
+    """Return kernels and types of their arguments."""
+    text = (resources.files("shellcut.models") / "kernels.json").read_text(encoding="utf-8")
+    wanted = set(models)
+    return [
+        (named(name), tuple(map(read, kinds)))
+        for models_of_it, name, *kinds in json.loads(text)
+        if wanted.intersection(models_of_it)
+    ]
+
+
+def _others(models: list[str], n_missing: int) -> list[subprocess.Popen[bytes]]:
+    """Start processes that compile with this one; they end with it, however it ends."""
+    n = min(available_cores(), _MOST_PROCESSES, n_missing) - 1
+    if not sys.executable or os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+        return []
+    command = [sys.executable, "-c", f"from {__name__} import help_parent; help_parent()", *models]
+    null = subprocess.DEVNULL
+    return [
+        subprocess.Popen(command, stdin=subprocess.PIPE, stdout=null, stderr=null) for _ in range(n)
+    ]
+
+
+def help_parent() -> None:
+    """Compile what no other process has begun, until this is done or the parent ends."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    for function, types in _listed(sys.argv[1:]):
+        compile_if_free(function, types)
+
+
+def _end_with_parent() -> None:
+    sys.stdin.read()  # until the parent closes it, or has ended
+    os._exit(0)

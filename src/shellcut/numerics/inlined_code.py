@@ -16,6 +16,7 @@ from typing import Any
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.targetconfig import ConfigStack
 from numba.core.typed_passes import NativeLowering
 
 
@@ -95,6 +96,8 @@ class InlinedCompiler(Compiler):
 
     def define_pipelines(self) -> Any:
         """Choose where the code goes."""
+        # What is compiled with it takes no option of this function that it does not say itself.
+        ConfigStack().top().forceinline = False
         name = self.state.func_id.func_qualname
         self.state.library = _InlinedLibrary(self.state.targetctx.codegen(), name)
         (before,) = super().define_pipelines()

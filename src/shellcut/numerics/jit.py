@@ -9,9 +9,11 @@
 ``nogil=True``
     Kernels use no Python objects, so threads may run them in parallel
     (:mod:`shellcut.numerics.threads`).
-``cache=True``
-    Compile once per machine. A cached caller does not notice an edit in a kernel it imports, so the
-    tests key ``NUMBA_CACHE_DIR`` by a hash of the sources.
+``forceinline=False``
+    Said, because Numba gives what is not said to a function from the one that is compiled with a
+    call of it: machine code would depend on which of its callers came first.
+
+Kernels are compiled once per machine (:mod:`shellcut.numerics.kernel_cache`).
 
 Kernels do not call kernels: the machine code of a cached kernel contains a copy of its callees,
 which may differ in the last bit from the callees compiled by themselves. A process that compiled
@@ -33,6 +35,7 @@ from numba.core import event, types
 from numba.extending import register_jitable
 
 from .inlined_code import InlinedCompiler
+from .kernel_cache import KernelCache, kernel_cache
 from .kernel_tables import check_tables
 
 P = ParamSpec("P")
@@ -46,6 +49,7 @@ _CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 _OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "fastmath": {"contract"},
+    "forceinline": False,
     "no_cfunc_wrapper": True,
 }
 # Without Numba's wrapper for calls from Python, too, and compiled as part of the kernel only.
@@ -58,34 +62,24 @@ _WITHIN_KERNELS: dict[str, Any] = {
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
-    compiled: Any = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
+    compiled: Any = nb.njit(nogil=True, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
-        compiled.compile = _uncollected(compiled.compile)
-        compiled._cache.load_overload = _if_readable(compiled._cache)
+        compiled._cache = kernel_cache(function)
+        compiled.compile = _in_one_process(compiled, _uncollected(compiled.compile))
     return cast("Callable[P, R]", compiled)
 
 
-def _if_readable(cache: Any) -> Callable[..., Any]:
-    """Wrap the loading of machine code: a cache that Numba cannot read is emptied.
+def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a compilation so that one process compiles a kernel, and the others load it."""
 
-    A full disk or a power cut leaves files cut short, and an older version ones that name classes
-    of tables that have another name by now; Numba fails at both instead of compiling again.
-    """
-    load = cache.load_overload
+    def compile_alone(types: object, wait: bool = True) -> Any:
+        cache = compiled._cache
+        if not isinstance(cache, KernelCache) or compiled.overloads.get(types) is not None:
+            return compile_(types)
+        with cache.alone(wait=wait) as is_alone:
+            return compile_(types) if is_alone else None
 
-    def load_or_none(*what: Any) -> Any:
-        try:
-            return load(*what)
-        except MemoryError:
-            raise
-        except Exception:  # unpickling a damaged file can raise any
-            try:
-                cache.flush()
-            except OSError:  # it cannot be written either
-                cache.disable()
-            return None
-
-    return load_or_none
+    return compile_alone
 
 
 def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
@@ -105,6 +99,18 @@ def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
             gc.enable()
 
     return compile_uncollected
+
+
+def compile_if_free(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+    """Compile a kernel for types of its arguments, or load it, unless another process is at it."""
+    compile_: Any = getattr(function, "compile", None)
+    return compile_ is None or compile_(types, wait=False) is not None
+
+
+def is_stored(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+    """Return whether a kernel for types of its arguments need not be compiled."""
+    cache = getattr(function, "_cache", None)
+    return not isinstance(cache, KernelCache) or cache.has(types)
 
 
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:
@@ -205,7 +211,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    compiled: Any = nb.njit(forceinline=True, **_WITHIN_KERNELS)(function)
+    compiled: Any = nb.njit(**{**_WITHIN_KERNELS, "forceinline": True})(function)
     if hasattr(compiled, "get_call_template"):  # else Numba is switched off
         compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
     return _for_kernels_only(compiled, function)
@@ -243,8 +249,7 @@ def apart(function: Callable[P, R]) -> Callable[P, R]:
     their own, and a kernel with several calls compiles faster. The function begins with
     :func:`shellcut.numerics.processor.not_inlined`. Python cannot call it.
     """
-    # Said, or Numba takes it from the function that is compiled with a call of this one.
-    return _for_kernels_only(nb.njit(forceinline=False, **_WITHIN_KERNELS)(function), function)
+    return _for_kernels_only(nb.njit(**_WITHIN_KERNELS)(function), function)
 
 
 def apart_as(name: str) -> Callable[[Callable[P, R]], Callable[P, R]]:

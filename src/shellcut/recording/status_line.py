@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 # constant part and a part per quad.
 _STEP_COST, _QUAD_COST = 50e-6, 48e-9
 
+# Smallest energy that is said, over the largest.
+_SAID = 1e-4
+
 
 def start_lines(
     sim: Simulation, resistance: AnyResistance, until: float, sweep: Sweep | None = None
@@ -79,8 +82,10 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
     """
     r, s, ledger = resistance, sim.state, sim.ledger
     figure, unit = r.columns[0]
+    entries = ledger.entries()
+    least = _SAID * max(map(abs, entries.values()))
     energies = ", ".join(
-        f"{name} {energy:.4g}" for name, energy in ledger.entries().items() if energy
+        f"{name} {energy:.4g}" for name, energy in entries.items() if abs(energy) > least
     )
     felt = r.felt(sim)[0]
     return (

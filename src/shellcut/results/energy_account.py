@@ -74,6 +74,9 @@ IMBALANCE = Part("imbalance", "imbalance", ("imbalance",))
 # maximum: at first touch there is almost no work to compare with.
 _COMPARED_FROM = 0.1
 
+# Smallest share of the account that is shown.
+_SHOWN = 5e-4
+
 
 def total(parts: Iterable[Part], entries: Mapping[str, Energy]) -> Energy:
     """Return the sum of some parts."""
@@ -121,7 +124,7 @@ class Share(NamedTuple):
 def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
     """Return what was put in and what became of it; the shares of each make up 1.
 
-    Empty where nothing was put in.
+    Empty where nothing was put in. Shares that round to 0.0 % are left out.
 
     Parameters
     ----------
@@ -144,7 +147,7 @@ def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
     def lines(parts: Iterable[Part]) -> Iterator[Share]:
         for part in parts:
             energy = figures.get(f"{part.name}_Nmm", 0.0)
-            if energy:
+            if abs(energy) >= _SHOWN * whole:
                 yield Share(part.words, energy, energy / whole)
 
     return list(lines(PUT_IN)), list(lines((*TAKEN_UP, IMBALANCE)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -241,23 +240,6 @@ def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> It
 
 
 def _compile(planned: Plan) -> None:
-    """Compile the kernels once, before many processes would do it at the same time."""
-    criteria: set[Any] = set()
-    paths: set[Any] = set()
-    for run in planned.runs[:: max(1, len(planned.runs) // 8)]:
-        model = planned.variants.read(run.values, try_out=False)
-        section = model.sections.get("fracture")
-        if section is not None:
-            criteria.add(section.criterion)
-            # Left out, the path is decided when the model is built.
-            paths |= {section.path} if section.path else {"edges", "free"}
-    _compile_for(
-        tuple(sorted(criteria)) or ("force",),
-        tuple(sorted(paths)) or ("edges",),
-    )
-
-
-@functools.cache
-def _compile_for(criteria: Any, paths: Any) -> None:
-    """Compile once in a process: a fit comes here before every few runs."""
-    warmup(criteria, paths)
+    """Compile the kernels of the models together, before many processes wait for one another."""
+    some = planned.runs[:: max(1, len(planned.runs) // 8)]
+    warmup({planned.variants.read(run.values, try_out=False).head.model for run in some})
