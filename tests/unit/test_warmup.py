@@ -43,7 +43,10 @@ def test_of_other_models_nothing_is_listed():
 @pytest.mark.parametrize(
     ("model", "settings"),
     [
-        ("opening", {"membrane.mesh": "quick", "motion.angle_deg": 12.0, "motion.duration": "1 ms"}),
+        (
+            "opening",
+            {"membrane.mesh": "quick", "motion.angle_deg": 12.0, "motion.duration": "1 ms"},
+        ),
         ("guillotine", {"motion.travel": "2 mm"}),
     ],
 )
