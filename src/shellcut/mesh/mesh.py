@@ -226,13 +226,7 @@ class Mesh:
         return look_up("node", self.node_sets, name)
 
     def quad_set(self, name: str) -> Ints:
-        """Return the quad ids of a named set, in any case where one set has the name so.
-
-        Raises
-        ------
-        MeshError
-            With the names that exist.
-        """
+        """Return the quad ids of a named set, as :meth:`node_set`."""
         return look_up("quad", self.quad_sets, name)
 
     def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:
