@@ -55,21 +55,22 @@ def pulled_up(size, breadth, notch, length, margin=2.0):
 def torn_off(sim, longest):
     """Tear until the strip is off; return both ways, (n, 2) each, the upper one first."""
     ways, n = ([], []), 0
-    ends = [np.array([0.0, side]) for side in (9.0, -9.0)]
     while sim.state.time < longest and len(Pieces.of(sim.state).mass) < 2:
         for _ in range(20):
             sim.step()
         for cut in sim.state.split_log[n:]:
             at = np.array(cut.reference[:2])
-            mine = int(at[1] < 0.0) if cut.kind == "notch" else nearest(ends, at)
-            ways[mine].append(at)
-            ends[mine] = at
+            ways[nearest(ways, at)].append(at)
         n = len(sim.state.split_log)
     return [np.array(way) for way in ways]
 
 
-def nearest(ends, at):
-    return int(np.argmin([np.linalg.norm(at - end) for end in ends]))
+def nearest(ways, at):
+    """Return which of two ways leads to a place, 0 of the upper one."""
+    if min(len(way) for way in ways) < 4:
+        return int(at[1] < 0.0)
+    lines = [np.polyfit(*np.array(way[-4:]).T, 1) for way in ways]
+    return int(np.argmin([abs(np.polyval(line, at[0]) - at[1]) for line in lines]))
 
 
 def breadths(upper, lower, start):
