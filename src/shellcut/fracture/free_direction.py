@@ -21,8 +21,9 @@ tension, s = 1, it runs across the largest principal stress. Nothing else enters
 energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
 
 p is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far as it
-pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
-lengths. On a curved film each stress is first turned into the sheet at the tip by the least
+pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
+process zone is long, and ``AVERAGE`` edge lengths at least: nearer than that stress is what the
+cables hold. On a curved film each stress is first turned into the sheet at the tip by the least
 rotation that takes one normal to the other: the mean of tensors in planes that lean against each
 other would lose the part across the lean. Film that does not hang together with the tip's counts
 for neither J nor p.
@@ -30,8 +31,9 @@ for neither J nor p.
 All film goes along that is no farther from the tip than the cables hold, so that J is what goes
 into all of the process zone. Over that length film bends that is torn out of its plane, more on one
 flank than on the other. A smaller domain misses that and turns J aside; what its cables give would
-make up for the part of J along the crack only, for a line that moves sideways keeps its length. Where another edge of the film or another tip is nearer than ``LEAST`` no domain is
-left to tell where energy is released, and J is taken to lie along the crack.
+make up for the part of J along the crack only, for a line that moves sideways keeps its length.
+Where another edge of the film or another tip is nearer than ``LEAST`` no domain is left to tell
+where energy is released, and J is taken to lie along the crack.
 
 What a film would give back is not known if its law keeps
 a history and cannot be frozen; there the stress decides alone.
@@ -60,7 +62,7 @@ from .tip_domain import TipDomain
 from .tip_force import TipForce, gives_back
 
 AVERAGE = 2.5
-"""Standard deviation of the weights around a tip, in local edge lengths."""
+"""Least standard deviation of the weights around a tip, in local edge lengths."""
 
 FALL = 2
 """Local edge lengths over which the film around a tip comes to stay, and least radius within which

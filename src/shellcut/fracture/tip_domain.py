@@ -88,7 +88,9 @@ class TipDomain(NamedTuple):
         held = (state.node.support[nodes, :3] & in_sheet).any(axis=2)
         points = np.concatenate([tips, X[held]])
         still = np.concatenate([ends[stays], np.repeat(points[:, None], 2, axis=1)])
-        d, b = np.linalg.norm(X - place, axis=2), _distance(X, still, reach)
+        d = np.linalg.norm(X - place, axis=2)
+        b = np.full_like(d, reach)
+        b[d < reach] = _distance(X[d < reach], still, reach)
         for edge, stay in zip(edges, stays.tolist(), strict=True):
             if stay and edge.beyond:
                 b[edge.i, edge.beyond] = -b[edge.i, edge.beyond]
