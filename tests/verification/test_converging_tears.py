@@ -1,8 +1,8 @@
 """Two tears that converge: the end of a flap between two notches of a clamped sheet is pulled up.
 
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
-towards the other until they meet and the strip comes off. [Brau2014] has w ~ x^(8/11) for a fold
-that is curved across, too, x being the way to where the strip ends; a straight one gives 2/3.
+towards the other until they meet and the strip comes off. [Brau2014] has w ~ x^(8/11) for an
+elastic ridge, x being the way to where the strip ends; a straight fold gives 2/3.
 """
 
 import numpy as np
