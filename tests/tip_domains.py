@@ -16,7 +16,9 @@ def domain_in(state, shell, place, reach, topology=None, base=BASE):
     corners = shell.reference.x[shell.reference.quads]
     at = [int(np.linalg.norm(corners - place, axis=2).min(axis=1).argmin())]
     no_tips = np.zeros((0, 3))
-    return TipDomain.of(state, shell, topology, np.array(place), base, reach, at, no_tips)
+    return TipDomain.of(
+        state, shell, topology, np.array(place), base, (0.5 * reach, reach), at, no_tips
+    )
 
 
 def force_on(sim, place, reach, base=BASE):

@@ -21,16 +21,19 @@ tension, s = 1, it runs across the largest principal stress. Nothing else enters
 energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
 
 p is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far as it
-pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
-lengths. On a curved film each stress is first turned into the sheet at the tip by the least
+pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
+process zone is long, and ``AVERAGE`` edge lengths at least: nearer than that stress is what the
+cables hold. On a curved film each stress is first turned into the sheet at the tip by the least
 rotation that takes one normal to the other: the mean of tensors in planes that lean against each
 other would lose the part across the lean. Film that does not hang together with the tip's counts
 for neither J nor p.
 
-The domain of J reaches back as far as the cables hold, twice over, so that J is what goes into all
-of the process zone: over that length film bends that is torn out of its plane, and a smaller domain
-turns J aside. Where another edge of the film or another tip is nearer than ``LEAST`` no domain is
-left to tell where energy is released, and J is taken to lie along the crack.
+All film goes along that is no farther from the tip than the cables hold, so that J is what goes
+into all of the process zone. Over that length film bends that is torn out of its plane, more on one
+flank than on the other. A smaller domain misses that and turns J aside; what its cables give would
+make up for the part of J along the crack only, for a line that moves sideways keeps its length.
+Where another edge of the film or another tip is nearer than ``LEAST`` no domain is left to tell
+where energy is released, and J is taken to lie along the crack.
 
 What a film would give back is not known if its law keeps
 a history and cannot be frozen; there the stress decides alone.
@@ -59,15 +62,15 @@ from .tip_domain import TipDomain
 from .tip_force import TipForce, gives_back
 
 AVERAGE = 2.5
-"""Standard deviation of the weights around a tip, in local edge lengths."""
+"""Least standard deviation of the weights around a tip, in local edge lengths."""
 
-REACHES = (4, 8)
-"""Least and largest radius of the domain around a tip in which energy is released, in local edge
-lengths."""
+FALL = 2
+"""Local edge lengths over which the film around a tip comes to stay, and least radius within which
+all of it goes along."""
 
-_HELD = 2.0
-"""Reach over the way back to the farthest cable that still holds: q is 1 halfway, so that the force
-is that into all of the process zone, where the edges of the film allow it."""
+_GAP = 1.5
+"""Local edge lengths: cables that are farther apart, by their distance from a tip, do not belong to
+one process zone."""
 
 LEAST = 1.5
 """Local edge lengths between a tip and what does not go along with it, below which no domain shows
@@ -163,7 +166,7 @@ class FreeDirection:
         if not self._known.is_of(state):
             self._ahead.clear()
             self._known.take(state)
-        key = tip, self._reach(state, tip)
+        key = tip, self._zone(state, tip)
         if key not in self._ahead:
             self._ahead[key] = self._look(state, *key, tips)
         ahead = self._ahead[key]
@@ -184,17 +187,21 @@ class FreeDirection:
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
             yield _unit(ways[k])
 
-    def _reach(self, state: State, tip: Tip) -> int:
-        """Return the radius of the domain around a tip, in local edge lengths."""
+    def _zone(self, state: State, tip: Tip) -> int:
+        """Return how far back cables hold the flanks of a tip, in local edge lengths, rounded up.
+
+        At least ``FALL``.
+        """
         row, _ = self._path.rows_ahead(tip)[0]
-        edge, c = self._path.size(row) / _HELD, state.cable
+        c, place = state.cable, self._path.reference_of(state, tip)
         holds = c.status[: state.n_cable] != BROKEN
         ends = state.node.X[c.ends[: state.n_cable][holds, 0]]
-        gaps = np.linalg.norm(ends - self._path.reference_of(state, tip), axis=1) / edge
-        least, most = REACHES
-        return int(np.ceil(gaps[gaps < most].max(initial=least)))
+        gaps = np.sort(np.linalg.norm(ends - place, axis=1)) / self._path.size(row)
+        apart = np.diff(gaps, prepend=0.0) > _GAP
+        zone = gaps[: np.argmax(apart)] if apart.any() else gaps
+        return int(np.ceil(zone.max(initial=FALL)))
 
-    def _look(self, state: State, tip: Tip, reach: int, tips: Sequence[Tip]) -> _Ahead:
+    def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
         row, entry = self._path.rows_ahead(tip)[0]
         T = self._path.reference_director(row, entry)
@@ -208,14 +215,14 @@ class FreeDirection:
             self._topology,
             place,
             base,
-            reach * size,
+            (zone * size, (zone + FALL) * size),
             [row for row, _ in self._path.rows_ahead(tip)],
             np.array(others).reshape(-1, 3),
         )
         known, force = gives_back(self._shell.material), None
         if known and domain.room > LEAST * size:
             force = TipForce(state, self._shell, domain, base, self._loads)
-        near, weight = self._near(state, domain.rows, place, forward, AVERAGE * size)
+        near, weight = self._near(state, domain.rows, place, forward, max(AVERAGE, zone) * size)
         return _Ahead(
             row=row,
             weights=np.array(shape_functions(entry)),

@@ -4,11 +4,11 @@ The domain is the film that hangs together around the tip: quads and copies that
 that none lies beyond a flank. In it q is 1 around the tip and falls to 0 at what does not go along
 when this tip advances: the film farther off, every edge of the film but the flanks of the crack
 itself, the tips of other cracks, and held nodes. With d the distance from the tip, b that from the
-nearest of these, and R the reach, beyond which all film stays,
+nearest of these, and r and R the radii within which all film goes along and beyond which all stays,
 
-    q = min(1, 2 b / (b + d), 2 (R - d) / R),
+    q = min(1, 2 b / (b + d), (R - d) / (R - r)).
 
-which is 1 up to halfway and falls evenly from there. The crack's own flanks slide as the film on
+ The crack's own flanks slide as the film on
 both sides of them does: b counts through them, so q has no jump there, which would stretch the
 cables. The flanks of a crack are its own as far back as no other edge of the film touches them: not
 the rim at which it began, nor the other branch, nor its own way where it has come across that.
@@ -32,7 +32,7 @@ from .cut_topology import CutTopology
 from .quad_polygon import FLANK, beyond, on_side, shape_functions
 
 AROUND = 1.6
-"""Radius within which film is looked for, over the reach."""
+"""Radius within which film is looked for, over R."""
 
 # Of the reach: ends of edges that are nearer are one place, far above round-off.
 _SAME = 1e-5
@@ -42,11 +42,11 @@ class TipDomain(NamedTuple):
     """The film around a tip, as long as topology and tips stay the same."""
 
     rows: Ints
-    """Quads and copies that hang together within ``AROUND`` reaches, shape (n,)."""
+    """Quads and copies that hang together within ``AROUND`` R, shape (n,)."""
     q: Floats
     """How far their corners go along, shape (n, 4)."""
     room: float
-    """From the tip to the nearest place that stays [mm], the reach at most."""
+    """From the tip to the nearest place that stays [mm], R at most."""
 
     @classmethod
     def of(
@@ -56,7 +56,7 @@ class TipDomain(NamedTuple):
         topology: CutTopology,
         place: Floats,
         base: Floats,
-        reach: float,
+        radii: tuple[float, float],
         ahead: Sequence[int],
         tips: Floats,
     ) -> TipDomain:
@@ -70,13 +70,14 @@ class TipDomain(NamedTuple):
             Of the tip in the reference film [mm].
         base : ndarray, shape (2, 3)
             Unit vectors of the sheet at the tip.
-        reach : float
-            R [mm].
+        radii : (float, float)
+            r and R [mm].
         ahead : sequence of int
             Rows at the tip.
         tips : ndarray, shape (n_tip, 3)
             Where other cracks end in the reference film [mm].
         """
+        whole, reach = radii
         rows = _film_around(state, shell, place, np.cross(*base), AROUND * reach, ahead)
         X = shell.reference.x[shell.reference.quads[rows]]
         edges = _edges(state, topology, rows, X)
@@ -87,11 +88,13 @@ class TipDomain(NamedTuple):
         held = (state.node.support[nodes, :3] & in_sheet).any(axis=2)
         points = np.concatenate([tips, X[held]])
         still = np.concatenate([ends[stays], np.repeat(points[:, None], 2, axis=1)])
-        d, b = np.linalg.norm(X - place, axis=2), _distance(X, still, reach)
+        d = np.linalg.norm(X - place, axis=2)
+        b = np.full_like(d, reach)
+        b[d < reach] = _distance(X[d < reach], still, reach)
         for edge, stay in zip(edges, stays.tolist(), strict=True):
             if stay and edge.beyond:
                 b[edge.i, edge.beyond] = -b[edge.i, edge.beyond]
-        far = np.clip(2.0 - 2.0 * d / reach, 0.0, 1.0)
+        far = np.clip((reach - d) / (reach - whole), 0.0, 1.0)
         q = np.minimum(far, 2.0 * b / np.maximum(d + np.maximum(b, 0.0), _SAME * reach))
         q[far == 0.0] = 0.0
         return cls(rows, q, float(_distance(place, still, reach)))
