@@ -20,7 +20,7 @@ from shellcut.tool_shapes import straight_blade
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-LENGTH, WIDTH, SIZE = 12.0, 8.0, 0.8  # mm
+LENGTH, WIDTH, SIZE = 12.0, 16.0, 0.8  # mm
 STRETCH = 0.008  # of the width: 15 MPa across the path, the film tears at 18
 
 

@@ -183,8 +183,9 @@ def test_the_table_at_the_end_is_the_account_of_the_summary(out):
     (words, work, whole), *became = rows
     assert (words, float(whole)) == ("work of the tool", 100.0)
     assert float(work) == pytest.approx(summary["tool_work_Nmm"], rel=1e-5)
-    assert {words for words, *_ in became} >= {"stored in the film", "damping", "imbalance"}
-    assert sum(float(energy) for _, energy, _ in became) == pytest.approx(float(work), rel=1e-4)
+    assert {words for words, *_ in became} >= {"stored in the film", "contact"}
+    # Shares that round to 0.0 % are left out.
+    assert sum(float(energy) for _, energy, _ in became) == pytest.approx(float(work), rel=2e-3)
     assert sum(float(share) for *_, share in became) == pytest.approx(100.0, abs=0.5)
 
 

@@ -120,7 +120,7 @@ def test_an_edit_of_what_a_kernel_calls_changes_its_result(tmp_path, version):
         "def scaled(number):\n"
         "    return scale(number)\n"
     )
-    for factor in (2.0, 3.0):
+    for factor in (2.0, 30.0):  # of another length: Python compares size and second
         (tmp_path / "called.py").write_text(
             "from shellcut.numerics.jit import inline\n"
             "@inline\n"

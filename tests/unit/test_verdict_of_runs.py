@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import CohesiveLaw, Contact, ShellMaterial, StraightMotion, Support, TableMotion
+from shellcut import (
+    CohesiveLaw,
+    Contact,
+    Fracture,
+    ShellMaterial,
+    StraightMotion,
+    Support,
+    TableMotion,
+)
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
 from shellcut.tool.shapes import straight_blade
@@ -50,6 +58,7 @@ def lines_with(run, said):
             {
                 "material": shellcut.preset_film("ldpe", thickness="74 um"),
                 "law": CohesiveLaw(strength=14.0, opening_a=0.25, opening_p=1.5, opening_u=2.0),
+                "fracture": Fracture(path="free"),
             },
         ),
         ("friction_work", {"contact": Contact(friction=0.5)}),
@@ -93,7 +102,7 @@ def test_a_crack_that_leads_has_not_left_the_path(strip_cut):
     )
     for lead, options in (
         (3.2, {"material": foil, "to": 3.0, "speed": 12000.0}),
-        (0.8, {"motion": there_and_back, "to": 3.6}),
+        (0.8, {"motion": there_and_back, "to": 3.6, "fracture": Fracture(path="free")}),
     ):
         run = strip_cut(**options)
         assert run.summary["crack_lead_mm"] > lead
