@@ -127,7 +127,7 @@ def test_stretched_cut(run_example, tmp_path):
     told = run_example("stretched_cut.py", tmp_path)
     work = dict(re.findall(r"(loose|stretched): work of the tool ([\d.]+)", told))
     # Where the cut lets the strip go slack it gives its energy, E/(1-nu²) e² / 2 times thickness,
-    # width and 6.9 mm of way: 0.48 of 15 N*mm, but for its ends and for vibration. Flaps that buckle
+    # width and 6.9 mm of way: 0.48 of 15 N*mm, but for its ends and vibration. Flaps that buckle
     # otherwise store up to 0.2 N*mm more or less.
     given = 0.5 * 1678.0 / (1.0 - 0.3**2) * 0.008**2 * 0.074 * 16.0 * 6.9
     assert 0.2 * given < float(work["loose"]) - float(work["stretched"]) < 1.2 * given
