@@ -93,6 +93,12 @@ def test_a_circle_is_led_on_round_and_straight():
     assert sweep.distance(points) == pytest.approx([0.0, 0.0], abs=0.03)
     # not off to the side
     assert sweep.distance((last + 2.0 * ahead + 0.1 * last)[None]) > 0.1 * radius - 0.2
+    # What other teeth have cut on the same circle is led by none.
+    ring = Sweep.of(disc, tooth_ring(), motion, 6e-3)
+    on = ring.place[ring.along_edge]
+    on = on[np.abs(ring.time[ring.along_edge] - 4e-3) < 1e-3]
+    c, s = np.cos(np.radians(0.13)), np.sin(np.radians(0.13))
+    assert ring.lead(on @ [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]).max() == 0.0
 
 
 def test_an_edge_that_comes_down_flat_is_in_the_film_along_all_its_length_at_once():

@@ -156,10 +156,13 @@ class Sweep:
             edge = fine / _FINE
             for end in _ends(line):
                 for s, way in _continued(end, edge, np.arange(fine, reach, fine)):
-                    at = np.searchsorted(s, edge)
-                    if at < len(s) and tree.query(way[at])[0] > _PASSED * edge:
-                        found.append(way)
-                        ahead.append(s)
+                    at, gap = int(np.searchsorted(s, edge)), tree.query(way)[0]
+                    if at < len(s) and gap[at] > _PASSED * edge:
+                        # As far as another edge has come, or this one on its way round.
+                        met = np.flatnonzero(gap[at:] <= fine)
+                        stop = at + int(met[0]) if len(met) else len(s)
+                        found.append(way[:stop])
+                        ahead.append(s[:stop])
         return scipy.spatial.cKDTree(np.concatenate(found)), np.concatenate(ahead)
 
     def _lines(self, k: int) -> Iterator[tuple[Floats, float]]:

@@ -161,8 +161,8 @@ class Modes:
     Attributes
     ----------
     frequency : ndarray, shape (n,)
-        Ascending [Hz]; -|f| for a motion with a negative omega², in which the film is unstable: it
-        grows as exp(2 pi |f| t). Zero for a rigid motion without stiffness.
+        Ascending [Hz]; -f for a motion with omega² = -(2 pi f)², in which the film is unstable: it
+        grows as exp(2 pi f t). Zero for a rigid motion without stiffness.
     shape : ndarray, shape (n, n_node, 3)
         Displacements with largest component 1.
     """
