@@ -10,8 +10,8 @@ a cable whose ends lie on the blade gives that in closed form (tests/verificatio
 Bands: without friction 3 % for waves, on the force less what is damped. Damping depends on chance:
 radii that differ by 1e-9 to 1e-6 give 2.1 to 5.7 % (test_blunt_edge.py), so it has a bound of 8 %
 and the force itself stands beside. A radius of 1 µm within 0.5 % of the sharp edge, as asked for:
-with friction it adds 3e-4 of G h, and waves as much from one time step to another, so that the
-force has to grow from there on, its friction from the sharp edge on.
+with friction it adds 3e-4 of G h, and waves as much from one time step to another, so that force
+and friction have to grow from there on.
 Beside: the ends of the cables are not on the blade but fly beside it, and as they swing the cables
 slide to and fro.
 """
@@ -58,12 +58,10 @@ def checks() -> list[Check]:
                 absolute=True,
             )
         )
-    for what, column, some in (
-        ("the force grows with r from 1 um on", "F_over_Gh", rubbed[1:]),
-        ("friction grows with r", "friction", rubbed),
-    ):
-        grows = float(min(b[column] - a[column] for a, b in pairwise(some)) > 0.0)
-        found.append(Check(f"mu = 0.3: {what} (1: yes)", 1.0, grows, 0.0, "exact", absolute=True))
+    for what, column in (("the force", "F_over_Gh"), ("friction", "friction")):
+        grows = float(min(b[column] - a[column] for a, b in pairwise(rubbed[1:])) > 0.0)
+        said = f"mu = 0.3: {what} grows with r from 1 um on (1: yes)"
+        found.append(Check(said, 1.0, grows, 0.0, "exact", absolute=True))
     worst = max(row["imbalance"] for row in rows)
     found.append(Check("largest imbalance / work", 0.0, worst, 5e-3, "time step", absolute=True))
     ratio = [row["r_over_h"] for row in rubbed]
