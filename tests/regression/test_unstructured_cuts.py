@@ -20,7 +20,8 @@ def check_opening(mesh, tmp_path):
     work, angle = history["cohesive_work"][late], np.radians(history["angle"][late])
     rate = (work[-1] - work[0]) / (angle[-1] - angle[0])
     assert rate == pytest.approx(steady_work_per_radian(), rel=0.01)
-    assert history["torque"][late].mean() == pytest.approx(TORQUE_M1, rel=0.03)
+    # Measured 1.006, 1.017 and 1.010 of it.
+    assert history["torque"][late].mean() == pytest.approx(TORQUE_M1, rel=0.02)
     assert summary["imbalance_rel"] < 3e-3
 
 

@@ -5,6 +5,8 @@ towards the other until they meet and the strip comes off. [Brau2014] has w ~ x^
 elastic ridge, x being the way to where the strip ends; a straight fold gives 2/3.
 """
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -86,17 +88,37 @@ def test_two_tears_that_converge_pinch_the_strip_off():
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-3
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("size", "off"), [(0.5, 0.12), (0.3, 0.05)])
-def test_a_strip_narrows_by_a_power_law_until_its_tears_meet(size, off):
+@functools.cache
+def narrowed(size):
+    """Return whether a strip of 6 mm came off, its last breadth [mm] and m of w ~ x^m."""
     sim = pulled_up(size, breadth=6.0, notch=5.0, length=26.0, law=SHORT)
     upper, lower = torn_off(sim, 1.5e-2)
-    assert len(Pieces.of(sim.state).mass) == 2
     x, w = breadths(upper, lower, 6.0)
-    # Measured 0.08 and 0.07 mm.
-    assert w[-1] < 0.25
     left = max(upper[:, 0].max(), lower[:, 0].max()) - x
     decade = (w > 0.5) & (w < 5.0)
     power = np.polyfit(np.log(left[decade]), np.log(w[decade]), 1)[0]
-    # [Brau2014]. Measured 0.83, where the process zone is two edges long, and 0.74.
-    assert power == pytest.approx(8.0 / 11.0, abs=off)
+    return len(Pieces.of(sim.state).mass) == 2, w[-1], power
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [0.5, 0.3])
+def test_a_strip_narrows_until_its_tears_meet(size):
+    is_off, breadth, _ = narrowed(size)
+    assert is_off
+    # Measured 0.08 and 0.07 mm.
+    assert breadth < 0.25
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "size",
+    [
+        pytest.param(
+            0.5, marks=pytest.mark.xfail(reason="m = 0.83: the process zone is two edges long")
+        ),
+        0.3,
+    ],
+)
+def test_a_strip_narrows_by_a_power_law(size):
+    # Around the 8/11 of [Brau2014]; measured 0.74 on 0.3 mm, 0.69 on 0.2 mm.
+    assert 0.70 < narrowed(size)[2] < 0.80
