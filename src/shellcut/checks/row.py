@@ -17,6 +17,7 @@ from shellcut.mesh.mesh import Mesh
 from .sweep import Sweep
 
 ALONG_ROW = np.cos(np.radians(30.0))
+"""Least cosine between the path and a side that runs along it."""
 AT_ROW = 0.5
 """A side farther off than this, in edge lengths, is not the one that the blade follows."""
 ON_ROW = 5e-3
