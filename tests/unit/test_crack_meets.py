@@ -6,14 +6,15 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from free_strip import cut_strip, slanted_strip
+from naive import blade_drive
 from shellcut.contact.settings import STEEPEST
 from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
-from shellcut.fracture.crack_path import GRAZE, SNAP
 from shellcut.fracture.flank_points import hand_on_stiffness
+from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Tip
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
-from shellcut.tool.cutting_edge import BACK, START, CuttingEdges
+from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges
 from shellcut.tool.motion import StraightMotion
 
 FORWARD = np.array([1.0, 0.0, 0.0])
@@ -148,10 +149,14 @@ def test_the_pose_beyond_a_point_is_found_from_within_a_ramp(reach):
     motion = StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-3)
     time, size = (1e-4, 0.4) if reach > 0.0 else (2e-3, 0.4)
     x = np.array([motion.coordinate(time) - 0.1 + 0.3, 0.05, 0.0])
-    off, pose = BladeDrive(edges).beyond(x, size, 0, motion, time, reach)
+    drive = BladeDrive(edges, motion)
+    then = drive.find(x[None], np.array([size]), time, 0, reach)
+    _, pose = blade_drive.beyond(edges, motion, x, size, 0, time, reach)
     gap = pose.to_body(x[None])[0] - edges.segments[0, START]
+    np.testing.assert_allclose(then.rotation[0], pose.rotation)
+    assert then.off[0] == pytest.approx(gap @ edges.segments[0, NORMAL], abs=1e-12)
     assert gap @ edges.segments[0, BACK] == pytest.approx(reach * size, abs=NEAR * size)
-    assert abs(off) == pytest.approx(0.05, abs=1e-12)
+    assert abs(then.off[0]) == pytest.approx(0.05, abs=1e-12)
 
 
 def test_contact_holds_no_node_of_a_cut_stiffer_than_at_a_crack_along_edges():

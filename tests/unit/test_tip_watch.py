@@ -1,4 +1,4 @@
-"""The kernels that watch crack tips find what the rules find, tip by tip."""
+"""The kernels of cracks through quads find what their plain twins find, tip by tip."""
 
 from itertools import pairwise
 
@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from free_strip import cut_strip, slanted_strip
+from naive import blade_drive, crack_path, trial_cut
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.chord_ends import parts_quad
-from shellcut.fracture.crack_path import CrackPath, common_side
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.pierce import Pierce
-from shellcut.fracture.quad_polygon import WHOLE, shape_functions
+from shellcut.fracture.quad_polygon import WHOLE, common_side, shape_functions
 from shellcut.fracture.tip import Tip
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut
@@ -25,29 +26,22 @@ class Rules:
 
     def __init__(self, sim):
         self.sim, self.topology = sim, sim.cracks.cuts.topology
-        edges = CuttingEdges.of(sim.tool)
-        self.path, self.drive = CrackPath(self.topology, sim.shell), BladeDrive(edges)
+        self.edges, self.path = CuttingEdges.of(sim.tool), CrackPath(self.topology, sim.shell)
         self.trial = TrialCut(self.topology, sim.shell, sim.loads, sim.law.strength)
-        self.watch = TipWatch(self.topology, self.path, self.trial, sim.shell, edges, sim.motion)
+        self.watch = TipWatch(self.path, self.trial, BladeDrive(self.edges, sim.motion))
 
-    def plain(self, tips):
-        """Return segment and measure of each tip, None without, and which the edge has passed."""
-        state, found = self.sim.state, []
-        at = [self.path.place_of(state, tip) for tip in tips]
-        size = np.array([one.size for one in at])
-        driven = self.drive.of(np.array([one.x for one in at]), size, self.sim.pose)
-        for i, (tip, place) in enumerate(zip(tips, at, strict=True)):
-            segment = measure = None
-            if driven.edge_of[i] >= 0:
-                edge, motion = int(driven.edge_of[i]), self.sim.motion
-                off, then = self.drive.beyond(place.x, place.size, edge, motion, state.time)
-                ways, lean = self.drive.directions(edge, off, place, then)
-                segments = (self.path.segment_from(state, tip, way, lean, tips) for way in ways)
-                segment = next((one for one in segments if one is not None), None)
-            if segment is not None:
-                measure = self.trial.measure(state, tip, segment)
-            found.append((segment, measure))
-        return found, driven.passed
+    def plain(self, tip, tips):
+        """Return segment and measure of a tip, None without, and whether the edge has passed."""
+        state, motion, at = self.sim.state, self.sim.motion, self.path.place_of(self.sim.state, tip)
+        edge, passed = blade_drive.nearest_edge(self.edges, at.x, at.size, self.sim.pose)
+        if edge < 0:
+            return None, None, passed
+        off, then = blade_drive.beyond(self.edges, motion, at.x, at.size, edge, state.time)
+        ways, lean = blade_drive.directions(self.edges, edge, off, at, then)
+        found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
+        segment = next((one for one in found if one is not None), None)
+        measure = segment and trial_cut.measure(self.trial, state, tip, segment)
+        return segment, measure, passed
 
     def compare(self, tips):
         """Assert that the watch finds the same; return how many segments there are."""
@@ -55,10 +49,10 @@ class Rules:
         tips = self.watch.alive(state, tips)
         if not tips:
             return []
-        due = self.watch.due(state, tips)
-        found, passed = self.plain(tips)
+        due = self.watch.due(state, tips).copy()
         kinds = []
-        for i, (segment, measure) in enumerate(found):
+        for i, tip in enumerate(tips):
+            segment, measure, passed = self.plain(tip, tips)
             mine = self.watch.segment(i)
             if segment is None:
                 assert mine is None
@@ -66,11 +60,13 @@ class Rules:
                 continue
             assert mine.row == segment.row
             assert mine.along_side == segment.along_side
-            assert mine.corner == segment.corner
+            assert (mine.corner, mine.side) == (segment.corner, segment.side)
             np.testing.assert_allclose(mine.entry, segment.entry, atol=1e-12)
             np.testing.assert_allclose(mine.exit, segment.exit, atol=1e-9)
             np.testing.assert_allclose(self.watch.measure[i], measure, rtol=1e-9, atol=1e-12)
-            assert due[i] == (passed[i] or measure >= 1.0)
+            assert due[i] == (passed or measure >= 1.0)
+            right, _ = trial_cut.shares(self.trial, state, segment)
+            assert mine.right == pytest.approx(right, rel=1e-9)  # round-off
             kinds.append((segment.corner >= 0, segment.along_side, segment.side < 0))
         return kinds
 
@@ -144,7 +140,7 @@ def test_chords_part_whole_quads_as_the_rules_say():
         )
         t = np.array(shape_functions(place)) @ s.node.t[s.quads[row]]
         trace = np.cross(t, b) / np.linalg.norm(np.cross(t, b))
-        ends = [path.segment(s, row, place, sign * trace) for sign in (-1.0, 1.0)]
+        ends = [crack_path.segment(path, s, row, place, sign * trace) for sign in (-1.0, 1.0)]
         rules = None not in ends and common_side(WHOLE, *(end.exit for end in ends)) is None
         assert mine == rules
         said.append(rules)

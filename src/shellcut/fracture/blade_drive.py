@@ -8,18 +8,23 @@ The motion is prescribed, so that this pose is known. On a circle of radius R th
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
 the mid-plane at the tip still by L²/2R in a segment of length L. Aimed at a point of the path, a
 segment ends within L²/8R of it.
+
+The direction is that to the trace of the mid-plane in the sheet, one edge length ahead; where that
+leads back out of the film ahead, because the film has been pushed far aside, less and less towards
+it. The plane of the segment (:mod:`.ray_ahead`) leans from the director as the mid-plane leans from
+that of the reference film, for folds under the blade do not count.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import combine, load
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.tool.cutting_edge import (
     BACK,
     CUT_DEPTH,
@@ -31,17 +36,13 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.pose_of_motion import pose_at
-
-from .tip import Place
 
 # How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
 _REACH = 0.5
 
 # How far ahead of the edge such a tip may be, likewise.
 _AHEAD = 20.0
-
 
 # Of the squared sine of the angle between mid-plane and sheet: below it the way in the sheet to the
 # mid-plane counts as that of a plane that leans by this, some 18 degrees from the sheet.
@@ -59,144 +60,228 @@ NEAR = 0.05
 
 
 class Driven(NamedTuple):
-    """Tips and the edges that drive them."""
+    """Tips and the edges that drive them, now and when these will be beyond them."""
 
-    edge_of: Ints
-    """Segment of the edge, -1 if none, shape (n_tip,)."""
-    off: Floats
-    """Signed distance of the tip from the mid-plane [mm], shape (n_tip,)."""
-    passed: Bools
-    """Whether the edge has passed it, shape (n_tip,)."""
+    edge_of: Annotated[Ints, "(n_tip,)"]
+    """Segment of the edge, -1 if none."""
+    off: Annotated[Floats, "(n_tip,)"]
+    """Signed distance of the tip from its mid-plane then [mm]."""
+    passed: Annotated[Bools, "(n_tip,)"]
+    """Whether the edge has passed the tip already."""
+    rotation: Annotated[Floats, "(n_tip, 3, 3)"]
+    """Of the tool then."""
+    time: Annotated[Floats, "(n_tip,)"]
+    """Of the pose that is to be tried next [s]."""
+    seeking: Annotated[Bools, "(n_tip,)"]
+    """Whether there is one."""
+    ways: Annotated[Floats, "(n_tip, n_way, 3)"]
+    """Unit directions in space in which the edge drives the tip, the best one first."""
+    lean: Annotated[Floats, "(n_tip, 3)"]
+    """Of the plane of the segment from the director."""
+
+
+class _Tried(NamedTuple):
+    """Poses and twists of the tool at the times tried."""
+
+    rotation: Annotated[Floats, "(n_tip, 3, 3)"]
+    translation: Annotated[Floats, "(n_tip, 3)"]
+    spin: Annotated[Floats, "(n_tip, 3)"]
+    velocity: Annotated[Floats, "(n_tip, 3)"]
 
 
 class BladeDrive:
-    """Finds the tips that cutting edges drive.
+    """Finds the tips that cutting edges drive, and where to.
 
     Parameters
     ----------
     edges : CuttingEdges
         Of the tool.
+    motion : Motion
+        Of the tool.
     """
 
-    def __init__(self, edges: CuttingEdges) -> None:
-        self.edges = edges
-        self._near_edge = BoundOnce(_near_edge)
+    def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
+        self.edges, self._motion = edges, motion
+        self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
+        self._allocate(0)
 
-    def of(self, x: Floats, size: Floats, pose: Pose) -> Driven:
-        """Return which segments drive tips at x : (n_tip, 3) [mm]; size : (n_tip,) [mm]."""
-        n = len(x)
-        found = Driven(np.full(n, -1), np.zeros(n), np.zeros(n, np.bool_))
-        self._near_edge(x, size, pose, self.edges, *found)
-        return found
+    def _allocate(self, n: int) -> None:
+        self.driven = Driven(
+            edge_of=np.full(n, -1),
+            off=np.zeros(n),
+            passed=np.zeros(n, np.bool_),
+            rotation=np.zeros((n, 3, 3)),
+            time=np.zeros(n),
+            seeking=np.zeros(n, np.bool_),
+            ways=np.zeros((n, len(LOOK_AHEAD) + 1, 3)),
+            lean=np.zeros((n, 3)),
+        )
+        self._tried = _Tried(
+            np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
+        )
 
-    def beyond(
+    def find(
         self,
         x: Floats,
-        size: float,
-        edge: int,
-        motion: Motion,
+        size: Floats,
         time: float,
+        edge: int = -1,
         reach: float = LOOK_AHEAD[0],
-    ) -> tuple[float, Pose]:
-        """Return how far off the mid-plane a point lies when an edge is beyond it, and the pose.
+    ) -> Driven:
+        """Return which edge drives each tip, and its pose when it is beyond it.
+
+        The next call overwrites what is returned.
 
         Parameters
         ----------
-        x : ndarray, shape (3,)
-            The point [mm].
-        size : float
-            Local edge length there [mm].
-        edge : int
-            Segment of the edge that is before the point or has passed it.
-        motion : Motion
-            Of the tool.
+        x : ndarray, shape (n_tip, 3)
+            Where the tips are [mm].
+        size : ndarray, shape (n_tip,)
+            Local edge lengths there [mm].
         time : float
             Now [s].
+        edge : int
+            Segment of the edge that drives them all, if it is known.
         reach : float
             How far beyond, in local edge lengths; negative: the earlier pose, in which the edge was
-            still so far before the point.
-
-        Returns
-        -------
-        off : float
-            Signed distance [mm].
-        pose : Pose
-            The present one where the edge rests or goes away from the point.
+            still so far before the tip. The present one where the edge rests or goes away from it.
         """
-        pose, later = pose_at(motion, time), time
-        segment = self.edges.segments[edge]
-        for _ in range(TURNS):
-            gap = pose.to_body(x[None])[0] - segment[START]
-            left = reach * size - float(gap @ segment[BACK])
-            if abs(left) <= NEAR * size:
+        if len(x) != len(self.driven.time):
+            self._allocate(len(x))
+        found, tried, motion = self.driven, self._tried, self._motion
+        tried.rotation[:], tried.translation[:] = pose_at(motion, time)
+        tried.spin[:], tried.velocity[:] = motion.twist(time)
+        found.time[:], found.seeking[:] = time, True
+        if edge >= 0:
+            found.edge_of[:], found.passed[:] = edge, False
+        count = self._try_poses(x, size, self.edges, tried, found, reach, edge < 0, True)
+        for k in range(TURNS):
+            if not count:
                 break
-            spin, velocity = motion.twist(later)
-            speed = (velocity + np.cross(spin, x - pose.translation)) @ (
-                pose.rotation @ segment[BACK]
-            )
-            if speed >= 0.0:  # the edge goes away from it, or rests
-                break
-            later -= left / speed
-            pose = pose_at(motion, later)
-        return float((pose.to_body(x[None])[0] - segment[START]) @ segment[NORMAL]), pose
+            for i, later in enumerate(found.time.tolist()):
+                if found.seeking[i]:
+                    tried.rotation[i], tried.translation[i] = pose_at(motion, later)
+                    tried.spin[i], tried.velocity[i] = motion.twist(later)
+            more = k < TURNS - 1
+            count = self._try_poses(x, size, self.edges, tried, found, reach, False, more)
+        return found
 
-    def directions(
-        self, segment: int, off: float, place: Place, pose: Pose
-    ) -> tuple[list[Floats], Floats]:
-        """Return the unit directions in space in which a blade drives a tip, the best one first.
-
-        Towards the trace of its mid-plane, one edge length ahead; where that leads back out of the
-        film ahead, because the film has been pushed far aside, less and less towards it. With them
-        how the mid-plane leans from the director, for :meth:`.crack_path.CrackPath.segment`: by as
-        much as from that of the reference film, for folds under the blade do not count.
+    def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
+        """Return in which directions edges drive the tips that were asked for last.
 
         Parameters
         ----------
-        segment : int
-            That drives it.
-        off : float
-            Signed distance of the tip from its mid-plane [mm].
-        place : Place
-            Of the tip.
-        pose : Pose
-            Of the tool.
+        director, reference : ndarray, shape (n_tip, 3)
+            Unit directors at the tips, now and in the reference film.
+        heading : ndarray, shape (n_tip, 3)
+            In which direction they came, of any length.
+        size : ndarray, shape (n_tip,)
+            Local edge lengths [mm].
         """
-        t, size = place.t, place.size
-        b = pose.rotation @ self.edges.segments[segment, NORMAL]
-        trace = np.cross(t, b)
-        trace /= max(float(np.linalg.norm(trace)), TANGENT)
-        if trace @ place.heading < 0.0:
-            trace = -trace
-        sine = float(b @ place.T)
-        across = (b - (b @ t) * t) / max(1.0 - sine * sine, LEAST)
-        ways = [reach * size * trace - off * across for reach in LOOK_AHEAD]
-        return [way / max(float(np.linalg.norm(way)), TANGENT) for way in [*ways, trace]], (
-            sine * across
-        )
+        self._direct(director, heading, reference, size, self.edges.segments, self.driven)
+        return self.driven
 
 
 @kernel
-def _near_edge(
+def _try_poses(
     x: Floats,
     size: Floats,
-    pose: Pose,
     edges: CuttingEdges,
-    edge_of: Ints,
-    off: Floats,
-    passed: Bools,
-) -> None:
-    """Write which segment of the edge a point is before or has passed, and how far beside it is.
+    tried: _Tried,
+    found: Driven,
+    reach: float,
+    seek: bool,
+    more: bool,
+) -> int:
+    """Find the edges at the poses tried, and the times to try next; return for how many tips.
 
-    x : (n, 3), [mm].  size : (n,), local edge lengths [mm].  edge_of, off, passed : (n,).
+    x : (n_tip, 3), [mm].  size : (n_tip,), [mm].  reach : see :meth:`BladeDrive.find`.  seek :
+    whether the edges are to be found, at poses of now.  more : whether another time may be tried.
     """
-    pose, edges = borrowed(pose), borrowed(edges)
-    for i in range(x.shape[0]):
-        found = nearest_edge(to_body(load(x, i), pose), size[i], edges)
-        edge_of[i], off[i], _, passed[i] = found
+    edges, tried, found = borrowed(edges), borrowed(tried), borrowed(found)
+    count = 0
+    for i in range(size.shape[0]):
+        if not found.seeking[i]:
+            continue
+        found.seeking[i] = False
+        here, R = load(x, i), tried.rotation
+        gap = sub(here, load(tried.translation, i))
+        p = (
+            R[i, 0, 0] * gap[0] + R[i, 1, 0] * gap[1] + R[i, 2, 0] * gap[2],
+            R[i, 0, 1] * gap[0] + R[i, 1, 1] * gap[1] + R[i, 2, 1] * gap[2],
+            R[i, 0, 2] * gap[0] + R[i, 1, 2] * gap[1] + R[i, 2, 2] * gap[2],
+        )
+        depth = 0.0
+        if seek:
+            found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
+                p, size[i], edges
+            )
+        edge = found.edge_of[i]
+        if edge < 0:
+            continue
+        k = segment_part(edges.segments, edge, BACK)
+        if not seek:
+            d = sub(p, segment_part(edges.segments, edge, START))
+            found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
+        for a in range(3):
+            for b in range(3):
+                found.rotation[i, a, b] = R[i, a, b]
+        left = reach * size[i] - depth
+        if not more or abs(left) <= NEAR * size[i]:
+            continue
+        turning = cross(load(tried.spin, i), gap)
+        v = load(tried.velocity, i)
+        speed = 0.0
+        for a in range(3):
+            back = R[i, a, 0] * k[0] + R[i, a, 1] * k[1] + R[i, a, 2] * k[2]
+            speed += (v[a] + turning[a]) * back
+        if speed < 0.0:
+            found.time[i] -= left / speed
+            found.seeking[i] = True
+            count += 1
+    return count
+
+
+@kernel
+def _direct(
+    director: Floats,
+    heading: Floats,
+    reference: Floats,
+    size: Floats,
+    segments: Floats,
+    found: Driven,
+) -> None:
+    """Write in which directions edges drive tips.
+
+    director, heading, reference : (n_tip, 3).  size : (n_tip,).  segments : of the edges.
+    """
+    found = borrowed(found)
+    n_way = found.ways.shape[1]
+    for i in range(size.shape[0]):
+        if found.edge_of[i] < 0:
+            continue
+        d, e = load(director, i), found.edge_of[i]
+        normal = segment_part(segments, e, NORMAL)
+        turned = load(found.rotation[i], 0), load(found.rotation[i], 1), load(found.rotation[i], 2)
+        b = dot(turned[0], normal), dot(turned[1], normal), dot(turned[2], normal)
+        trace = cross(d, b)
+        sign = -1.0 if dot(trace, load(heading, i)) < 0.0 else 1.0
+        trace = scale(sign / max(norm(trace), TANGENT), trace)
+        sine = dot(b, load(reference, i))
+        across = scale(1.0 / max(1.0 - sine * sine, LEAST), combine(1.0, b, -dot(b, d), d))
+        store(found.lean, i, scale(sine, across))
+        aside = scale(found.off[i], across)
+        for turn in range(n_way):
+            way = trace
+            if turn < n_way - 1:
+                way = combine(LOOK_AHEAD[turn] * size[i], trace, -1.0, aside)
+            way = scale(1.0 / max(norm(way), TANGENT), way)
+            for c in range(3):
+                found.ways[i, turn, c] = way[c]
 
 
 @inline
-def nearest_edge(p: Vec3, size: float, edges: CuttingEdges) -> tuple[int, float, float, bool]:
+def _nearest_edge(p: Vec3, size: float, edges: CuttingEdges) -> tuple[int, float, float, bool]:
     """Return which segment of the edge a point is before or has passed, -1 if none.
 
     With it, how far beside its mid-plane and behind it the point lies, and whether it has passed.

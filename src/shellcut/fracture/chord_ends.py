@@ -1,6 +1,6 @@
 """Whether a chord through a whole quad would part it: for the kernel that looks where edges pierce.
 
-The same rules as :meth:`.crack_path.CrackPath.segment`, both ways from a place inside, and as those
+The same rules as :mod:`.ray_ahead`, both ways from a place inside, and as those
 of :meth:`.free_cracks.FreeCracks` that refuse a chord along a side; a test compares the two.
 """
 
@@ -12,8 +12,8 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
 
-from .crack_path import SNAP
-from .tip_places import AWAY
+from .quad_polygon import AWAY
+from .ray_ahead import SNAP
 
 _NOWHERE = -1
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats
+from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -26,19 +26,22 @@ from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
 from .branching import Branching, ways
-from .crack_path import JOIN, ONCOMING, CrackPath, common_side
+from .crack_path import CrackPath
 from .criterion import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
-from .quad_polygon import FLANK, WHOLE, Point, shape_functions
+from .quad_polygon import FLANK, WHOLE, Point, common_side, shape_functions
+from .ray_ahead import JOIN
 from .segment import Segment
 from .tip import Pace, Tip, restored_tips, saved_tips
 from .tip_across import tip_across
+from .tip_places import ONCOMING
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
+from .trial_sums import TrialSums
 
 _SAME_PLACE = 1e-6
 """Of the local edge length: tips that are no farther from each other are at one place."""
@@ -91,14 +94,14 @@ class FreeCracks:
         gauss = fracture.cable_places == "gauss"
         self._path = CrackPath(topology, shell)
         self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
+        self._sums = TrialSums(self._trial)
         self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:
-            self._motion = motion
             edges = CuttingEdges.of(tool)
-            self._drive = BladeDrive(edges)
-            self._watch = TipWatch(topology, self._path, self._trial, shell, edges, motion)
+            self._drive = BladeDrive(edges, motion)
+            self._watch = TipWatch(self._path, self._trial, self._drive)
             self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())))
 
     def run(self, state: State, pose: Pose) -> None:
@@ -106,9 +109,8 @@ class FreeCracks:
         if self._drive is None:
             self._advance_free(state)
             return
-        while (due := self._may_be_due(state)).any():
-            if not self._advance_due(state, self._drive, pose, due):
-                break
+        while self._advance_driven(state):
+            pass
         self._begin_cuts(state, self._drive, pose)
 
     def _advance_free(self, state: State) -> None:
@@ -131,7 +133,7 @@ class FreeCracks:
             segment = next((one for one in found if one is not None), None)
             if segment is None or self._is_held(state, segment):
                 continue
-            measure = self._trial.measure_of_tear(state, tip, segment)
+            measure = self._sums.of_tear(state, tip, segment)
             if measure >= 1.0 and not self._branch(state, tip, segment):
                 self._advance(state, tip, segment, "criterion", measure)
 
@@ -170,7 +172,7 @@ class FreeCracks:
             found = self._path.segment_from(state, tip, one, others=self.tips)
             if found is None or self._is_held(state, found):
                 return False
-            if (measure := self._trial.measure_of_tear(state, tip, found)) < 1.0:
+            if (measure := self._sums.of_tear(state, tip, found)) < 1.0:
                 return False
             both.append((found, measure))
         (left, measure), (right, other_measure) = both
@@ -247,37 +249,18 @@ class FreeCracks:
     def _is_there(self, tip: Tip) -> bool:
         return any(one is tip for one in self.tips)
 
-    def _may_be_due(self, state: State) -> Bools:
-        """Return which tips may be due, after giving up those without film ahead."""
+    def _advance_driven(self, state: State) -> bool:
+        """Advance the first crack that a blade drives and that is due; return whether one is."""
         self.tips = self._watch.alive(state, self.tips)
-        return self._watch.due(state, self.tips)
-
-    def _advance_due(self, state: State, drive: BladeDrive, pose: Pose, due: Bools) -> bool:
-        """Advance the cracks that blades drive and that are due; return whether there are any.
-
-        due : (n_tip,), which may be due as long as nothing has been cut.
-        """
-        seen = [(tip, at) for tip in self.tips if (at := self._path.place_of(state, tip))]
-        size = np.array([at.size for _, at in seen])
-        driven = drive.of(np.array([at.x for _, at in seen]), size, pose)
-        went_on = False
-        for i in np.flatnonzero(driven.edge_of >= 0).tolist():
-            tip, at = seen[i]
-            if not (went_on or due[i]) or not self._is_there(tip):
-                continue
-            edge = int(driven.edge_of[i])
-            off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time)
-            ways, lean = drive.directions(edge, off, at, then)
-            found = (self._path.segment_from(state, tip, way, lean, self.tips) for way in ways)
-            segment = next((one for one in found if one is not None), None)
-            if segment is None:
-                continue
-            measure = self._trial.measure(state, tip, segment)
-            if measure >= 1.0 or driven.passed[i]:
-                kind = "criterion" if measure >= 1.0 else "blade"
-                self._advance(state, tip, segment, kind, measure)
-                went_on = True
-        return went_on
+        due = np.flatnonzero(self._watch.due(state, self.tips))
+        if not due.size:
+            return False
+        i = int(due[0])
+        segment, measure = self._watch.segment(i), float(self._watch.measure[i])
+        assert segment is not None
+        kind = "criterion" if measure >= 1.0 else "blade"
+        self._advance(state, self.tips[i], segment, kind, measure)
+        return True
 
     def _cut(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
         """Cut along a segment; tips that lie on it keep what is behind them."""
@@ -400,17 +383,18 @@ class FreeCracks:
 
         The first leads to where an oncoming crack ends, if there is one.
         """
-        at = self._path.place_in(state, row, place)
-        off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time, reach)
-        ahead = then.rotation @ drive.edges.segments[edge, BACK] * -reach
-        (way, *_), lean = drive.directions(edge, off, at._replace(heading=ahead), then)
+        at, size = self._path.place_in(state, row, place), np.array([self._path.size(row)])
+        then = drive.find(at.x[None], size, state.time, edge, reach)
+        heading = then.rotation[0] @ drive.edges.segments[edge, BACK] * -reach
+        drive.direct(at.t[None], heading[None], at.T[None], size)
+        way, lean = then.ways[0, 0], then.lean[0]
         segment = self._path.segment(state, row, place, way, lean)
         if segment is None:
             return []
         gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
         heading = gap @ state.node.X[state.quads[row]]
         ends = self._path.oncoming(row, place, heading / np.linalg.norm(heading), self.tips)
-        joined = self._path.to_an_end(state, row, place, way, lean, ends) if ends else None
+        joined = self._path.segment(state, row, place, way, lean, ends) if ends else None
         return [segment] if joined is None else [joined, segment]
 
     def forget(self, state: State) -> None:

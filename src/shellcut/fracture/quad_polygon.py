@@ -38,6 +38,8 @@ UNUSED = 1e-9
 # any distance that the rules of snapping leave.
 _SAME = 1e-9
 
+AWAY = 1e-6
+"""Of the parametric square, or of a side of it: far above round-off."""
 
 # Gauss points and weights of the two ways through a triangle.
 _LINE_POINTS = [np.polynomial.legendre.leggauss(n) for n in (3, 2)]
@@ -121,6 +123,28 @@ def holds(polygon: Polygon, point: Point) -> bool:
     return all(
         _cross(a, b, point) > -_SAME for a, b in zip(polygon.points, _turned(polygon), strict=True)
     )
+
+
+def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
+    """Return on which side of the quad two points of a polygon lie, None if on no common edge."""
+    for a, b, side in zip(polygon.points, _turned(polygon), polygon.sides, strict=True):
+        if is_on(one, a, b) and is_on(other, a, b):
+            return side
+    return None
+
+
+def is_between(point: Point, a: Point, b: Point) -> bool:
+    """Return whether a point lies on the way from a to b."""
+    d = b[0] - a[0], b[1] - a[1]
+    part = (point[0] - a[0]) * d[0] + (point[1] - a[1]) * d[1]
+    return is_on(point, a, b) and 0.0 < part < d[0] ** 2 + d[1] ** 2
+
+
+def is_on(point: Point, a: Point, b: Point) -> bool:
+    """Return whether a point lies on the line through a and b."""
+    d = b[0] - a[0], b[1] - a[1]
+    height = abs((point[0] - a[0]) * d[1] - (point[1] - a[1]) * d[0])
+    return height < AWAY * hypot(*d)
 
 
 def beyond(a: Point, b: Point) -> list[int]:

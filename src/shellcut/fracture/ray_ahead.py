@@ -1,8 +1,20 @@
-"""Through which side or corner a driven crack would leave the row ahead: all tips in one kernel.
+"""Through which side or corner a crack leaves the row ahead: one ray, or those of many tips.
 
-The same rules as :meth:`.blade_drive.BladeDrive.directions` and
-:meth:`.crack_path.CrackPath.segment_from`, which a test compares with this. What lasts as long as
-the topology is found once (:mod:`.rows_ahead`); with every step only the ray turns.
+A ray lies in the plane along its direction and the director at the tip, from which the plane may
+lean: sides are straight in space, chords of the parametric square are not. Where its segment ends
+([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
+
+1. where a crack that comes towards it ends, within ``JOIN`` edge lengths, measured across the ray;
+2. on a crossing of another crack within ``MERGE``; if that crack leads there from the tip, there is
+   nothing left to cut;
+3. at a corner within ``SNAP``, if it is not on the side where the segment begins; from a
+   node, a side that the ray leaves by less than that is broken as a side;
+4. on the side itself, at least ``SNAP`` of it from its corners.
+
+There is no segment where the direction leads out of the polygon, unless it grazes the side on which
+it begins. Distances across the ray are those in the sheet: out of it, folds under a blade do not
+count. What lasts as long as the topology is found once (:mod:`.rows_ahead`); with every step only
+the ray turns.
 """
 
 from __future__ import annotations
@@ -16,13 +28,28 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
-from shellcut.tool.cutting_edge import NORMAL
 
-from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
-from .crack_path import ALONG, GRAZE, JOIN, MERGE, SNAP
-from .quad_polygon import FLANK
-from .rows_ahead import AT_END_ON_FLANK, AT_END_POINT, NO_SIDE, RowsAhead, Tips
-from .tip_places import AWAY
+from .quad_polygon import AWAY, FLANK
+from .rows_ahead import AT_END_ON_FLANK, AT_END_POINT, NO_SIDE, RowsAhead
+
+JOIN = 0.3
+"""Ends of cracks that come towards a tip are met if nearer than this, in edge lengths across the
+ray: the two would run past each other with a strip between them that no mesh resolves."""
+
+MERGE = 0.15
+"""Crossings of another crack that are nearer than this are met."""
+
+SNAP = 0.05
+"""Corners that are nearer than this are met; crossings keep this part of the side away from
+them."""
+
+ALONG = 1.0 / 3.0
+"""Of the way ahead: a flank that leads to such a point no farther beside the ray is a crack along
+it."""
+
+GRAZE = 0.2
+"""Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
+side of it, runs along that side, and the segment passes the corner on the near side."""
 
 AT_POINT, ALONG_SIDE, AT_CROSSING, ON_SIDE, ON_FLANK = range(5)
 """Where a segment ends: at a point of the polygon, the same along a side of the mesh, on a crossing
@@ -30,79 +57,62 @@ of another crack, on a side between crossings, on a flank."""
 
 
 class Aimed(NamedTuple):
-    """Where the segments from tips would lead, written by :func:`aim`."""
+    """Where the segments from tips lead, written by :func:`leave`."""
 
     way: Annotated[Ints, "(n_tip, 4)"]
     """Which row ahead, -1 if the tip has none; where it ends (AT_POINT to ON_FLANK); at which point
-    or edge; and at or after how many crossings from the last one."""
+    or edge; on which side of the quad at a point, else at or after how many crossings of the edge
+    from the last one."""
+    nodes: Annotated[Ints, "(n_tip, 4)"]
+    """Of that row."""
+    entry: Annotated[Floats, "(n_tip, 2)"]
     exit: Annotated[Floats, "(n_tip, 2)"]
     right: Annotated[Floats, "(n_tip,)"]
     """Share of the row to the right of the segment."""
 
-
-@kernel
-def place_tips(tips: Tips, x: Floats, t: Floats, place: Floats, director: Floats) -> None:
-    """Write place and unit director of tips : (n_tip, 3) from x, t : (n_node, 3)."""
-    tips = borrowed(tips)
-    for i in range(tips.size.shape[0]):
-        p, d = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for a in range(4):
-            p = combine(1.0, p, tips.weight[i, a], load(x, tips.nodes[i, a]))
-            d = combine(1.0, d, tips.weight[i, a], load(t, tips.nodes[i, a]))
-        length = norm(d)
-        for c in range(3):
-            place[i, c], director[i, c] = p[c], d[c] / length
+    @classmethod
+    def of(cls, n: int) -> Aimed:
+        """Return the table of n tips without segments."""
+        way, nodes = np.full((n, 4), -1), np.zeros((n, 4), np.int64)
+        return cls(way, nodes, np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(n))
 
 
 @kernel
-def aim(
-    tips: Tips,
+def leave(
     ahead: RowsAhead,
+    start: Ints,
+    ways: Floats,
+    lean: Floats,
+    edge_of: Ints,
     x: Floats,
     t: Floats,
-    director: Floats,
-    rotation: Floats,
-    segments: Floats,
-    edge_of: Ints,
-    off: Floats,
     aimed: Aimed,
 ) -> int:
     """Write the segments from all tips that an edge drives; return how many there are.
 
-    x, t : (n_node, 3).  director : (n_tip, 3), unit.  rotation : (n_tip, 3, 3), of the tool when it
-    is an edge length beyond them.  edge_of, off : (n_tip,), segment and distance from its mid-plane
-    [mm] then.
+    start : (n_tip + 1,), first row ahead of each tip, and the end.  ways : (n_tip, n_way, 3), unit
+    directions, the best one first.  lean : (n_tip, 3), of the planes from the director.  edge_of :
+    (n_tip,), -1 of a tip that is left out.  x, t : (n_node, 3).
     """
-    tips, ahead, aimed = borrowed(tips), borrowed(ahead), borrowed(aimed)
+    ahead, aimed = borrowed(ahead), borrowed(aimed)
     count = 0
-    for i in range(tips.size.shape[0]):
+    for i in range(edge_of.shape[0]):
         aimed.way[i, 0], aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = -1, 0, 0, 0
         if edge_of[i] < 0:
             continue
-        d, e = load(director, i), edge_of[i]
-        normal = segments[e, NORMAL, 0], segments[e, NORMAL, 1], segments[e, NORMAL, 2]
-        turned = load(rotation[i], 0), load(rotation[i], 1), load(rotation[i], 2)
-        b = dot(turned[0], normal), dot(turned[1], normal), dot(turned[2], normal)
-        trace, heading = cross(d, b), (0.0, 0.0, 0.0)
-        for a in range(4):
-            heading = combine(1.0, heading, tips.forward[i, a], load(x, tips.nodes[i, a]))
-        sign = -1.0 if dot(trace, heading) < 0.0 else 1.0
-        trace = scale(sign / max(norm(trace), TANGENT), trace)
-        sine = dot(b, load(tips.reference, i))
-        across = scale(1.0 / max(1.0 - sine * sine, LEAST), combine(1.0, b, -dot(b, d), d))
-        aside, lean = scale(off[i], across), scale(sine, across)
-        for turn in range(len(LOOK_AHEAD) + 1):
-            way = trace
-            if turn < len(LOOK_AHEAD):
-                way = combine(LOOK_AHEAD[turn] * tips.size[i], trace, -1.0, aside)
-            way = scale(1.0 / max(norm(way), TANGENT), way)
+        for turn in range(ways.shape[1]):
+            way = ways[i, turn, 0], ways[i, turn, 1], ways[i, turn, 2]
             for joining in (True, False):
-                for k in range(tips.start[i], tips.start[i + 1]):
+                for k in range(start[i], start[i + 1]):
                     if aimed.way[i, 0] < 0 and _through(
-                        ahead, k, i, x, t, way, lean, joining, aimed
+                        ahead, k, i, x, t, way, load(lean, i), joining, aimed
                     ):
                         aimed.way[i, 0] = k
-        if aimed.way[i, 0] >= 0:
+        k = aimed.way[i, 0]
+        if k >= 0:
+            for a in range(4):
+                aimed.nodes[i, a] = ahead.nodes[k, a]
+            aimed.entry[i, 0], aimed.entry[i, 1] = ahead.entry[k, 0], ahead.entry[k, 1]
             aimed.right[i] = _share_to_the_right(ahead, aimed, i)
             count += 1
     return count
@@ -157,7 +167,8 @@ def _through(
         through = ahead.common[k, j] == NO_SIDE
         if through or ahead.breaks[k, j]:
             aimed.way[i, 1] = AT_POINT if through else ALONG_SIDE
-            aimed.way[i, 2], aimed.way[i, 3] = j, 0
+            aimed.way[i, 2] = j
+            aimed.way[i, 3] = ahead.side[k, hit] if through else ahead.common[k, j]
             aimed.exit[i, 0], aimed.exit[i, 1] = ahead.point[k, j, 0], ahead.point[k, j, 1]
             return True
         if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
@@ -183,13 +194,14 @@ def _to_an_end(
         off = abs(dot(gap, normal))
         if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
-            nth, kind = ahead.end_nth[c], AT_CROSSING
+            kind, edge, nth = AT_CROSSING, ahead.end_edge[c], ahead.end_nth[c]
             if nth == AT_END_POINT:
-                kind = AT_POINT
+                kind, nth = AT_POINT, ahead.side[k, edge]
+                if nth == FLANK:
+                    nth = ahead.side[k, (edge + ahead.n_point[k] - 1) % ahead.n_point[k]]
             elif nth == AT_END_ON_FLANK:
-                kind = ON_FLANK
-            aimed.way[i, 1], aimed.way[i, 2] = kind, ahead.end_edge[c]
-            aimed.way[i, 3] = max(nth, 0)
+                kind, nth = ON_FLANK, 0
+            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = kind, edge, nth
             aimed.exit[i, 0], aimed.exit[i, 1] = ahead.end[c, 0], ahead.end[c, 1]
     return found
 

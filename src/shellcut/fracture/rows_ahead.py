@@ -8,24 +8,25 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .crack_path import CrackPath, common_side, is_on
-from .cut_topology import CutTopology
 from .quad_polygon import (
+    AWAY,
     FLANK,
     Point,
+    Polygon,
     along_side,
+    common_side,
     corner_at,
     density,
     holds,
+    is_on,
     on_side,
     shape_functions,
     share_of,
 )
 from .tip import Tip
-from .tip_places import AWAY
+from .tip_places import End, TipPlaces
 
 AT_END_POINT, AT_END_ON_FLANK = -1, -2
 """Of ``end_nth``: the other crack ends at a point of the polygon, or on a flank."""
@@ -93,33 +94,49 @@ class RowsAhead(NamedTuple):
     """... and which crossing of that edge it is, -1 at a point, -2 on a flank."""
 
 
-def rows_ahead(
-    state: State, topology: CutTopology, path: CrackPath, shell: MITC4Shell, tips: Sequence[Tip]
-) -> tuple[Tips, RowsAhead]:
+def tips_of(state: State, places: TipPlaces, tips: Sequence[Tip]) -> tuple[Tips, RowsAhead]:
     """Return the tables of some tips; there must be rows ahead of each."""
-    ahead = [path.rows_ahead(tip) for tip in tips]
-    every = [(row, entry) for rows in ahead for row, entry in rows]
-    rows = np.array([row for row, _ in every], np.int64)
-    first = np.array([rows[0][0] for rows in ahead], np.int64)
-    sizes = np.sqrt(shell.area)
+    ahead = [places.rows_ahead(tip) for tip in tips]
+    ends = [
+        places.oncoming(row, entry, tip.heading, tips)
+        for rows, tip in zip(ahead, tips, strict=True)
+        for row, entry in rows
+    ]
+    first = [rows[0] for rows in ahead]
     table = Tips(
-        nodes=state.quads[first].astype(np.int64),
-        weight=np.array([shape_functions(rows[0][1]) for rows in ahead]),
-        size=sizes[first],
+        nodes=state.quads[[row for row, _ in first]].astype(np.int64),
+        weight=np.array([shape_functions(entry) for _, entry in first]),
+        size=np.array([places.size(row) for row, _ in first]),
         forward=np.array(
-            [path.carried_on(*rows[0], tip.heading) for rows, tip in zip(ahead, tips, strict=True)]
+            [places.carried_on(*at, tip.heading) for at, tip in zip(first, tips, strict=True)]
         ),
-        reference=np.array([path.reference_director(*rows[0]) for rows in ahead]),
+        reference=np.array([places.reference_director(*at) for at in first]),
         start=np.cumsum([0, *map(len, ahead)]),
     )
-    n, most = len(every), max(len(topology.polygon(row).points) for row, _ in every)
+    return table, table_of(state, places, [at for rows in ahead for at in rows], ends)
+
+
+def table_of(
+    state: State,
+    places: TipPlaces,
+    every: Sequence[tuple[int, Point]],
+    ends: Sequence[Sequence[End]],
+) -> RowsAhead:
+    """Return the table of some rows and the place of a tip in each.
+
+    ends : of the cracks that come towards the tip, row by row.
+    """
+    rows = [row for row, _ in every]
+    polygons = [places.topology.polygon(row) for row in rows]
+    n, most = len(every), max(len(polygon.points) for polygon in polygons)
+    oncoming = [end for some in ends for end in some]
     found = RowsAhead(
-        row=rows,
+        row=np.array(rows, np.int64),
         nodes=state.quads[rows].astype(np.int64),
-        size=sizes[rows],
+        size=np.array([places.size(row) for row in rows]),
         entry=np.array([entry for _, entry in every]),
         first=np.zeros(n, np.int64),
-        J=np.array([_relative_density(state, topology, row) for row in rows.tolist()]),
+        J=np.array([_relative_density(state, *at) for at in zip(rows, polygons, strict=True)]),
         n_point=np.zeros(n, np.int64),
         point=np.zeros((n, most, 2)),
         side=np.zeros((n, most), np.int64),
@@ -130,49 +147,43 @@ def rows_ahead(
         crossing=np.zeros((n, most, 2), np.int64),
         known=np.zeros(0),
         can_meet=np.zeros(0, np.bool_),
-        first_end=np.zeros(n + 1, np.int64),
-        end=np.zeros((0, 2)),
-        end_edge=np.zeros(0, np.int64),
-        end_nth=np.zeros(0, np.int64),
+        first_end=np.cumsum([0, *map(len, ends)]),
+        end=np.array([end.place for end in oncoming]).reshape(-1, 2),
+        end_edge=np.array([end.edge for end in oncoming], np.int64),
+        end_nth=np.zeros(len(oncoming), np.int64),
     )
     known: list[tuple[float, bool]] = []
-    ends: list[tuple[Point, int, int]] = []
-    of = np.repeat(np.arange(len(tips)), np.diff(table.start)).tolist()
     for k, (row, entry) in enumerate(every):
-        _fill(found, k, topology, path, row, entry, known)
-        for place, edge, at_point in path.oncoming(row, entry, tips[of[k]].heading, tips):
-            side, nth = int(found.side[k, edge]), AT_END_POINT if at_point else AT_END_ON_FLANK
-            if side != FLANK and not at_point:
-                s = along_side(side, place)
-                crossings = known[found.crossing[k, edge, 0] : found.crossing[k, edge, 1]]
-                nth = int(np.argmin([abs(one - s) for one, _ in crossings]))
-            ends.append((place, edge, nth))
-        found.first_end[k + 1] = len(ends)
-    return table, found._replace(
+        _fill(found, k, polygons[k], places, row, entry, known)
+        for e, end in enumerate(ends[k], found.first_end[k]):
+            side = int(found.side[k, end.edge])
+            found.end_nth[e] = AT_END_POINT if end.at_point else AT_END_ON_FLANK
+            if side != FLANK and not end.at_point:
+                s = along_side(side, end.place)
+                crossings = known[slice(*found.crossing[k, end.edge])]
+                found.end_nth[e] = np.argmin([abs(one - s) for one, _ in crossings])
+    return found._replace(
         known=np.array([s for s, _ in known]),
         can_meet=np.array([can for _, can in known], np.bool_),
-        end=np.array([place for place, _, _ in ends]).reshape(-1, 2),
-        end_edge=np.array([edge for _, edge, _ in ends], np.int64),
-        end_nth=np.array([nth for _, _, nth in ends], np.int64),
     )
 
 
-def _relative_density(state: State, topology: CutTopology, row: int) -> Floats:
+def _relative_density(state: State, row: int, polygon: Polygon) -> Floats:
     J = density(state.node.X[state.quads[row]])
-    return np.array(J) / (4.0 * J[0] * share_of(topology.polygon(row), J))
+    return np.array(J) / (4.0 * J[0] * share_of(polygon, J))
 
 
 def _fill(
     table: RowsAhead,
     k: int,
-    topology: CutTopology,
-    path: CrackPath,
+    polygon: Polygon,
+    places: TipPlaces,
     row: int,
     entry: Point,
     known: list[tuple[float, bool]],
 ) -> None:
     """Write the polygon of row k of the table; append the crossings on it to ``known``."""
-    polygon, ring, start = topology.polygon(row), path.ring(row), corner_at(entry)
+    ring, start = places.ring(row), corner_at(entry)
     points, n = polygon.points, len(polygon.points)
     table.n_point[k] = n
     for j in range(n):
@@ -182,13 +193,13 @@ def _fill(
         table.corner[k, j] = corner_at(points[j])
         table.common[k, j] = NO_SIDE if common is None else common
         if common not in (None, FLANK) and start >= 0 and table.corner[k, j] not in (-1, start):
-            table.breaks[k, j] = path.may_break(row, start, int(table.corner[k, j]))
+            table.breaks[k, j] = places.may_break(row, start, int(table.corner[k, j]))
         table.on_edge[k, j] = is_on(entry, points[j], after)
         if table.on_edge[k, j] and np.hypot(*np.subtract(after, entry)) > AWAY:
             table.first[k] = (j + 1) % n
         table.crossing[k, j, 0] = len(known)
         if side != FLANK:
-            for s in reversed(topology.crossings(ring[side], ring[(side + 1) % 4])):
+            for s in reversed(places.topology.crossings(ring[side], ring[(side + 1) % 4])):
                 place = on_side(side, s)
                 can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None
                 known.append((s, can_meet))

@@ -21,6 +21,8 @@ class Segment:
     """Corner of the quad at the exit, -1 if it is none."""
     along_side: bool = False
     """Whether it runs from corner to corner along a side of the quad."""
+    right: float = 1.0
+    """Share of the row to the right of it, 1 along a side."""
 
     def on_side_of(self, ring: Sequence[int]) -> tuple[tuple[int, int], float]:
         """Return the nodes of the side at which it ends, ascending, and where on it.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import hypot
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +14,14 @@ from shellcut.state import State
 
 from .cut_topology import CutTopology
 from .quad_polygon import (
+    AWAY,
     CORNERS,
     Point,
     along_side,
+    common_side,
     corner_at,
     has_corner,
+    is_between,
     on_side,
     shape_functions,
     side_at,
@@ -26,8 +31,17 @@ from .quad_polygon import (
 from .segment import Segment
 from .tip import Place, Tip
 
-AWAY = 1e-6
-"""Of the parametric square, or of a side of it: far above round-off."""
+ONCOMING = -0.7
+"""Cosine of the headings of two cracks below which they come towards each other."""
+
+
+class End(NamedTuple):
+    """Where a crack ends at the boundary of a row."""
+
+    place: Point
+    edge: int
+    """Edge of the polygon on which it lies, or point at which it is."""
+    at_point: bool
 
 
 class TipPlaces:
@@ -42,7 +56,7 @@ class TipPlaces:
     """
 
     def __init__(self, topology: CutTopology, shell: MITC4Shell) -> None:
-        self._topology, self._shell = topology, shell
+        self.topology, self._shell = topology, shell
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
@@ -54,7 +68,7 @@ class TipPlaces:
 
     def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
         """Return the rows into which a crack may run from its tip, and the tip's place in each."""
-        topology = self._topology
+        topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
             return [(row, place) for row, place in touching if row not in tip.behind]
@@ -79,7 +93,7 @@ class TipPlaces:
         The place is one of a quad of the mesh, whose own rows come first; at a corner and on a side
         those of its neighbours touch it too.
         """
-        topology, ring = self._topology, self.ring(quad)
+        topology, ring = self.topology, self.ring(quad)
         corner, side = corner_at(place), side_at(place)
         if corner >= 0:
             every = self._rows_at_node(ring[corner])
@@ -96,12 +110,62 @@ class TipPlaces:
 
     def _rows_at_node(self, node: int) -> list[tuple[int, Point]]:
         """Return the rows whose film reaches a node of the mesh, and the corner there."""
-        topology = self._topology
+        topology = self.topology
         return [
             (row, CORNERS[corner])
             for row, corner in topology.corners_at(node)
             if has_corner(topology.polygon(row), corner)
         ]
+
+    def oncoming(self, row: int, entry: Point, heading: Floats, others: Sequence[Tip]) -> list[End]:
+        """Return where cracks that come towards another end at the boundary of a row ahead of it.
+
+        heading : (3,), of the other in the reference film; ``entry`` is its place in the row.
+        """
+        polygon, found = self.topology.polygon(row), []
+        points = polygon.points
+        for other in others:
+            if other.heading @ heading > ONCOMING or row in other.behind:
+                continue
+            place = self._place_at(row, other)
+            if place is None or common_side(polygon, entry, place) is not None:
+                continue
+            for i, point in enumerate(points):
+                if hypot(point[0] - place[0], point[1] - place[1]) < AWAY:
+                    found.append(End(point, i, at_point=True))
+                    break
+                if is_between(place, point, points[i + 1 - len(points)]):
+                    found.append(End(place, i, at_point=False))
+                    break
+        return found
+
+    def _place_at(self, row: int, tip: Tip) -> Point | None:
+        """Return where a tip lies in the quad of a row, None if it does not touch that."""
+        ring = self.ring(row)
+        if tip.flank is not None:
+            return tip.flank if self.topology.parent(row) == tip.quad else None
+        a, b = tip.ends
+        if a not in ring or b not in ring:
+            return None
+        if tip.at_node:
+            return CORNERS[ring.index(a)]
+        side = next((k for k in range(4) if {ring[k], ring[(k + 1) % 4]} == {a, b}), None)
+        if side is None:
+            return None
+        s = tip.s if ring[side] == a else 1.0 - tip.s
+        known = self.topology.crossings(ring[side], ring[(side + 1) % 4])
+        return on_side(side, next((one for one in known if abs(one - s) < AWAY), s))
+
+    def may_break(self, row: int, start: int, end: int) -> bool:
+        """Return whether a crack may run along a side: whole film on both sides of it."""
+        ring = self.ring(row)
+        a, b = ring[start], ring[end]
+        beside = [r for r, _ in self.topology.corners_at(a) if b in self.ring(r)]
+        return (
+            len({self.topology.parent(r) for r in beside}) == 2
+            and not self.topology.is_broken(a, b)
+            and not self.topology.crossings(a, b)
+        )
 
     def place_of(self, state: State, tip: Tip) -> Place | None:
         """Return where a tip is now.

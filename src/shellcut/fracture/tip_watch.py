@@ -1,8 +1,6 @@
-"""Whether any crack through quads may be due: asked often, and nearly always answered no.
+"""Which of the cracks that blades drive are due, and along which segments: asked often.
 
-A few kernels find where all driven tips would go and what their trial cuts measure. Only if one of
-them is due, to within round-off, do the rules themselves (:mod:`.free_cracks`) look at the
-tips and decide. The kernels compute the same numbers as the rules, so nothing due is missed.
+What lasts as long as the topology is found once; the rest is done by a few kernels for all tips.
 """
 
 from __future__ import annotations
@@ -13,22 +11,19 @@ from operator import is_
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.jit import BoundOnce
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.vec3 import combine, load, norm
 from shellcut.state import KnownTopology, State
-from shellcut.tool.cutting_edge import CuttingEdges
-from shellcut.tool.motion import Motion
 
+from .blade_drive import BladeDrive
 from .crack_path import CrackPath
-from .cut_topology import CutTopology
-from .poses_beyond import PosesBeyond
-from .quad_polygon import FLANK, along_side, on_side
-from .ray_ahead import ALONG_SIDE, AT_CROSSING, AT_POINT, Aimed, aim, place_tips
-from .rows_ahead import RowsAhead, Tips, rows_ahead
+from .ray_ahead import Aimed, leave
+from .rows_ahead import RowsAhead, Tips, tips_of
 from .segment import Segment
 from .tip import Tip
 from .trial_cut import Pair, TrialCut
-from .trial_sums import Trial, TrialSums
+from .trial_sums import Trial, TrialSums, Weighed
 
 
 class TipWatch:
@@ -36,40 +31,33 @@ class TipWatch:
 
     Parameters
     ----------
-    topology, path, trial_cut, shell : CutTopology, CrackPath, TrialCut, MITC4Shell
-        The rules, for what lasts as long as a topology.
-    edges, motion : CuttingEdges, Motion
-        Of the tool.
+    path, trial_cut, drive : CrackPath, TrialCut, BladeDrive
+        The rules.
     """
 
-    def __init__(
-        self,
-        topology: CutTopology,
-        path: CrackPath,
-        trial_cut: TrialCut,
-        shell: MITC4Shell,
-        edges: CuttingEdges,
-        motion: Motion,
-    ) -> None:
-        self._topology, self._path, self._trial_cut = topology, path, trial_cut
-        self._shell = shell
+    def __init__(self, path: CrackPath, trial_cut: TrialCut, drive: BladeDrive) -> None:
+        self._path, self._trial_cut, self._drive = path, trial_cut, drive
         self._known = KnownTopology()
         self._count = (-1, -1)
         self._table: Tips
         self._ahead: RowsAhead
         self._director: Floats
+        self._heading: Floats
         self._aimed: Aimed
+        self._weighed: Weighed
         self._tips: list[Tip] = []
-        self._beyond = PosesBeyond(edges, motion)
         self._sums = TrialSums(trial_cut)
-        self._place_tips, self._aim = BoundOnce(place_tips), BoundOnce(aim)
+        self._place_tips, self._leave = BoundOnce(_place_tips), BoundOnce(leave)
         self._pairs: dict[tuple[int, bytes], list[Pair]] = {}
         self._way = b""
         self.x: Floats = np.zeros((0, 3))
         """Where the tips are [mm], written by :meth:`places`, shape (n_tip, 3)."""
-        self.measure: Floats = np.zeros(0)
-        """What the trial cuts of those with a segment measure, written by :meth:`due`."""
         self._due: Bools = np.zeros(0, np.bool_)
+
+    @property
+    def measure(self) -> Floats:
+        """What the trial cuts of tips with a segment measured at the last question, (n_tip,)."""
+        return self._weighed.measure
 
     def alive(self, state: State, tips: list[Tip]) -> list[Tip]:
         """Return the tips with film ahead: not at a rim, nor where another crack came across."""
@@ -81,15 +69,15 @@ class TipWatch:
         """Return where tips are [mm], shape (n_tip, 3): one at least, with film ahead of each."""
         self._follow(state, tips)
         n = state.node
-        self._place_tips(self._table, n.x, n.t, self.x, self._director)
+        self._place_tips(self._table, n.x, n.t, self.x, self._director, self._heading)
         return self.x
 
     def driven_places(self) -> Floats:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
-        return self.x[self._beyond.found.edge_of >= 0] if len(self.x) else self.x
+        return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
     def due(self, state: State, tips: Sequence[Tip]) -> Bools:
-        """Return which tips may be due: no means no, shape (n_tip,).
+        """Return which tips are due, shape (n_tip,).
 
         Parameters
         ----------
@@ -103,24 +91,18 @@ class TipWatch:
             return self._due[:0]
         self.places(state, tips)
         self._due[:] = False
-        n, found = state.node, self._beyond.find(self.x, self._table.size, state.time)
-        if self._aim(
-            self._table,
-            self._ahead,
-            n.x,
-            n.t,
-            self._director,
-            found.rotation,
-            self._beyond.edges.segments,
-            found.edge_of,
-            found.off,
-            self._aimed,
-        ):
+        n, table, drive = state.node, self._table, self._drive
+        driven = drive.find(self.x, table.size, state.time)
+        drive.direct(self._director, self._heading, table.reference, table.size)
+        edges, ways, lean = driven.edge_of, driven.ways, driven.lean
+        if self._leave(self._ahead, table.start, ways, lean, edges, n.x, n.t, self._aimed):
             way = self._aimed.way.tobytes()
             if way != self._way:
                 self._way = way
                 self._sums.take(self._trials(state))
-            self._sums.weigh(state, self._ahead, self._aimed, found.passed, self.measure, self._due)
+            self._sums.weigh(state, self._aimed, self._weighed)
+            leads_on = self._aimed.way[:, 0] >= 0
+            self._due[:] = leads_on & (driven.passed | (self.measure >= 1.0))
         return self._due
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:
@@ -139,12 +121,9 @@ class TipWatch:
         n = len(tips)
         self._tips, self._count = list(tips), (state.n_cable, state.flank.count)
         self._known.take(state)
-        self._table, self._ahead = rows_ahead(
-            state, self._topology, self._path, self._shell, self._tips
-        )
-        self.x, self._director = np.zeros((n, 3)), np.zeros((n, 3))
-        self.measure, self._due = np.zeros(n), np.zeros(n, np.bool_)
-        self._aimed = Aimed(np.full((n, 4), -1), np.zeros((n, 2)), np.zeros(n))
+        self._table, self._ahead = tips_of(state, self._path, self._tips)
+        self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
+        self._due, self._aimed, self._weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         self._pairs.clear()
         self._way = b""
 
@@ -163,19 +142,22 @@ class TipWatch:
 
     def segment(self, i: int) -> Segment | None:
         """Return the segment of a tip at the last question, None if it had none."""
-        k, kind, j, nth = self._aimed.way[i].tolist()
-        if k < 0:
-            return None
-        row = int(self._ahead.row[k])
-        entry, end = tuple(self._ahead.entry[k].tolist()), tuple(self._aimed.exit[i].tolist())
-        polygon = self._topology.polygon(row)
-        if kind in (AT_POINT, ALONG_SIDE):
-            corner = int(self._ahead.corner[k, j])
-            end = polygon.points[j]
-            return Segment(row, entry, end, polygon.sides[j], corner, kind == ALONG_SIDE)
-        side = polygon.sides[j]
-        if kind == AT_CROSSING:
-            end = on_side(side, float(self._ahead.known[self._ahead.crossing[k, j, 0] + nth]))
-        elif side != FLANK:
-            end = on_side(side, along_side(side, end))
-        return Segment(row, entry, end, side, -1)
+        return self._path.segment_of(self._ahead, self._aimed, i)
+
+
+@kernel
+def _place_tips(
+    tips: Tips, x: Floats, t: Floats, place: Floats, director: Floats, heading: Floats
+) -> None:
+    """Write place, unit director and heading of tips : (n_tip, 3) from x, t : (n_node, 3)."""
+    tips = borrowed(tips)
+    for i in range(tips.size.shape[0]):
+        p, d, h = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for a in range(4):
+            node = tips.nodes[i, a]
+            p = combine(1.0, p, tips.weight[i, a], load(x, node))
+            d = combine(1.0, d, tips.weight[i, a], load(t, node))
+            h = combine(1.0, h, tips.forward[i, a], load(x, node))
+        length = norm(d)
+        for c in range(3):
+            place[i, c], director[i, c], heading[i, c] = p[c], d[c] / length, h[c]

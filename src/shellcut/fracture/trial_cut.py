@@ -1,38 +1,12 @@
-"""Nodal force by trial cut: the force with which the flanks ahead of a tip hold each other.
+"""A cut that is tried: which corners and cables are on either side of it, around its tip.
 
-The cut is tried on the topology. Its classes of corners at the tip, with their masses m and the
-nodal forces f that go with them (internal, damping, loads, cables), give the relative acceleration
-of the two flanks at the place P of the tip, and that of a pair of unit forces there:
-
-    d = sum N_a (f_a+ / m_a+ - f_a- / m_a-),      kappa = sum N_a² (1 / m_a+ + 1 / m_a-),
-
-N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
-the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
-with the normal m from the minus to the plus side and the lengths of the segments before and behind
-the tip; the cut is due at 1.
-
-A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
-the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
-flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
-bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
-its plane F_c · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
-be torn by three times the force. So flanks that are pressed, F_c · m < 0, hold the tip only if F_c
-does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
-is taken off the force along the flanks, as in a crack that is sheared under pressure
-([CamachoOrtiz1996]):
-
-    sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
-
-At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.criterion`).
-
-Which corners and cables are on either side is a matter of the topology and of which side or corner
-of the row the segment leads to (:meth:`TrialCut.pairs`); forces, positions and the shares of the
-two parts change with every step. :mod:`.trial_sums` takes the same sums for many tips at once.
+That is a matter of the topology and of which side or corner of the row the segment leads to: the
+cut is tried on the topology, its classes of corners are read off, and it is mended again. Forces,
+positions and the shares of the two parts change with every step (:mod:`.trial_sums`).
 """
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -41,12 +15,12 @@ from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import BROKEN, State
+from shellcut.state import State
 
 from .anisotropy import Anisotropy
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, Polygon, density, divide, holds, shape_functions, share_of
+from .quad_polygon import UNUSED, Polygon, divide, holds, shape_functions
 from .segment import Segment
 from .tip import Tip
 
@@ -106,40 +80,16 @@ class TrialCut:
         *,
         held_behind: bool = False,
     ) -> None:
-        self._topology, self._shell, self._loads = topology, shell, loads
+        self.topology, self._shell, self._loads = topology, shell, loads
         self._anisotropy, self._held_behind = anisotropy, held_behind
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
-
-    def measure(self, state: State, tip: Tip, segment: Segment) -> float:
-        """Return F_c · m over what the cables would carry; a driven cut is due at 1."""
-        pairs = self.pairs(state, segment)
-        force = self._force(state, segment, pairs)
-        if force is None:
-            return -np.inf
-        m, length = _across(state, segment)
-        return float(force @ m) / (self.carried * 0.5 * (self.behind(tip) + length))
 
     def behind(self, tip: Tip) -> float:
         """Return L_in, of the segment behind a tip that has a cable to come [mm]."""
         return 0.0 if self._held_behind else tip.length
 
-    def measure_of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
-        """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
-        pairs = self.pairs(state, segment)
-        force = self._force(state, segment, pairs)
-        if force is None:
-            return -np.inf
-        m, length = _across(state, segment)
-        across, pull = float(force @ m), float(np.linalg.norm(force))
-        if across < 0.0:
-            along = sqrt(max(pull * pull - across * across, 0.0))
-            opens = force @ _parted_behind(state, segment, pairs) > 0.0
-            pull = max(along + across, 0.0) if opens else 0.0
-        before, after = self._factors(state, tip, segment)
-        return pull / (self.carried * 0.5 * (before * self.behind(tip) + after * length))
-
-    def _factors(self, state: State, tip: Tip, segment: Segment) -> tuple[float, float]:
+    def factors(self, state: State, tip: Tip, segment: Segment) -> tuple[float, float]:
         """Return the factors on the strength before and behind a tip, of the way there and on."""
         if self._anisotropy is None:
             return 1.0, 1.0
@@ -148,22 +98,6 @@ class TrialCut:
         ways = np.stack([tip.heading, stop - start])
         before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
         return before, after
-
-    def _force(self, state: State, segment: Segment, pairs: list[Pair]) -> Floats | None:
-        """Return F_c [N], shape (3,); None if the cut would part nothing at the tip."""
-        shares = np.array([1.0, *self._shares(state, segment)])
-        d, kappa = np.zeros(3), 0.0
-        for weight, sides in pairs:
-            for sign, side in zip((-1.0, 1.0), sides, strict=True):
-                part = shares[side.part]
-                mass = float(part @ self.corner_mass(side))
-                force = part @ self.corner_forces(state, side.rows, side.nodes)
-                for cable, end, share in side.cables:
-                    if state.cable.status[cable] != BROKEN:
-                        force += share * state.cable.force[cable, end]
-                d += sign * weight * force / mass
-                kappa += weight**2 / mass
-        return d / kappa if kappa > 0.0 else None
 
     def corner_mass(self, side: Side) -> Floats:
         """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
@@ -193,23 +127,15 @@ class TrialCut:
 
     def _parts(self, segment: Segment) -> dict[int, Polygon]:
         """Return the parts of a row on the right and left of a segment, by the trial's rows."""
-        whole = self._topology.polygon(segment.row)
+        whole = self.topology.polygon(segment.row)
         right, left = divide(whole, segment.entry, segment.exit)
-        return {segment.row: right, self._topology.n_row: left}
-
-    def _shares(self, state: State, segment: Segment) -> tuple[float, float]:
-        """Return which parts of the row lie to the right and left of a segment."""
-        if segment.along_side:
-            return 1.0, 1.0
-        J = density(state.node.X[state.quads[segment.row]])
-        right, left = (share_of(p, J) for p in self._parts(segment).values())
-        return right / (right + left), left / (right + left)
+        return {segment.row: right, self.topology.n_row: left}
 
     def _tried(
         self, segment: Segment, nodes: list[int]
     ) -> tuple[list[int], list[list[list[Corner]]]]:
         """Return the rows on both sides of a trial cut, and classes around nodes of the mesh."""
-        topology = self._topology
+        topology = self.topology
         if segment.along_side:
             a, b, rows, _ = sides_of(topology, self._shell, segment)
             topology.break_side(a, b)
@@ -254,26 +180,3 @@ class TrialCut:
             part=np.array([parts.get(row, UNCUT) for row, _ in members]),
             cables=tuple(cables),
         )
-
-
-def _across(state: State, segment: Segment) -> tuple[Floats, float]:
-    """Return the unit normal to a segment in the sheet, shape (3,), and its length [mm]."""
-    nodes = state.quads[segment.row]
-    start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
-    m = np.cross(start @ state.node.t[nodes], (stop - start) @ state.node.x[nodes])
-    return m / np.linalg.norm(m), float(np.linalg.norm((stop - start) @ state.node.X[nodes]))
-
-
-def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
-    """Return how far the copies of the quad behind the tip have parted [mm], shape (3,).
-
-    From the minus to the plus side, the mean of their corners; zero behind a tip that came along a
-    side of the mesh.
-    """
-    parted, parent = np.zeros(3), state.quad.parent
-    for weight, (minus, plus) in pairs:
-        for a in minus.rows[minus.rows != segment.row].tolist():
-            for b in plus.rows[parent[plus.rows] == parent[a]].tolist():
-                apart = state.node.x[state.quads[b]] - state.node.x[state.quads[a]]
-                parted += weight * apart.mean(axis=0)
-    return parted

@@ -1,27 +1,50 @@
-"""The sums of trial cuts (:mod:`.trial_cut`) for all driven tips in one kernel.
+"""Nodal force by trial cut: the force with which the flanks ahead of a tip hold each other.
 
-:meth:`.trial_cut.TrialCut.measure` is the same for one tip; a test compares the two.
+The cut is tried on the topology (:mod:`.trial_cut`). Its classes of corners at the tip, with their
+masses m and the nodal forces f that go with them (internal, damping, loads, cables), give the
+relative acceleration of the two flanks at the place P of the tip, and that of a pair of unit forces
+there:
+
+    d = sum N_a (f_a+ / m_a+ - f_a- / m_a-),      kappa = sum N_a² (1 / m_a+ + 1 / m_a-),
+
+N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
+the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
+with the normal m from the minus to the plus side and the lengths of the segments before and behind
+the tip; the cut is due at 1.
+
+A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
+the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
+flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
+bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
+its plane F_c · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
+be torn by three times the force. So flanks that are pressed, F_c · m < 0, hold the tip only if F_c
+does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
+is taken off the force along the flanks, as in a crack that is sheared under pressure
+([CamachoOrtiz1996]):
+
+    sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
+
+At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.criterion`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import sqrt
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
+from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm
+from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store
 from shellcut.state import BROKEN, State
 
 from .ray_ahead import Aimed
-from .rows_ahead import RowsAhead
+from .segment import Segment
+from .tip import Tip
 from .trial_cut import Pair, TrialCut
-
-# The measures of the kernel are those of the rules but for this.
-_ROUND_OFF = 1e-6
 
 
 class Trial(NamedTuple):
@@ -50,6 +73,24 @@ class _Sums(NamedTuple):
     """Pair, side, cable and its end."""
     share: Annotated[Floats, "(n_link,)"]
     """How much of that cable's force goes with the side."""
+
+
+class Weighed(NamedTuple):
+    """What trial cuts have at their tips."""
+
+    force: Annotated[Floats, "(n_tip, 3)"]
+    """F_c [N]."""
+    normal: Annotated[Floats, "(n_tip, 3)"]
+    """m, the unit normal to the segment in the sheet."""
+    length: Annotated[Floats, "(n_tip,)"]
+    """Of the segment [mm]."""
+    measure: Annotated[Floats, "(n_tip,)"]
+    """F_c · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
+
+    @classmethod
+    def of(cls, n: int) -> Weighed:
+        """Return the table of n tips."""
+        return cls(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.full(n, -np.inf))
 
 
 class TrialSums:
@@ -94,46 +135,48 @@ class TrialSums:
             share=np.array(shares),
         )
 
-    def weigh(
-        self,
-        state: State,
-        ahead: RowsAhead,
-        aimed: Aimed,
-        passed: Bools,
-        measure: Floats,
-        due: Bools,
-    ) -> None:
-        """Write what the trials measure, and whether their tips may be due.
+    def weigh(self, state: State, aimed: Aimed, weighed: Weighed) -> None:
+        """Write what the trials have at their tips.
 
         Parameters
         ----------
         state : State
             Present positions and forces.
-        ahead, aimed : RowsAhead, Aimed
-            Of the tips; all that have a segment are among the trials.
-        passed : ndarray of bool, shape (n_tip,)
-            Whether the edge has passed a tip, which is due then.
-        measure, due : ndarray, shape (n_tip,)
+        aimed : Aimed
+            Segments of the tips; all that have one are among the trials.
+        weighed : Weighed
             Written, where a tip has a segment.
         """
         n, c = state.node, state.cable
         force = self._trial_cut.corner_forces(state, self._rows, self._nodes)
         carried = self._trial_cut.carried
-        self._weigh(
-            n.x,
-            n.t,
-            n.X,
-            self._sums,
-            ahead,
-            aimed,
-            force,
-            c.status,
-            c.force,
-            carried,
-            passed,
-            measure,
-            due,
+        self._weigh(n.x, n.t, n.X, self._sums, aimed, force, c.status, c.force, carried, weighed)
+
+    def of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
+        """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
+        trial, one = (
+            Trial(0, self._trial_cut.behind(tip), self._trial_cut.pairs(state, segment)),
+            Weighed.of(1),
         )
+        self.take([trial])
+        aimed = Aimed(
+            way=np.zeros((1, 4), np.int64),
+            nodes=state.quads[[segment.row]].astype(np.int64),
+            entry=np.array([segment.entry]),
+            exit=np.array([segment.exit]),
+            right=np.array([segment.right]),
+        )
+        self.weigh(state, aimed, one)
+        if one.measure[0] == -np.inf:
+            return -np.inf
+        force, length = one.force[0], float(one.length[0])
+        across, pull = float(force @ one.normal[0]), float(np.linalg.norm(force))
+        if across < 0.0:
+            along = sqrt(max(pull * pull - across * across, 0.0))
+            opens = force @ _parted_behind(state, segment, trial.pairs) > 0.0
+            pull = max(along + across, 0.0) if opens else 0.0
+        before, after = self._trial_cut.factors(state, tip, segment)
+        return pull / (self._trial_cut.carried * 0.5 * (before * trial.length + after * length))
 
 
 @kernel
@@ -142,22 +185,19 @@ def _weigh_trials(
     t: Floats,
     X: Floats,
     sums: _Sums,
-    ahead: RowsAhead,
     aimed: Aimed,
     corner_force: Floats,
     status: SmallInts,
     cable_force: Floats,
     carried: float,
-    passed: Bools,
-    measure: Floats,
-    due: Bools,
+    weighed: Weighed,
 ) -> None:
-    """Write what trial cuts measure.
+    """Write what trial cuts have at their tips.
 
     x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
-    (n_cable, 2, 3), [N].  carried : sigma_F h [N/mm].  passed, measure, due : (n_tip,).
+    (n_cable, 2, 3), [N].  carried : sigma_F h [N/mm].
     """
-    sums, ahead, aimed = borrowed(sums), borrowed(ahead), borrowed(aimed)
+    sums, aimed, weighed = borrowed(sums), borrowed(aimed), borrowed(weighed)
     n_trial = sums.tip.shape[0]
     owner = np.empty(sums.weight.shape[0], np.int64)
     for k in range(n_trial):
@@ -186,12 +226,14 @@ def _weigh_trials(
                 d = add_scaled(d, sign * sums.weight[p] / mass, load(force[p], side))
                 kappa += sums.weight[p] ** 2 / mass
         if kappa == 0.0:
-            measure[tip], due[tip] = -np.inf, passed[tip]
+            weighed.measure[tip] = -np.inf
             continue
-        m, out = _normal_and_length(x, t, X, ahead, aimed, tip)
+        m, out = _normal_and_length(x, t, X, aimed, tip)
         carries = carried * 0.5 * (sums.length[k] + out)
-        measure[tip] = dot(d, m) / norm(m) / kappa / carries
-        due[tip] = passed[tip] or measure[tip] >= 1.0 - _ROUND_OFF
+        weighed.measure[tip] = dot(d, m) / norm(m) / kappa / carries
+        weighed.length[tip] = out
+        store(weighed.normal, tip, scale(1.0 / norm(m), m))
+        store(weighed.force, tip, scale(1.0 / kappa, d))
 
 
 @inline
@@ -209,11 +251,10 @@ def _part(part: int, right: float) -> float:
 
 @inline
 def _normal_and_length(
-    x: Floats, t: Floats, X: Floats, ahead: RowsAhead, aimed: Aimed, tip: int
+    x: Floats, t: Floats, X: Floats, aimed: Aimed, tip: int
 ) -> tuple[Vec3, float]:
     """Return the normal to a segment in the sheet, of any length, and its reference length [mm]."""
-    k = aimed.way[tip, 0]
-    xi, eta = ahead.entry[k, 0], ahead.entry[k, 1]
+    xi, eta = aimed.entry[tip, 0], aimed.entry[tip, 1]
     to_xi, to_eta = aimed.exit[tip, 0], aimed.exit[tip, 1]
     director, way, out = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for a in range(4):
@@ -221,8 +262,23 @@ def _normal_and_length(
         sy = 1.0 if a >= 2 else -1.0
         start = 0.25 * (1.0 + sx * xi) * (1.0 + sy * eta)
         gain = 0.25 * (1.0 + sx * to_xi) * (1.0 + sy * to_eta) - start
-        node = ahead.nodes[k, a]
+        node = aimed.nodes[tip, a]
         director = add_scaled(director, start, load(t, node))
         way = add_scaled(way, gain, load(x, node))
         out = add_scaled(out, gain, load(X, node))
     return cross(director, way), norm(out)
+
+
+def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
+    """Return how far the copies of the quad behind the tip have parted [mm], shape (3,).
+
+    From the minus to the plus side, the mean of their corners; zero behind a tip that came along a
+    side of the mesh.
+    """
+    parted, parent = np.zeros(3), state.quad.parent
+    for weight, (minus, plus) in pairs:
+        for a in minus.rows[minus.rows != segment.row].tolist():
+            for b in plus.rows[parent[plus.rows] == parent[a]].tolist():
+                apart = state.node.x[state.quads[b]] - state.node.x[state.quads[a]]
+                parted += weight * apart.mean(axis=0)
+    return parted

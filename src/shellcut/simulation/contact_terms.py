@@ -17,8 +17,8 @@ from shellcut.contact.point_friction import PointFriction
 from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
-from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.ray_ahead import MERGE
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.tool import Tool

@@ -1,0 +1,172 @@
+"""Where a crack leaves the row ahead of it: the rules of ``fracture/ray_ahead.py``, one ray."""
+
+import numpy as np
+
+from shellcut.fracture.quad_polygon import (
+    AWAY,
+    CORNERS,
+    FLANK,
+    along_side,
+    common_side,
+    corner_at,
+    holds,
+    is_on,
+    on_side,
+    shape_functions,
+)
+from shellcut.fracture.ray_ahead import ALONG, GRAZE, JOIN, MERGE, SNAP
+from shellcut.fracture.segment import Segment
+
+
+def segment_from(
+    path,
+    state,
+    tip,
+    direction,
+    lean=None,
+    others=(),
+):
+    """Return the segment from a tip in a direction in space, None if no row lies there.
+
+    lean : of the plane in which it lies, see :func:`segment`.  others : tips that it may join.
+    """
+    ahead = path.rows_ahead(tip)
+    for row, entry in ahead:
+        ends = path.oncoming(row, entry, tip.heading, others)
+        joined = to_an_end(path, state, row, entry, direction, lean, ends) if ends else None
+        if joined is not None:
+            return joined
+    found = (segment(path, state, row, entry, direction, lean) for row, entry in ahead)
+    return next((one for one in found if one is not None), None)
+
+
+def segment(path, state, row, entry, direction, lean=None):
+    """Return the segment through a row from a place in it in a direction in space.
+
+    It ends where a plane through that place meets the boundary of the row's polygon:
+    sides are straight in space, chords of the parametric square are not. The plane lies along the
+    direction and the director, from which it leans by ``lean``, shape (3,). None where the
+    direction leads out of the polygon, unless it grazes the side on which it begins.
+    """
+    polygon = path.topology.polygon(row)
+    ray = _ray(path, state, row, entry, polygon.points, direction, lean)
+    if ray is None:
+        return None
+    off, ahead = ray
+    hit = _first_edge(polygon, entry, off, ahead)
+    if hit is None:
+        return _past_a_corner(path, row, entry, off, ahead)
+    i, along = hit
+    j = (i + 1) % len(polygon.points)
+    side, a, b = polygon.sides[i], polygon.points[i], polygon.points[j]
+    size = path.size(row)
+    for k in (i, j) if abs(off[i]) <= abs(off[j]) else (j, i):
+        end = polygon.points[k]
+        corner = corner_at(end)
+        if abs(off[k]) >= (SNAP if corner >= 0 else MERGE) * size:
+            continue
+        on = common_side(polygon, entry, end)
+        if on is None:
+            return Segment(row, entry, end, side, corner)
+        if on == FLANK and abs(off[k]) < ALONG * ahead[k]:
+            return None  # there is a crack already
+        start = corner_at(entry)
+        if corner >= 0 and start >= 0 and on != FLANK and path.may_break(row, start, corner):
+            return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)
+    if side == FLANK:
+        exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
+        return Segment(row, entry, exit_, FLANK, -1)
+    s_a, s_b = along_side(side, a), along_side(side, b)
+    s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
+    places = [on_side(side, s)]
+    ring = path.ring(row)
+    x = state.node.x[state.quads[row]]
+    reach = MERGE * size / float(np.linalg.norm(x[(side + 1) % 4] - x[side]))
+    for known in path.topology.crossings(ring[side], ring[(side + 1) % 4]):
+        if abs(known - s) < reach and holds(polygon, on_side(side, known)):
+            places.insert(0, on_side(side, known))
+    for place in places:
+        if common_side(polygon, entry, place) is None:
+            return Segment(row, entry, place, side, -1)
+    return None
+
+
+def _ray(path, state, row, entry, places, direction, lean):
+    """Return where places in a row lie from a ray, shape (n_place,) each [mm].
+
+    Beside the plane of the ray (:func:`segment`), and along it from the entry; None if the
+    direction is none in the sheet.
+    """
+    nodes, weights = state.quads[row], np.array(shape_functions(entry))
+    t = weights @ state.node.t[nodes]
+    t = t / np.linalg.norm(t)
+    normal = np.cross(t if lean is None else t - lean, direction)
+    if (size := float(np.linalg.norm(normal))) < AWAY:
+        return None
+    gaps = (np.array([shape_functions(p) for p in places]) - weights) @ state.node.x[nodes]
+    return gaps @ (normal / size), gaps @ direction
+
+
+def to_an_end(path, state, row, entry, direction, lean, ends):
+    """Return the segment through a row to the one of some ends that is nearest to the ray.
+
+    None if there is none ahead within ``JOIN``.
+    """
+    polygon = path.topology.polygon(row)
+    ray = _ray(path, state, row, entry, [end.place for end in ends], direction, lean)
+    if ray is None:
+        return None
+    nearest, found = JOIN * path.size(row), None
+    for end, off, ahead in zip(ends, *ray, strict=True):
+        if abs(off) < nearest and ahead > 0.0:
+            side = polygon.sides[end.edge]
+            if side == FLANK and end.at_point:
+                side = polygon.sides[end.edge - 1]
+            nearest = abs(off)
+            found = Segment(row, entry, end.place, side, corner_at(end.place))
+    return found
+
+
+def _past_a_corner(path, row, entry, off, ahead):
+    """Return the segment that passes a corner which a ray along a side just misses.
+
+    off, ahead : (n_point,), of the polygon's points from the entry: beside the ray and along it
+    [mm].
+    """
+    polygon, ring = path.topology.polygon(row), path.ring(row)
+    points, n = polygon.points, len(polygon.points)
+    on = [i for i in range(n) if is_on(entry, points[i], points[(i + 1) % n])]
+    if len(on) != 1 or polygon.sides[on[0]] == FLANK:
+        return None
+    for k, edge, along in (
+        ((on[0] + 1) % n, (on[0] + 1) % n, SNAP),
+        (on[0], on[0] - 1, 1 - SNAP),
+    ):
+        side = polygon.sides[edge]
+        if corner_at(points[k]) < 0 or side == FLANK or not abs(off[k]) < GRAZE * ahead[k]:
+            continue
+        s_a, s_b = (along_side(side, points[i % n]) for i in (edge, edge + 1))
+        s = s_a + along * (s_b - s_a)
+        known = path.topology.crossings(ring[side], ring[(side + 1) % 4])
+        if all(abs(one - s) >= SNAP for one in known):
+            return Segment(row, entry, on_side(side, s), side, -1)
+    return None
+
+
+def _first_edge(polygon, entry, off, ahead):
+    """Return which edge of a polygon a ray leaves by, and how far along it.
+
+    off, ahead : (n_point,), of its points from the entry: beside the ray and along it [mm].
+    """
+    best, found = np.inf, None
+    n = len(polygon.points)
+    for i in range(n):
+        j = (i + 1) % n
+        a, b = polygon.points[i], polygon.points[j]
+        if off[i] * off[j] > 0.0 or off[i] == off[j] or is_on(entry, a, b):
+            continue
+        along = float(off[i] / (off[i] - off[j]))
+        way = float(ahead[i] + along * (ahead[j] - ahead[i]))
+        if 0.0 < way < best:
+            best, found = way, (i, along)
+    return found
