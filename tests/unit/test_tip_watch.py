@@ -8,10 +8,11 @@ import pytest
 from free_strip import cut_strip, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
 from shellcut.fracture.blade_drive import BladeDrive
-from shellcut.fracture.chord_ends import parts_quad
 from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.pierce import Pierce
+from shellcut.fracture.pierce import Pierce, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE, common_side, shape_functions
+from shellcut.fracture.ray_ahead import Aimed
+from shellcut.fracture.rows_ahead import table_of
 from shellcut.fracture.tip import Tip
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut
@@ -129,15 +130,15 @@ def test_chords_part_whole_quads_as_the_rules_say():
     s, path = sim.state, Rules(sim).path
     at_flank = s.node.halved[s.quads].any(axis=1)
     whole = np.flatnonzero((s.quad.share[: s.n_quad] == 1.0) & ~at_flank)
+    quad, chord = table_of(s, path, [(int(whole[0]), (0.0, 0.0))], [()]), Aimed.of(2)
     s.node.x[: s.n_node, 2] = 0.1 * np.sin(s.node.x[: s.n_node, 0])
     for _ in range(3000):
         row = int(rng.choice(whole))
         place = tuple(np.clip(rng.uniform(-1.03, 1.03, 2), -0.999, 0.999).tolist())
         angle = rng.choice([0.0, 0.5 * np.pi, rng.uniform(0.0, np.pi)]) + rng.normal() * 0.02
         b = np.array([np.cos(angle), np.sin(angle), rng.uniform(-0.2, 0.2)])
-        mine = parts_quad(
-            s.node.x, s.node.t, s.quads, row, *place, tuple(b.tolist()), path.size(row)
-        )
+        normal, size = tuple(b.tolist()), path.size(row)
+        mine = parts_quad(quad, chord, s.node.x, s.node.t, s.quads, row, *place, normal, size)
         t = np.array(shape_functions(place)) @ s.node.t[s.quads[row]]
         trace = np.cross(t, b) / np.linalg.norm(np.cross(t, b))
         ends = [crack_path.segment(path, s, row, place, sign * trace) for sign in (-1.0, 1.0)]
@@ -151,11 +152,12 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, edges = sim.state, CuttingEdges.of(sim.tool)
     size = float(np.sqrt(sim.shell.area.max()))
-    kept, none = Pierce(edges, size), np.zeros((0, 3))
+    quad = table_of(s, sim.cracks.free._path, [(0, (0.0, 0.0))], [()])
+    kept, none = Pierce(edges, size, quad), np.zeros((0, 3))
     for time in np.linspace(0.0, 2.6e-4, 60):
         s.node.x[: s.n_node] += rng.uniform(-0.02, 0.02, (s.n_node, 3))
         pose = Pose.of(*sim.motion.pose(time))
         rows = kept.found(s, pose, none, sim.shell.area)
-        assert rows == Pierce(edges, size).found(s, pose, none, sim.shell.area)
+        assert rows == Pierce(edges, size, quad).found(s, pose, none, sim.shell.area)
         found += len(rows)
     assert found > 20

@@ -1,8 +1,9 @@
 """Cracks that cross quads: who is due, and how a crack advances by one quad.
 
 Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
-(:mod:`.crack_path`, beyond an earlier one :mod:`.tip_across`), when it is due (:mod:`.trial_cut`),
-which tips a blade drives (:mod:`.blade_drive`), in which direction the others run
+(:mod:`.crack_path`, beyond an earlier one :mod:`.tip_across`), when it is due
+(:mod:`.trial_sums`), which tips a blade drives (:mod:`.blade_drive`, all at once
+:mod:`.tip_watch`), in which direction the others run
 (:mod:`.free_direction`), where a cut begins (:mod:`.pierce`), and the cut itself (:mod:`.cuts`).
 """
 
@@ -35,6 +36,7 @@ from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, common_side, shape_functions
 from .ray_ahead import JOIN
+from .rows_ahead import table_of
 from .segment import Segment
 from .tip import Pace, Tip, restored_tips, saved_tips
 from .tip_across import tip_across
@@ -102,7 +104,8 @@ class FreeCracks:
             edges = CuttingEdges.of(tool)
             self._drive = BladeDrive(edges, motion)
             self._watch = TipWatch(self._path, self._trial, self._drive)
-            self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())))
+            quad = table_of(state, self._path, [(0, (0.0, 0.0))], [()])
+            self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())), quad)
 
     def run(self, state: State, pose: Pose) -> None:
         """Advance every crack that is due, as often as it is, and begin cuts where blades enter."""

@@ -16,13 +16,14 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.contact.near_nodes import in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, sub
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
 from shellcut.tool.pose import Pose, to_body, to_space, turn
 
-from .chord_ends import parts_quad
-from .quad_polygon import Point
+from .quad_polygon import AWAY, Point
+from .ray_ahead import AT_POINT, Aimed, at, through
+from .rows_ahead import RowsAhead
 
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0
@@ -41,9 +42,11 @@ class Pierce:
         Of the tool.
     size : float
         Largest edge length of the film [mm].
+    quad : RowsAhead
+        Of a whole quad; which one is no matter.
     """
 
-    def __init__(self, edges: CuttingEdges, size: float) -> None:
+    def __init__(self, edges: CuttingEdges, size: float, quad: RowsAhead) -> None:
         self._edges, self._size = edges, size
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
@@ -57,6 +60,7 @@ class Pierce:
         self._whole = self._first = np.zeros(0, np.int64)
         self._near_rows = self._near_first = np.zeros(0, np.int64)
         self._x_listed, self._pose_listed = np.zeros((0, 3), order="F"), Pose.at_origin()
+        self._quad, self._chord = quad, Aimed.of(2)
         self._drift = BoundOnce(_drift)
         self._find = BoundOnce(_pierced)
 
@@ -66,7 +70,7 @@ class Pierce:
         """Return the whole rows that an edge goes through, where, and which segment.
 
         The edge runs between the flanks of its own cut: rows at a flank are left out, and those
-        that its mid-plane would not part (:mod:`.chord_ends`).
+        that its mid-plane would not part.
 
         Parameters
         ----------
@@ -97,6 +101,8 @@ class Pierce:
             pose,
             self._edges,
             *boxes,
+            self._quad,
+            self._chord,
             row,
             segment,
             place,
@@ -138,6 +144,49 @@ def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, f
     return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
 
 
+@inline
+def parts_quad(
+    quad: RowsAhead,
+    chord: Aimed,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    e: int,
+    xi: float,
+    eta: float,
+    normal: Vec3,
+    size: float,
+) -> bool:
+    """Return whether the trace of a plane at a place of quad e leaves it by two sides.
+
+    quad, chord : tables of one row and two rays, written.  x, t : (n_node, 3).  quads :
+    (n_quad, 4).  normal : of the plane.  size : edge length [mm].
+    """
+    if abs(xi) > 1.0 - 2.0 * AWAY or abs(eta) > 1.0 - 2.0 * AWAY:
+        return True  # on a side to within round-off: the rules themselves decide
+    quad.size[0], quad.entry[0, 0], quad.entry[0, 1] = size, xi, eta
+    for a in range(4):
+        quad.nodes[0, a] = quads[e, a]
+    upright = (0.0, 0.0, 0.0)
+    trace = cross(at(quad, 0, xi, eta, t), normal)
+    trace = scale(1.0 / norm(trace), trace)
+    for i in range(2):
+        way = scale(2.0 * i - 1.0, trace)
+        if not through(quad, 0, i, x, t, way, upright, False, chord):
+            return False
+    together = False
+    for side in range(4):
+        together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
+    return not together
+
+
+@inline
+def _is_on(chord: Aimed, i: int, side: int) -> bool:
+    """Return whether a ray ends on a side of a whole quad."""
+    end: int = chord.way[i, 2]
+    return end == side or (bool(chord.way[i, 1] == AT_POINT) and end == (side + 1) % 4)
+
+
 @kernel
 def _drift(
     x: Floats, x_listed: Floats, pose: Pose, pose_listed: Pose, low: Floats, high: Floats
@@ -177,6 +226,8 @@ def _pierced(
     edges: CuttingEdges,
     low: Floats,
     high: Floats,
+    quad: RowsAhead,
+    chord: Aimed,
     row: Ints,
     segment: Ints,
     place: Floats,
@@ -184,9 +235,11 @@ def _pierced(
     """Write the rows that edges go through, their segments and the places in them; return how many.
 
     whole, first : (n,), rows and their first nodes.  low, high : (n_body, 3), boxes around the
-    edges.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
+    edges.  quad, chord : tables of one row and two rays, written.  row, segment : (n_most,).
+    place : (n_most, 2), xi and eta.
     """
     pose, edges = borrowed(pose), borrowed(edges)
+    quad, chord = borrowed(quad), borrowed(chord)
     segments, body = edges.segments, edges.body
     n_found = 0
     for i in range(whole.shape[0]):
@@ -215,7 +268,7 @@ def _pierced(
                     gap = sub(load(tips, tip), here)
                     far = far and dot(gap, gap) > _NEAR_A_TIP**2 * area[e]
                 plane = turn(segment_part(segments, k, NORMAL), pose)
-                if far and parts_quad(x, t, quads, e, xi, eta, plane, sqrt(area[e])):
+                if far and parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, sqrt(area[e])):
                     row[n_found], segment[n_found] = e, k
                     place[n_found, 0], place[n_found, 1] = xi, eta
                     n_found += 1

@@ -104,7 +104,7 @@ def leave(
             way = ways[i, turn, 0], ways[i, turn, 1], ways[i, turn, 2]
             for joining in (True, False):
                 for k in range(start[i], start[i + 1]):
-                    if aimed.way[i, 0] < 0 and _through(
+                    if aimed.way[i, 0] < 0 and through(
                         ahead, k, i, x, t, way, load(lean, i), joining, aimed
                     ):
                         aimed.way[i, 0] = k
@@ -119,7 +119,7 @@ def leave(
 
 
 @inline
-def _through(
+def through(
     ahead: RowsAhead,
     k: int,
     i: int,
@@ -134,8 +134,8 @@ def _through(
 
     joining : whether it must lead to where another crack ends.
     """
-    here = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
-    director = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t)
+    here = at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
+    director = at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t)
     normal = cross(sub(scale(1.0 / norm(director), director), lean), way)
     if norm(normal) < AWAY:
         return False
@@ -146,9 +146,9 @@ def _through(
     for j in range(n):
         if ahead.on_edge[k, j]:
             continue
-        start = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        start = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
         b = (j + 1) % n
-        stop = sub(_at(ahead, k, ahead.point[k, b, 0], ahead.point[k, b, 1], x), here)
+        stop = sub(at(ahead, k, ahead.point[k, b, 0], ahead.point[k, b, 1], x), here)
         off_a, off_b = dot(start, normal), dot(stop, normal)
         if off_a * off_b > 0.0 or off_a == off_b:
             continue
@@ -160,7 +160,7 @@ def _through(
         return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
     for end in range(2):
         j = (hit + (end if first_is_nearer else 1 - end)) % n
-        gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
@@ -190,7 +190,7 @@ def _to_an_end(
     """Write the segment of tip i through row k to where an oncoming crack ends near the ray."""
     nearest, found = JOIN * ahead.size[k], False
     for c in range(ahead.first_end[k], ahead.first_end[k + 1]):
-        gap = sub(_at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
+        gap = sub(at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
         off = abs(dot(gap, normal))
         if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
@@ -228,7 +228,7 @@ def _past_a_corner(
         j = on if end else (on + 1) % n
         edge = (on + n - 1) % n if end else j
         side = ahead.side[k, edge]
-        gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
             continue
@@ -312,7 +312,7 @@ def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
 
 
 @inline
-def _at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
+def at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
     """Return what rows : (n_node, 3) are at a place of row k of the table."""
     one = combine(
         0.25 * (1.0 - xi) * (1.0 - eta),
