@@ -140,6 +140,8 @@ def test_rooms_picture_table_and_folders_are_the_contract():
     for door in doors:
         body = ast.parse((package / f"{door}.py").read_text("utf-8")).body
         assert {type(node) for node in body} == {ast.Expr, ast.ImportFrom, ast.Assign}
+    inside = {p.parent.name for p in package.rglob("*.py") if "numba.core" in p.read_text("utf-8")}
+    assert inside == {"numerics"}, "Numba's own parts are the business of numerics/"
 
 
 def test_the_readmes_models_run(tmp_path, monkeypatch, capsys):

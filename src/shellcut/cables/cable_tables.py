@@ -7,6 +7,8 @@ from typing import Annotated, NamedTuple
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.tool.cutting_edge import CuttingEdges
 
+from .cohesive_law import LawTable
+
 
 class CableNodes(NamedTuple):
     """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
@@ -65,8 +67,7 @@ class CableTables(NamedTuple):
     """Number of cables; the rows beyond are in reserve."""
     directional: bool
     """Whether the cables may meet the edges."""
-    law: Annotated[Floats, "(n_parameter,)"]
-    """Of :meth:`CohesiveLaw.parameters`."""
+    law: LawTable
     joint: JointLaw
     edges: CuttingEdges
     nodes: CableNodes

@@ -19,8 +19,8 @@ import h5py
 import llvmlite.binding
 import numba
 import numpy as np
-from numba.core.registry import CPUDispatcher
 
+from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.threads import Workers, available_cores
 from shellcut.view import why_not_pyvista
 
@@ -151,10 +151,8 @@ def _cache() -> Finding:
 def _cache_folders() -> list[Path]:
     # The kernels of one package folder share one folder of machine code.
     rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
-    kernels = [
-        k.stats for room in rooms for k in vars(room).values() if isinstance(k, CPUDispatcher)
-    ]
-    return sorted({Path(stats.cache_path) for stats in kernels if stats.cache_path})
+    caches = [getattr(kernel, "_cache", None) for room in rooms for kernel in vars(room).values()]
+    return sorted({Path(one.cache_path) for one in caches if isinstance(one, KernelCache)})
 
 
 def _files() -> Iterator[Finding]:

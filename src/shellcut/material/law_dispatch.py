@@ -16,8 +16,7 @@ from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
 from numba import types
-from numba.core.datamodel import models
-from numba.extending import NativeValue, overload, register_model, typeof_impl, unbox
+from numba.extending import NativeValue, models, overload, register_model, typeof_impl, unbox
 
 from shellcut.arrays import Floats, Ints, Number, Vector
 from shellcut.numerics.borrowed import borrowed
