@@ -17,7 +17,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import BoundOnce
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 
 from .cut_topology import CutTopology
 from .quad_fans import boundary_edges
@@ -36,7 +36,8 @@ class CrackPath(TipPlaces):
 
     def __init__(self, topology: CutTopology, shell: MITC4Shell) -> None:
         super().__init__(topology, shell)
-        self._leave = BoundOnce(leave)
+        self._leave, self._known = BoundOnce(leave), KnownTopology()
+        self._tables: dict[tuple[Tip, ...], RowsAhead | None] = {}
 
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:
         """Return a tip on the rim where a line between two points first crosses it.
@@ -80,9 +81,16 @@ class CrackPath(TipPlaces):
         lean : of the plane in which it lies, see :mod:`.ray_ahead`.  others : tips that it may
         join.
         """
-        ahead = self.rows_ahead(tip)
-        ends = [self.oncoming(row, entry, tip.heading, others) for row, entry in ahead]
-        return self._segment(state, ahead, ends, direction, lean)
+        if not self._known.is_of(state):
+            self._tables.clear()
+            self._known.take(state)
+        of = tip, *others
+        if of not in self._tables:
+            ahead = self.rows_ahead(tip)
+            ends = [self.oncoming(row, entry, tip.heading, others) for row, entry in ahead]
+            self._tables[of] = table_of(state, self, ahead, ends) if ahead else None
+        table = self._tables[of]
+        return table and self._segment(state, table, direction, lean)
 
     def segment(
         self,
@@ -97,23 +105,17 @@ class CrackPath(TipPlaces):
 
         lean : as of :meth:`segment_from`.  ends : of cracks in the row that it may join.
         """
-        return self._segment(state, [(row, entry)], [ends], direction, lean)
+        table = table_of(state, self, [(row, entry)], [ends])
+        return self._segment(state, table, direction, lean)
 
     def _segment(
-        self,
-        state: State,
-        ahead: Sequence[tuple[int, Point]],
-        ends: Sequence[Sequence[End]],
-        direction: Floats,
-        lean: Floats | None,
+        self, state: State, table: RowsAhead, direction: Floats, lean: Floats | None
     ) -> Segment | None:
-        """Return the segment through the first row into which a direction leads."""
-        if not ahead:
-            return None
-        table, aimed = table_of(state, self, ahead, ends), Aimed.of(1)
+        """Return the segment through the first row of a table into which a direction leads."""
+        aimed = Aimed.of(1)
         self._leave(
             table,
-            np.array([0, len(ahead)]),
+            np.array([0, len(table.row)]),
             np.ascontiguousarray(direction).reshape(1, 1, 3),
             _STRAIGHT_UP if lean is None else np.ascontiguousarray(lean).reshape(1, 3),
             _ASKED,
