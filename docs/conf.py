@@ -82,6 +82,7 @@ PAGES = {
         "materials",
         "command-line",
         "api",
+        "versions",
         "glossary",
         "architecture",
         "howto/add-a-case",

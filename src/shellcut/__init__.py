@@ -10,6 +10,7 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 
 from importlib.metadata import version
 
+from . import meshing, tool_shapes
 from .cables.cohesive_law import CohesiveLaw
 from .checks import check_model
 from .contact.settings import Contact
@@ -17,7 +18,20 @@ from .fracture.anisotropy import Anisotropy
 from .fracture.criterion import Fracture
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
-from .material import Elastic, Layer, ShellMaterial
+from .material import (
+    CowperSymonds,
+    Elastic,
+    Hencky,
+    JohnsonCook,
+    Layer,
+    Linear,
+    Orthotropic,
+    Plastic,
+    ShellMaterial,
+    Swift,
+    Table,
+    Voce,
+)
 from .mesh.drawing import FilmOutline, mesh_from_drawing, read_drawing
 from .mesh.film_file import read_film
 from .mesh.mesh import Mesh
@@ -29,7 +43,7 @@ from .models.preview import preview
 from .models.warmup import warmup
 from .recording.checkpoint import load_checkpoint, save_checkpoint
 from .recording.recorder import Recorder
-from .report import report
+from .report import report_run
 from .results.comparison import Comparison, compare
 from .results.measured_curve import MeasuredCurve, read_measured_curve
 from .results.run_results import Results, read
@@ -43,7 +57,7 @@ from .study.design import Design
 from .study.fit import Search, fit
 from .study.report import report_study
 from .study.study import StudyResults, sweep
-from .tensile import TensileTest, tensile
+from .tensile import TensileTest, evaluate_tensile
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
@@ -56,6 +70,7 @@ __all__ = [
     "CohesiveLaw",
     "Comparison",
     "Contact",
+    "CowperSymonds",
     "Design",
     "EdgeTraction",
     "Elastic",
@@ -63,13 +78,18 @@ __all__ = [
     "FitCurve",
     "Fracture",
     "Gravity",
+    "Hencky",
     "Hook",
+    "JohnsonCook",
     "Layer",
+    "Linear",
     "MeasuredCurve",
     "Mesh",
     "ModelFileError",
     "NodalForce",
     "NodalMoment",
+    "Orthotropic",
+    "Plastic",
     "Pressure",
     "Recorder",
     "Results",
@@ -83,17 +103,22 @@ __all__ = [
     "StraightMotion",
     "StudyResults",
     "Support",
+    "Swift",
+    "Table",
     "TableMotion",
     "TensileTest",
     "Tool",
+    "Voce",
     "check_model",
     "compare",
+    "evaluate_tensile",
     "fit",
     "guillotine",
     "load_checkpoint",
     "mesh_from_drawing",
     "mesh_from_outline",
     "mesh_quality",
+    "meshing",
     "opening_test",
     "oscillating",
     "preset_film",
@@ -104,11 +129,11 @@ __all__ = [
     "read_measured_curve",
     "read_model",
     "read_tool",
-    "report",
+    "report_run",
     "report_study",
     "save_checkpoint",
     "sweep",
-    "tensile",
+    "tool_shapes",
     "trouser",
     "view_html",
     "warmup",

@@ -180,13 +180,14 @@ def _is_several(value: Any, origin: Any, parts: tuple[Any, ...]) -> bool:
 
 
 def _is_array_kind(kind: Any) -> bool:
-    return get_origin(kind) is np.ndarray or kind is np.ndarray or kind == npt.ArrayLike
+    arrays = (np.ndarray, npt.NDArray)  # from NumPy 2.5 on, NDArray is an alias of its own
+    return get_origin(kind) in arrays or kind is np.ndarray or kind == npt.ArrayLike
 
 
 def _alternatives(kind: Any) -> list[Any]:
-    """Return the parts of a union; ArrayLike is one itself, which Python merges with the others."""
+    """Return the parts of a union; before NumPy 2.5, Python merges those of ArrayLike with them."""
     parts, of_array = get_args(kind), get_args(npt.ArrayLike)
-    if not set(of_array) <= set(parts):
+    if not of_array or not set(of_array) <= set(parts):
         return list(parts)
     return [npt.ArrayLike, *(part for part in parts if part not in of_array)]
 

@@ -1,4 +1,8 @@
-"""Ready-made tools; the code is in :mod:`shellcut.tool.shapes` and the files beside it."""
+"""Ready-made tools; the code is in :mod:`shellcut.tool.shapes` and the files beside it.
+
+>>> straight_blade(length=4.0, height=3.0).n_chain  # mm; its cutting edges
+1
+"""
 
 from .tool.round_bar import round_bar
 from .tool.shapes import (

@@ -24,7 +24,7 @@ from shellcut.command_line.exit_code import MEANINGS
 from shellcut.command_line.run_log import RunLog
 from shellcut.models import Case
 from shellcut.numerics.jit import on_compilation
-from shellcut.report import report
+from shellcut.report import report_run
 from shellcut.results.verdict import LOGGER, Line
 from shellcut.tool.shapes import tooth_ring
 
@@ -138,7 +138,7 @@ def test_the_verdict_is_the_end_of_all_that_is_said_and_the_same_everywhere(out,
     log = (out / "run.log").read_text().splitlines()
     assert log[-len(lines) :] == lines
     assert "distrust: there must be film to cut" in (out.parent / "stderr").read_text()
-    page = html.unescape(report(out, tmp_path / "r.html").read_text(encoding="utf-8"))
+    page = html.unescape(report_run(out, tmp_path / "r.html").read_text(encoding="utf-8"))
     assert all(line["text"] in page for line in summary["verdict"])
 
 

@@ -11,6 +11,11 @@ from pathlib import Path
 
 import pytest
 
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
 import shellcut.recording.recorder
 from shellcut.model_file.section_table import LISTS, SECTIONS
 
@@ -27,6 +32,23 @@ def test_links_lead_somewhere(page):
     for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
         if not target.startswith("http"):
             assert (page.parent / target).exists(), target
+
+
+def test_links_lead_somewhere_from_the_package_index():
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]
+    page, forge = (
+        (ROOT / "README.md").read_text(),
+        "https://github.com/shellcut/shellcut/blob/main/",
+    )
+    for rule in tools["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["substitutions"]:
+        page = re.sub(rule["pattern"], rule["replacement"], page)
+    links = re.findall(r"(!?)\[[^]]*\]\(([^)#]+)", page)
+    assert len(links) > 30
+    for picture, link in links:
+        base = forge.replace("github", "raw.githubusercontent").replace("/blob", "")
+        base = base if picture else forge
+        assert link.startswith(base), link
+        assert (ROOT / link.removeprefix(base)).exists(), link
 
 
 def test_every_citation_has_its_reference():

@@ -58,7 +58,7 @@ def test_intervals_are_those_of_linear_regression():
     x = np.linspace(0.0, 1.0, 50)
     slopes = np.column_stack([np.ones(50), x])
     noise = rng.standard_normal(50)
-    noise -= slopes @ np.linalg.lstsq(slopes, noise)[0]
+    noise -= slopes @ np.linalg.lstsq(slopes, noise, rcond=None)[0]
     found = _covariance(slopes, float(noise @ noise), 48.0)
     expected = noise @ noise / 48.0 * np.linalg.inv(slopes.T @ slopes)
     np.testing.assert_allclose(found, expected, rtol=1e-9)  # of the small ridge

@@ -92,7 +92,8 @@ def test_hand_built(tmp_path, monkeypatch, capsys):
     assert 0.5 < names["sim"].pose.translation[0] < 0.6  # the hook ended the run
     assert max(names["hook"].force) > 0.0
     told = capsys.readouterr().out.splitlines()
-    assert told[0].startswith("Results of 'cut' in out")
+    assert float(told[0].split()[-3]) == pytest.approx(1.5, abs=0.1)  # N mm, of 3.2 of the tool
+    assert told[1].startswith("Results of 'cut' in out")
     # between a beam (lateral strain free, 0.2193 mm) and a plate (1 - nu² of it, 0.1996 mm)
     assert 0.1996 < float(told[-1].split()[1]) < 0.2193
 
@@ -126,7 +127,7 @@ def test_tensile(tmp_path, monkeypatch, capsys):
         for k in range(3, 9)
     ]
     Path("two.csv").write_text(text + "\n".join(rows) + "\n")
-    assert len(shellcut.tensile("two.csv").directions["MD"].figures) == 2
+    assert len(shellcut.evaluate_tensile("two.csv").directions["MD"].figures) == 2
 
 
 def test_read_results(tmp_path, monkeypatch, capsys):

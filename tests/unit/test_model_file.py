@@ -19,6 +19,7 @@ from shellcut import (
     read_model,
     trouser,
 )
+from shellcut.material.orthotropic import turned_moduli
 from shellcut.model_file import shipped_models
 from shellcut.model_file.run_sections import Head
 from shellcut.model_file.section_table import LISTS, SECTIONS
@@ -182,6 +183,23 @@ JUNK = [
     "{ a = 1 }",
     "1979-05-27",
 ]
+
+
+@pytest.mark.parametrize(
+    "fail",
+    [
+        lambda: np.linalg.inv(np.zeros((2, 2))),  # raised in NumPy's Python
+        lambda: turned_moduli(np.zeros((2, 2)), 0.0),  # in its C, called by shellcut
+    ],
+)
+def test_a_failure_inside_a_library_is_no_fault_of_the_file(write, monkeypatch, fail):
+    (kind,) = (kind for kind in SECTIONS["opening"]["time"] if kind.constructor)
+    with pytest.raises(ValueError) as own:  # noqa: PT011
+        fail()
+    monkeypatch.setattr(kind, "constructor", staticmethod(lambda **_: fail()))
+    with pytest.raises(type(own.value), match=re.escape(str(own.value))) as told:
+        read_model(write("model = 'opening'"))
+    assert not isinstance(told.value, ModelFileError)
 
 
 @pytest.mark.parametrize("junk", JUNK)

@@ -9,12 +9,12 @@ import pytest
 import shellcut.formats.errors
 from shellcut import (
     TableMotion,
+    evaluate_tensile,
     read_drawing,
     read_film,
     read_measured_curve,
     read_model,
     read_tool,
-    tensile,
 )
 from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
@@ -39,7 +39,7 @@ READERS = {
     "film.dxf": read_drawing,
     "film.svg": read_drawing,
     "curve.csv": read_measured_curve,
-    "specimen.csv": tensile,
+    "specimen.csv": evaluate_tensile,
     "motion.csv": TableMotion.read_csv,
     "model.toml": read_model,
 }

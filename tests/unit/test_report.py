@@ -17,7 +17,7 @@ from browser import opened
 from shellcut import MeasuredCurve
 from shellcut.command_line import main
 from shellcut.files import run_folder
-from shellcut.report import pictures, report, scene
+from shellcut.report import pictures, report_run, scene
 from shellcut.report.chart import Curve, _columns, chart
 from shellcut.report.gathered import gather
 from shellcut.report.ticks import ticks_of
@@ -55,7 +55,7 @@ def measured(out):
 
 @pytest.fixture(scope="module")
 def page(out, measured):
-    return report(out, measured=measured).read_text(encoding="utf-8")
+    return report_run(out, measured=measured).read_text(encoding="utf-8")
 
 
 def copy_without(out, tmp_path, *names):
@@ -140,7 +140,7 @@ class TestPage:
 
     @pytest.mark.usefixtures("undrawn")
     def test_it_can_lie_elsewhere(self, out, tmp_path):
-        path = report(out, tmp_path / "r.html")
+        path = report_run(out, tmp_path / "r.html")
         links = Outline(path.read_text(encoding="utf-8")).links
         assert all(
             (tmp_path / link.replace("%20", " ").replace("%26", "&")).exists() for link in links
@@ -182,21 +182,21 @@ class TestWhatIsMissing:
         ],
     )
     def test_is_told_and_the_rest_is_there(self, out, tmp_path, lost, said):
-        page = report(copy_without(out, tmp_path, *lost)).read_text(encoding="utf-8")
+        page = report_run(copy_without(out, tmp_path, *lost)).read_text(encoding="utf-8")
         assert any(said in text for kind, text in sentences(page) if kind == "doubt")
         titles = Outline(page).titles
         assert {"Verdict", "Versions", "Files", "Energy ledger"} <= set(titles)
 
     def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
-        whole = report(out).read_text(encoding="utf-8")
-        page = report(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
+        whole = report_run(out).read_text(encoding="utf-8")
+        page = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
         closes = [text for _, text in sentences(whole) if "ledger closes within" in text]
         assert closes == [text for _, text in sentences(page) if "ledger closes within" in text]
         assert len(closes) == 1
 
     def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):
-        whole = report(out).read_text(encoding="utf-8")
-        killed = report(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
+        whole = report_run(out).read_text(encoding="utf-8")
+        killed = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
         assert "Shown is the force along (1, 0, 0); positive resists the tool." in whole
         reason = shellcut.read(out).summary["no_window"]
         assert reason.startswith("cutting edge 1 has cut ")
@@ -208,7 +208,7 @@ class TestWhatIsMissing:
         (folder / "guillotine.vtkhdf").write_bytes(b"no HDF5")
         (folder / "summary.json").write_text("{")
         (folder / "history.csv").write_text("time [s],path [mm]\n0.0,0.0\n")
-        page = report(folder).read_text(encoding="utf-8")
+        page = report_run(folder).read_text(encoding="utf-8")
         said = " ".join(text for kind, text in sentences(page) if kind == "doubt")
         assert "The frames cannot be shown" in said
         assert "fewer than two rows" in said
@@ -217,7 +217,7 @@ class TestWhatIsMissing:
         folder = copy_without(out, tmp_path)
         text = (folder / "history.csv").read_text()
         (folder / "history.csv").write_text(text.replace("force_contact [N]", "other [N]", 1))
-        page = report(folder).read_text(encoding="utf-8")
+        page = report_run(folder).read_text(encoding="utf-8")
         said = [text for _, text in sentences(page) if "cannot be shown" in text]
         assert len(said) == 1
         assert said[0].startswith(
@@ -229,8 +229,8 @@ class TestWhatIsMissing:
     def test_without_matplotlib_there_are_curves_but_no_pictures(self, out, tmp_path):
         script = (
             "import sys; sys.modules['matplotlib'] = None\n"
-            "from shellcut.report import report\n"
-            "report(sys.argv[1], sys.argv[2])\n"
+            "from shellcut.report import report_run\n"
+            "report_run(sys.argv[1], sys.argv[2])\n"
         )
         path = tmp_path / "r.html"
         subprocess.run([sys.executable, "-c", script, out, path], check=True)
@@ -245,7 +245,7 @@ class TestStressScale:
     def test_is_that_of_the_snapshots_from_nothing_to_the_strength(self, out, tmp_path, scales):
         kept = run_folder.snapshots(out)
         assert {snapshot_limits(path) for path in kept} == {(0.0, 12.0)}
-        report(out, tmp_path / "r.html")
+        report_run(out, tmp_path / "r.html")
         assert scales == [(0.0, 12.0)] * 2
 
     @pytest.mark.parametrize("limits", [(0.0, 1e4), None])
@@ -260,7 +260,7 @@ class TestStressScale:
                 draw_snapshot(path, frame, stress_limits=limits, size=(2.0, 1.0), dpi=50)
             else:
                 Image.new("RGB", (2, 2)).save(path)
-        report(folder)
+        report_run(folder)
         of_strip, of_snapshots = scales
         assert of_strip == of_snapshots
         assert 5.0 < of_strip[1] < 100.0
@@ -314,7 +314,7 @@ class TestMeasuredCurve:
         history = shellcut.read(out).history
         curve = MeasuredCurve(history["time"][::9], history["force"][::9], x_unit="s", y_unit="N")
         found = shellcut.compare(out, curve, x="time")
-        page = report(out, tmp_path / "r.html", measured=found).read_text(encoding="utf-8")
+        page = report_run(out, tmp_path / "r.html", measured=found).read_text(encoding="utf-8")
         force = page[page.index("<h2>Force</h2>") :].split("</section>")[0]
         assert "measured" not in force
         assert "time [s]</p>" in page

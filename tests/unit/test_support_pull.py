@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from shellcut import Simulation, Support, read, report, trouser
+from shellcut import Simulation, Support, read, report_run, trouser
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.support_pull import SupportPull
 
@@ -49,7 +49,7 @@ def test_its_summary_judges_the_work_of_the_supports(torn):
 
 def test_its_report_and_its_pictures_are_there(torn):
     _, folder = torn
-    page = report(folder).read_text()
+    page = report_run(folder).read_text()
     assert "work of the supports" in page
     assert "force" in page
     assert {"force.png", "energy.png", "snapshot_00.png"} <= {p.name for p in folder.iterdir()}

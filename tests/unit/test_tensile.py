@@ -6,7 +6,7 @@ from math import log
 import numpy as np
 import pytest
 
-from shellcut import CohesiveLaw, read_measured_curve, read_model, tensile
+from shellcut import CohesiveLaw, evaluate_tensile, read_measured_curve, read_model
 from shellcut.command_line import main
 from shellcut.formats.errors import FileError
 from shellcut.material.nominal_stress import largest_nominal_stress
@@ -68,7 +68,7 @@ class TestMaterial:
     )
     def test_a_law_known_beforehand_is_recovered(self, tmp_path, young, strength, start, exponent):
         curve = swift(young, strength, start, exponent)
-        test = tensile(write(tmp_path / "film.csv", curve))
+        test = evaluate_tensile(write(tmp_path / "film.csv", curve))
         test.write(tmp_path / "out")
         text = (tmp_path / "out" / "material.toml").read_text()
         (tmp_path / "cut.toml").write_text('model = "opening"\n' + text)
@@ -86,7 +86,7 @@ class TestMaterial:
 
     def test_noise_and_scatter_do_not_make_a_table_that_falls(self, tmp_path):
         curves = [bilinear(noise=0.2, seed=k, scale=1.0 + 0.03 * k) for k in range(5)]
-        test = tensile(write(tmp_path / "film.csv", *curves), gauge_length=GAUGE)
+        test = evaluate_tensile(write(tmp_path / "film.csv", *curves), gauge_length=GAUGE)
         test.write(tmp_path / "out")
         text = (tmp_path / "out" / "material.toml").read_text()
         (tmp_path / "cut.toml").write_text('model = "opening"\n' + text)
@@ -95,7 +95,7 @@ class TestMaterial:
 
     def test_a_film_that_does_not_yield_has_none(self, tmp_path):
         strain = np.linspace(0.0, 0.008, 50)
-        test = tensile(write(tmp_path / "film.csv", (strain, YOUNG * strain)))
+        test = evaluate_tensile(write(tmp_path / "film.csv", (strain, YOUNG * strain)))
         assert test.directions[""].material() is None
         test.write(tmp_path / "out")
         assert not (tmp_path / "out" / "material.toml").exists()
@@ -103,7 +103,7 @@ class TestMaterial:
 
 class TestClosedForm:
     def test_without_noise(self, tmp_path):
-        found = tensile(write(tmp_path / "film.csv", bilinear()), gauge_length=GAUGE)
+        found = evaluate_tensile(write(tmp_path / "film.csv", bilinear()), gauge_length=GAUGE)
         film = found.directions[""]
         (one,) = film.figures
         assert one.young == pytest.approx(YOUNG, rel=1e-5)  # six digits in the file
@@ -116,7 +116,7 @@ class TestClosedForm:
         assert film.fracture_energy.mean == pytest.approx(LAW.fracture_energy, rel=1e-3)
 
     def test_the_hardening_curve_is_that_of_the_line(self, tmp_path):
-        film = tensile(write(tmp_path / "film.csv", bilinear())).directions[""]
+        film = evaluate_tensile(write(tmp_path / "film.csv", bilinear())).directions[""]
         plastic, true, scatter, n = film.hardening()
         strain = np.linspace(FIRST, END, 10_000)
         nominal = YOUNG * FIRST + HARDENING * (strain - FIRST)
@@ -131,7 +131,9 @@ class TestClosedForm:
 
     def test_with_noise_within_the_stated_scatter(self, tmp_path):
         curves = [bilinear(noise=0.05, seed=k) for k in range(6)]
-        film = tensile(write(tmp_path / "film.csv", *curves), gauge_length=GAUGE).directions[""]
+        film = evaluate_tensile(
+            write(tmp_path / "film.csv", *curves), gauge_length=GAUGE
+        ).directions[""]
         young = film.spread("young")
         assert young.n == 6
         # the mean of six lies within three of its standard errors, and the scatter is that of
@@ -150,7 +152,9 @@ class TestClosedForm:
         assert law.opening_u == pytest.approx(LAW.opening_u, abs=0.25)
 
     def test_slack_is_taken_off(self, tmp_path):
-        found = tensile(write(tmp_path / "film.csv", bilinear(slack=0.013)), gauge_length=GAUGE)
+        found = evaluate_tensile(
+            write(tmp_path / "film.csv", bilinear(slack=0.013)), gauge_length=GAUGE
+        )
         (one,) = found.directions[""].figures
         assert one.slack == pytest.approx(0.013, rel=1e-3)
         assert one.young == pytest.approx(YOUNG, rel=1e-3)
@@ -162,7 +166,7 @@ class TestClosedForm:
         path = tmp_path / "film.csv"
         extension = strain * GAUGE / 25.4
         write(path, (extension, force), headings="travel [in];load [lbf]", factor=1.0)
-        found = tensile(path, gauge_length=GAUGE, width=15.0, thickness=0.074)
+        found = evaluate_tensile(path, gauge_length=GAUGE, width=15.0, thickness=0.074)
         (one,) = found.directions[""].figures
         assert one.young == pytest.approx(YOUNG, rel=1e-3)  # six decimals of an inch
         assert one.strength == pytest.approx(STRENGTH, rel=1e-5)
@@ -184,7 +188,9 @@ class TestDirections:
         write(tmp_path / "md.csv", bilinear(), bilinear(scale=1.1))
         both = "strain [%];stress CD {k} [MPa]"
         write(tmp_path / "cd.csv", bilinear(scale=0.6), bilinear(scale=0.7), headings=both)
-        found = tensile({"MD": tmp_path / "md.csv", "": [tmp_path / "cd.csv"]}, gauge_length=GAUGE)
+        found = evaluate_tensile(
+            {"MD": tmp_path / "md.csv", "": [tmp_path / "cd.csv"]}, gauge_length=GAUGE
+        )
         assert list(found.directions) == ["MD", "CD"]
         assert found.directions["MD"].spread("young").mean == pytest.approx(1.05 * YOUNG, rel=1e-4)
         spread = found.directions["CD"].spread("young")
@@ -202,11 +208,11 @@ class TestDirections:
             second = f"{1.2 * y:.5f}" if k < 235 else "0"
             lines.append(f"{100 * x:.5f};{y:.5f};{second};{k}")
         path.write_text("\n".join(lines))
-        found = tensile(path)
+        found = evaluate_tensile(path)
         assert list(found.directions) == ["45°"]
         assert [one.specimen.broken for one in found.directions["45°"].figures] == [True, True]
         shorter = write(tmp_path / "two.csv", bilinear(), bilinear(points=(30, 80, 50)))
-        assert len(tensile(shorter).directions[""].figures) == 2
+        assert len(evaluate_tensile(shorter).directions[""].figures) == 2
 
 
 # Headings of test machines, what separates columns and decimals, and what the record holds: strain
@@ -269,7 +275,7 @@ def machine(path, headings, separator, decimal, columns, encoding):
 class TestColumns:
     def evaluated(self, path, **options):
         options = {"gauge_length": GAUGE, "width": 15.0, "thickness": 0.074, **options}
-        return tensile(path, **options)
+        return evaluate_tensile(path, **options)
 
     def check(self, found):
         (one,) = found.directions[""].figures
@@ -357,7 +363,7 @@ class TestColumns:
                 for values in zip(*row, strict=True)
             ]
             path.write_text("\n".join([heading, *lines]))
-            found = tensile(path).directions[""].figures
+            found = evaluate_tensile(path).directions[""].figures
             assert [one.young for one in found] == pytest.approx([YOUNG, 0.5 * YOUNG], rel=1e-5)
 
 
@@ -365,7 +371,7 @@ class TestModulus:
     """Of ISO 527-1: the line's slope between 0.05 and 0.25 %, from its own zero."""
 
     def young(self, path, strain, stress):
-        (one,) = tensile(write(path, (strain, stress))).directions[""].figures
+        (one,) = evaluate_tensile(write(path, (strain, stress))).directions[""].figures
         return one
 
     @pytest.mark.parametrize("late", [0.0, 200.0])
@@ -408,7 +414,7 @@ class TestModulus:
 
 class TestHonestSentences:
     def said(self, path, **options):
-        return "\n".join(tensile(path, **options).sentences())
+        return "\n".join(evaluate_tensile(path, **options).sentences())
 
     def test_energy_and_its_reservation(self, tmp_path):
         path = write(tmp_path / "film.csv", bilinear())
@@ -424,7 +430,7 @@ class TestHonestSentences:
         strain = np.append(np.linspace(0.0, 0.01, 400), [0.0101, 0.0102])
         stress = np.append(np.minimum(70e3 * strain, 70.0 + 500.0 * (strain - 1e-3))[:400], [5, 0])
         path = write(tmp_path / "foil.csv", (strain, stress))
-        found = tensile(path).directions[""].figures[0]
+        found = evaluate_tensile(path).directions[""].figures[0]
         assert found.young == pytest.approx(70e3, rel=0.05)
         assert "the film yields between strains of 0.05 and 0.25 %" in "\n".join(found.sentences)
 
@@ -434,7 +440,7 @@ class TestHonestSentences:
         assert "no fall after the strength is recorded" in said
         assert "the record ends at 23.8 MPa, 100% of the strength, before the break" in said
         assert "no law: no specimen shows a fall" in said
-        assert "0 specimens" not in str(tensile(path))
+        assert "0 specimens" not in str(evaluate_tensile(path))
 
     def test_a_sudden_break_gives_a_bound_only(self, tmp_path):
         strain, stress = bilinear(fall=False)
@@ -487,21 +493,21 @@ class TestRefusals:
         path = tmp_path / "film.csv"
         path.write_text(text)
         with pytest.raises(ValueError, match=words) as caught:
-            tensile(path)
+            evaluate_tensile(path)
         assert str(path) in str(caught.value)
 
     def test_all_files_at_once(self, tmp_path):
         with pytest.raises(ValueError, match=r"(?s)a\.csv: cannot be read.*b\.csv: cannot be read"):
-            tensile([tmp_path / "a.csv", tmp_path / "b.csv"])
+            evaluate_tensile([tmp_path / "a.csv", tmp_path / "b.csv"])
         assert issubclass(FileError, ValueError)
 
     def test_dimensions(self, tmp_path):
         with pytest.raises(ValueError, match=r"gauge_length must be .* got -1; width must be"):
-            tensile(tmp_path / "a.csv", gauge_length=-1, width=float("nan"))
+            evaluate_tensile(tmp_path / "a.csv", gauge_length=-1, width=float("nan"))
         with pytest.raises(ValueError, match="offset must be a strain between 0 and 1, got 0"):
-            tensile(tmp_path / "a.csv", offset=0)
+            evaluate_tensile(tmp_path / "a.csv", offset=0)
         with pytest.raises(ValueError, match="at least one file"):
-            tensile([])
+            evaluate_tensile([])
 
 
 class TestCommand:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from shellcut.report import report
+from shellcut.report import report_run
 
 from .compare import add_columns_to, compared
 from .exit_code import DONE, refuse
@@ -61,4 +61,4 @@ def _written(arguments: argparse.Namespace) -> Path:
             )
         return report_study(arguments.folder, arguments.output)
     found = compared(arguments, arguments.folder) if arguments.measured else None
-    return report(arguments.folder, arguments.output, measured=found)
+    return report_run(arguments.folder, arguments.output, measured=found)

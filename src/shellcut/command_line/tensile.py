@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from shellcut.model_file.quantity import quantity
-from shellcut.tensile import tensile
+from shellcut.tensile import evaluate_tensile
 from shellcut.tensile.evaluation import PICTURE
 
 from .exit_code import BAD_INPUT, DONE, refuse
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
             problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
         if problems:
             return refuse("\n".join(problems))
-        found = tensile(
+        found = evaluate_tensile(
             _by_direction(arguments.files),
             offset=offset,
             columns=arguments.columns,

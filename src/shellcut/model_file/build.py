@@ -13,7 +13,7 @@ from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.models import Case, free_cut, guillotine, opening_test, oscillating, trouser
 
-from .errors import ModelFileError, Problem
+from .errors import ModelFileError, Problem, is_refusal
 from .key import Section
 from .model import Model
 from .source import KeyPath
@@ -177,6 +177,8 @@ class _Build:
         except ModelFileError:
             raise
         except (ValueError, KeyError, ImportError, OSError) as problem:
+            if not isinstance(problem, OSError) and not is_refusal(problem):
+                raise
             said = problem.args[0] if isinstance(problem, KeyError) else problem
             text = f"[{path[0]}]: {said}" if path else str(said)
             raise ModelFileError([Problem(self._model.source.place(path), text)]) from problem

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from dis import opmap
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -45,6 +46,21 @@ class ModelFileError(ValueError):
         self.problems = tuple(problems)
         self.partial: Model | None = None
         super().__init__("\n".join(str(problem) for problem in problems))
+
+
+def is_refusal(problem: BaseException) -> bool:
+    """Whether an error is shellcut's own word on a value, raised by a ``raise`` of its sources.
+
+    Any other comes from inside a library and says nothing of the user's file.
+    """
+    trace = problem.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        return False
+    package = str(trace.tb_frame.f_globals.get("__name__")).partition(".")[0]
+    raised = trace.tb_frame.f_code.co_code[trace.tb_lasti] == opmap["RAISE_VARARGS"]
+    return package == "shellcut" and raised
 
 
 def guess(name: str, names: Iterable[str]) -> str:

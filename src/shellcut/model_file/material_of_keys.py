@@ -15,6 +15,7 @@ from shellcut.material.orthotropic import Orthotropic
 from shellcut.material.plastic import Plastic
 from shellcut.material.rate_factor import CowperSymonds, JohnsonCook, RateFactor
 
+from .errors import is_refusal
 from .hardening_file import read_hardening
 
 VOCE = ("yield_stress", "hardening_modulus", "saturation_gain", "saturation_strain")
@@ -197,6 +198,8 @@ def made_with(constructor: Callable[..., Any], names: Mapping[str, str], **value
     try:
         return constructor(**values)
     except ValueError as problem:
+        if not is_refusal(problem):
+            raise
         said = []
         for sentence in str(problem).split("; "):
             words = "|".join(re.escape(name) for name in names)
@@ -210,5 +213,7 @@ def _tried(problems: list[str], make: Callable[[], Any]) -> Any:
     except KeyProblems as problem:
         problems += problem.problems
     except ValueError as problem:
+        if not is_refusal(problem):
+            raise
         problems.append(str(problem))
     return None

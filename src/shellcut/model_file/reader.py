@@ -12,7 +12,7 @@ from typing import Any
 
 from shellcut.files.regular_file import read_regular
 
-from .errors import ModelFileError, Problem, guess, listed
+from .errors import ModelFileError, Problem, guess, is_refusal, listed
 from .key import Key, Section
 from .model import Model
 from .overrides import overridden
@@ -333,6 +333,8 @@ class _Reading:
         try:
             made.made()
         except ValueError as problem:
+            if not is_refusal(problem):
+                raise
             reasons: Sequence[str] = getattr(problem, "problems", None) or [str(problem)]
             for reason in reasons:
                 self.say(_named_key(made, path, reason), f"{_shown(path)[:-1]}: {reason}")

@@ -16,7 +16,7 @@ kernel is bound, not at each call.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple, get_args, get_type_hints
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -103,8 +103,13 @@ def _wanted(table: type) -> Iterator[_Wanted]:
     for name, hint in get_type_hints(table, include_extras=True).items():
         for told in getattr(hint, "__metadata__", ()):
             shape = tuple(length.strip() for length in told.strip("()").split(",") if length)
-            dtype = get_args(get_args(hint.__origin__)[1])[0]
-            yield _Wanted(name, None if dtype is Any else _generic(dtype), shape)
+            number = _of_dtype(get_args(hint.__origin__)[-1])
+            yield _Wanted(name, None if number is Any else _generic(number), shape)
+
+
+def _of_dtype(kind: Any) -> Any:
+    """Return ``np.float64`` of ``np.dtype[np.float64]``, as which NumPy 2.4 writes it."""
+    return get_args(kind)[0] if get_origin(kind) is np.dtype else kind
 
 
 def _generic(dtype: Any) -> Any:

@@ -52,8 +52,8 @@ def read(data: Any) -> Any:
     if isinstance(data, str):
         if array := _ARRAY.fullmatch(data):
             number, n, layout, locked = array.groups()
-            return types.Array(getattr(types, number), int(n), layout, readonly=bool(locked))
-        return getattr(types, data)
+            return types.Array(read(number), int(n), layout, readonly=bool(locked))
+        return getattr(types, "boolean" if data == "bool" else data)
     name, *fields = data
     if name == "held":
         return HeldType(read(fields[0]))

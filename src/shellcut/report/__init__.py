@@ -3,6 +3,6 @@
 May import ``results``, ``view`` and rows below.
 """
 
-from .report import report
+from .report import report_run
 
-__all__ = ["report"]
+__all__ = ["report_run"]

@@ -18,7 +18,7 @@ from .markup import section
 from .page import page_of
 
 
-def report(
+def report_run(
     folder: str | os.PathLike[str],
     path: str | os.PathLike[str] | None = None,
     *,
@@ -56,7 +56,7 @@ def report(
 
     Examples
     --------
-    >>> report("no/such/folder")
+    >>> report_run("no/such/folder")
     Traceback (most recent call last):
         ...
     FileNotFoundError: no/such/folder must be the folder of a run, ...; there is no such folder

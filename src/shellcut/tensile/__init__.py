@@ -5,6 +5,6 @@ May import ``results`` (measured tables), ``view``, ``cables`` and rows below. `
 them and writes.
 """
 
-from .evaluation import TensileTest, tensile
+from .evaluation import TensileTest, evaluate_tensile
 
-__all__ = ["TensileTest", "tensile"]
+__all__ = ["TensileTest", "evaluate_tensile"]

@@ -1,4 +1,4 @@
-"""Tensile tests of a film, evaluated: :func:`tensile`."""
+"""Tensile tests of a film, evaluated: :func:`evaluate_tensile`."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class TensileTest:
     >>> path = Path("sheet.csv")
     >>> rows = [(0, 0), (0.05, 1), (0.1, 2), (0.15, 3), (0.2, 4), (0.25, 5), (0.8, 16), (1, 0)]
     >>> _ = path.write_text(chr(10).join(["strain [%];CD [MPa]", *(f"{x};{y}" for x, y in rows)]))
-    >>> print(str(tensile(path)).splitlines()[2])
+    >>> print(str(evaluate_tensile(path)).splitlines()[2])
     Young's modulus       2000 MPa
     """
 
@@ -176,7 +176,7 @@ class TensileTest:
         return Path(path)
 
 
-def tensile(
+def evaluate_tensile(
     files: Paths | Mapping[str, Paths],
     *,
     gauge_length: float | None = None,
@@ -226,7 +226,7 @@ def tensile(
     >>> rows += [(20, 20), (40, 24), (42, 8), (46, 0)]
     >>> text = "strain [%],stress [MPa]" + "".join(f"{chr(10)}{x},{y}" for x, y in rows)
     >>> _ = path.write_text(text)
-    >>> film = tensile(path, gauge_length=50.0).directions[""]
+    >>> film = evaluate_tensile(path, gauge_length=50.0).directions[""]
     >>> round(film.spread("young").mean), film.spread("strength").mean
     (2000, 24.0)
     """
