@@ -61,6 +61,8 @@ def test_it_goes_on_with_the_same_bits(options, tmp_path):
     assert again.state.split_log == sim.state.split_log
     assert differing(sim, again) == []
     mine, other = numbers_of(sim), numbers_of(again)
+    for numbers in (mine, other):  # of searches since the run began, or since the checkpoint
+        del numbers["sim.cracks.free._pierce._near.n_search"]
     rows = {
         "node": sim.state.n_node,
         "cable": sim.state.n_cable,

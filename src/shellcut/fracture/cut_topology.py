@@ -108,6 +108,8 @@ class CutTopology:
         """Return where cracks cross the side between two nodes of the mesh, as fractions of it."""
         found = set()
         for row, corner in self.corners_at(a):
+            if row not in self._polygons:
+                continue  # a whole quad lies on all of its sides
             ring = self._quads[self.parent(row)].tolist()
             if b not in ring:
                 continue

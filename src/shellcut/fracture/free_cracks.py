@@ -253,17 +253,19 @@ class FreeCracks:
         return any(one is tip for one in self.tips)
 
     def _advance_driven(self, state: State) -> bool:
-        """Advance the first crack that a blade drives and that is due; return whether one is."""
-        self.tips = self._watch.alive(state, self.tips)
-        due = np.flatnonzero(self._watch.due(state, self.tips))
-        if not due.size:
-            return False
-        i = int(due[0])
-        segment, measure = self._watch.segment(i), float(self._watch.measure[i])
-        assert segment is not None
-        kind = "criterion" if measure >= 1.0 else "blade"
-        self._advance(state, self.tips[i], segment, kind, measure)
-        return True
+        """Advance the cracks that a blade drives and that are due; return whether there are any."""
+        watch, went_on = self._watch, False
+        self.tips = watch.alive(state, self.tips)
+        due = watch.due(state, self.tips)
+        for tip in [tip for tip, is_due in zip(self.tips, due, strict=True) if is_due]:
+            # Each cut may change what the next one has ahead.
+            there = watch.alive(state, [tip]) if self._is_there(tip) else []
+            if watch.due(state, there, self.tips).any() and (segment := watch.segment(0)):
+                measure = float(watch.measure[0])
+                kind = "criterion" if measure >= 1.0 else "blade"
+                self._advance(state, tip, segment, kind, measure)
+                went_on = True
+        return went_on
 
     def _cut(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
         """Cut along a segment; tips that lie on it keep what is behind them."""

@@ -13,13 +13,13 @@ from math import sqrt
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
-from shellcut.contact.near_nodes import in_box
+from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
-from shellcut.state import KnownTopology, State
+from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
-from shellcut.tool.pose import Pose, to_body, to_space, turn
+from shellcut.tool.pose import Pose, to_body, turn
 
 from .quad_polygon import AWAY, Point
 from .ray_ahead import AT_POINT, Aimed, at, through
@@ -27,7 +27,6 @@ from .rows_ahead import RowsAhead
 
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0
-
 
 # Rows that are looked at, a tooth.
 _CANDIDATES = 4
@@ -47,7 +46,7 @@ class Pierce:
     """
 
     def __init__(self, edges: CuttingEdges, size: float, quad: RowsAhead) -> None:
-        self._edges, self._size = edges, size
+        self._edges = edges
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
         ends = [both[edges.body == b] for b in range(int(edges.body.max()) + 1)]
@@ -56,12 +55,9 @@ class Pierce:
         n_most = len(ends) * _CANDIDATES
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
         self._place = np.zeros((n_most, 2))
-        self._known = KnownTopology()
-        self._whole = self._first = np.zeros(0, np.int64)
-        self._near_rows = self._near_first = np.zeros(0, np.int64)
-        self._x_listed, self._pose_listed = np.zeros((0, 3), order="F"), Pose.at_origin()
+        self._rows = self._first = np.zeros(0, np.int64)
+        self._near = NearNodes(self._low, self._high, size)
         self._quad, self._chord = quad, Aimed.of(2)
-        self._drift = BoundOnce(_drift)
         self._find = BoundOnce(_pierced)
 
     def found(
@@ -83,24 +79,21 @@ class Pierce:
         area : ndarray, shape (n_row,)
             Of the quads [mm²].
         """
-        if not self._known.is_of(state):
-            self._follow(state)
-            self._list(state, pose)
-        x, boxes = state.node.x, (self._low, self._high)
-        if self._drift(x, self._x_listed, pose, self._pose_listed, *boxes) > self._size:
-            self._list(state, pose)
+        if self._near.renew(state, pose):
+            self._list(state)
         row, segment, place = self._row, self._segment, self._place
         n_found = self._find(
-            x,
+            state.node.x,
             state.node.t,
             state.quads,
-            self._near_rows,
-            self._near_first,
+            self._rows,
+            self._first,
             area,
             tips,
             pose,
             self._edges,
-            *boxes,
+            self._low,
+            self._high,
             self._quad,
             self._chord,
             row,
@@ -112,22 +105,12 @@ class Pierce:
             for k in range(n_found)
         ]
 
-    def _follow(self, state: State) -> None:
-        """Find the whole rows, and of these the ones without a node at a flank."""
-        halved = state.node.halved[state.quads].any(axis=1)
-        self._whole = np.flatnonzero((state.quad.share[: state.n_quad] >= 1.0) & ~halved)
-        self._first = state.quads[self._whole, 0].astype(np.int64)
-        self._known.take(state)
-
-    def _list(self, state: State, pose: Pose) -> None:
-        """List the rows that can come into the boxes before nodes and tool drift by ``size``."""
-        p = pose.to_body(state.node.x[self._first])
-        near = np.zeros(len(p), np.bool_)
-        for low, high in zip(self._low - self._size, self._high + self._size, strict=True):
-            near |= ((low < p) & (p < high)).all(axis=1)
-        self._near_rows, self._near_first = self._whole[near], self._first[near]
-        self._x_listed = state.node.x[: state.n_node].copy(order="F")
-        self._pose_listed = pose.copied()
+    def _list(self, state: State) -> None:
+        """List the whole rows near the tool without a node at a flank, by their first nodes."""
+        quads, whole = state.quads, state.quad.share[: state.n_quad] >= 1.0
+        near = whole & np.isin(quads[:, 0], self._near.ids)
+        self._rows = np.flatnonzero(near & ~state.node.halved[quads].any(axis=1))
+        self._first = quads[self._rows, 0].astype(np.int64)
 
 
 @inline
@@ -185,32 +168,6 @@ def _is_on(chord: Aimed, i: int, side: int) -> bool:
     """Return whether a ray ends on a side of a whole quad."""
     end: int = chord.way[i, 2]
     return end == side or (bool(chord.way[i, 1] == AT_POINT) and end == (side + 1) % 4)
-
-
-@kernel
-def _drift(
-    x: Floats, x_listed: Floats, pose: Pose, pose_listed: Pose, low: Floats, high: Floats
-) -> float:
-    """Return by how much nodes and boxes together have moved at most [mm].
-
-    x : (n_node, 3) now.  x_listed : before.  low, high : (n_body, 3), in the body frame.
-    """
-    pose, pose_listed = borrowed(pose), borrowed(pose_listed)
-    nodes = 0.0
-    for i in range(x_listed.shape[0]):
-        gap = sub(load(x, i), load(x_listed, i))
-        nodes = max(nodes, dot(gap, gap))
-    tool = 0.0
-    for b in range(low.shape[0]):
-        for corner in range(8):
-            p = (
-                high[b, 0] if corner & 1 else low[b, 0],
-                high[b, 1] if corner & 2 else low[b, 1],
-                high[b, 2] if corner & 4 else low[b, 2],
-            )
-            gap = sub(to_space(p, pose), to_space(p, pose_listed))
-            tool = max(tool, dot(gap, gap))
-    return sqrt(nodes) + sqrt(tool)
 
 
 @kernel

@@ -94,11 +94,16 @@ class RowsAhead(NamedTuple):
     """... and which crossing of that edge it is, -1 at a point, -2 on a flank."""
 
 
-def tips_of(state: State, places: TipPlaces, tips: Sequence[Tip]) -> tuple[Tips, RowsAhead]:
-    """Return the tables of some tips; there must be rows ahead of each."""
+def tips_of(
+    state: State, places: TipPlaces, tips: Sequence[Tip], others: Sequence[Tip] = ()
+) -> tuple[Tips, RowsAhead]:
+    """Return the tables of some tips, and of others that they may join.
+
+    There must be rows ahead of each.
+    """
     ahead = [places.rows_ahead(tip) for tip in tips]
     ends = [
-        places.oncoming(row, entry, tip.heading, tips)
+        places.oncoming(row, entry, tip.heading, [*tips, *others])
         for rows, tip in zip(ahead, tips, strict=True)
         for row, entry in rows
     ]

@@ -60,7 +60,8 @@ class TipPlaces:
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
-        return [int(n) for n in self._shell.mesh_quads[row]]
+        ring: list[int] = self._shell.mesh_quads[row].tolist()
+        return ring
 
     def size(self, row: int) -> float:
         """Return the local edge length, sqrt(quad area) [mm]."""

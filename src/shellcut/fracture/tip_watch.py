@@ -65,9 +65,9 @@ class TipWatch:
             return tips
         return [tip for tip in tips if self._path.rows_ahead(tip)]
 
-    def places(self, state: State, tips: Sequence[Tip]) -> Floats:
+    def places(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Floats:
         """Return where tips are [mm], shape (n_tip, 3): one at least, with film ahead of each."""
-        self._follow(state, tips)
+        self._follow(state, tips, others)
         n = state.node
         self._place_tips(self._table, n.x, n.t, self.x, self._director, self._heading)
         return self.x
@@ -76,7 +76,7 @@ class TipWatch:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
         return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
-    def due(self, state: State, tips: Sequence[Tip]) -> Bools:
+    def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
         """Return which tips are due, shape (n_tip,).
 
         Parameters
@@ -85,11 +85,13 @@ class TipWatch:
             Present positions.
         tips : sequence of Tip
             With film ahead of each.
+        others : sequence of Tip
+            That they may join besides each other.
         """
         if not len(tips):
             self.x, self._tips = np.zeros((0, 3)), []
             return self._due[:0]
-        self.places(state, tips)
+        self.places(state, tips, others)
         self._due[:] = False
         n, table, drive = state.node, self._table, self._drive
         driven = drive.find(self.x, table.size, state.time)
@@ -114,14 +116,14 @@ class TipWatch:
             and all(map(is_, tips, self._tips))
         )
 
-    def _follow(self, state: State, tips: Sequence[Tip]) -> None:
+    def _follow(self, state: State, tips: Sequence[Tip], others: Sequence[Tip]) -> None:
         """Build the tables anew where the topology or the tips are others."""
         if self._is_of(state, tips):
             return
         n = len(tips)
         self._tips, self._count = list(tips), (state.n_cable, state.flank.count)
         self._known.take(state)
-        self._table, self._ahead = tips_of(state, self._path, self._tips)
+        self._table, self._ahead = tips_of(state, self._path, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
         self._due, self._aimed, self._weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         self._pairs.clear()
