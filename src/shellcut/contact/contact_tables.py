@@ -1,4 +1,4 @@
-"""Named tables of the arguments of the penalty contact's kernel."""
+"""Named tables of the arguments of the penalty contact's kernel, and of all that presses."""
 
 from __future__ import annotations
 
@@ -12,6 +12,35 @@ from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 
 from .settings import PenaltyLaw
+
+
+class Carriers(NamedTuple):
+    """Where a term presses film and tool on one another, row by row of its list; its kernel writes.
+
+    A carrier is a node, or the place of an edge or a quad: a mean of up to four nodes.
+    """
+
+    node: Annotated[Ints, "(n_row, 4)"]
+    """Nodes that carry the place."""
+    weight: Annotated[Floats, "(n_row, 4)"]
+    """Their shape functions there."""
+    body: Annotated[Ints, "(n_row,)"]
+    """Tooth on which it presses."""
+    stiffness: Annotated[Floats, "(n_row,)"]
+    """k of the penalty [N/mm]."""
+    pressure: Annotated[Floats, "(n_row,)"]
+    """Normal force, 0 where nothing presses [N]."""
+    normal: Annotated[Floats, "(n_row, 3)"]
+    """Its direction on the film, a unit vector in the body frame."""
+
+    @classmethod
+    def of(cls, node: Ints) -> Carriers:
+        """Return those of the first of each of some nodes (n_row, 4), where nothing presses."""
+        n = len(node)
+        weight = np.zeros((n, 4))
+        weight[:, 0] = 1.0
+        body, normal = np.zeros(n, np.int64), np.zeros((n, 3))
+        return cls(node.copy(), weight, body, np.zeros(n), np.zeros(n), normal)
 
 
 class Lookups(NamedTuple):
@@ -94,5 +123,6 @@ class ContactTables(NamedTuple):
     tool: ContactTool
     law: PenaltyLaw
     near: Lookups
+    carriers: Carriers
     nodes: ContactNodes
     around: QuadsAtNodes

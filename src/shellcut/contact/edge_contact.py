@@ -62,9 +62,9 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.touch import Touch
 
-from .contact_tables import ContactTables
+from .contact_tables import Carriers, ContactTables
 from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
-from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgePresses, EdgeTables, ToolEdges
+from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .film_edges import open_edges, rows_at
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
@@ -110,6 +110,8 @@ class EdgeContact:
         self._hold = Holder()
         self.tables: EdgeTables | None = None
         """For kernels, good until the list is made anew."""
+        self.carriers = Carriers.of(np.zeros((0, 4), np.int64))
+        """Where the edges of the list press."""
         self.kept: Ints = np.zeros(0, np.int64)
         """Row that each edge of the list had in the one before, -1 for none."""
         self.held: Any = None
@@ -234,6 +236,7 @@ class EdgeContact:
     def _lay_out(self, state: State, pairs: EdgePairs, memory: EdgeMemory) -> None:
         """Build the kernels' tables, valid until the list is made anew."""
         n, contact = state.node, self._contact
+        self.carriers = Carriers.of(pairs.node[:, [0, 1, 0, 0]])
         self.tables = EdgeTables(
             edges=self._edges,
             radius=self._radius,
@@ -243,7 +246,7 @@ class EdgeContact:
             law=contact.law,
             pairs=pairs,
             memory=memory,
-            presses=EdgePresses.none(len(pairs.node)),
+            carriers=self.carriers,
             captured=np.zeros(len(self._edges.start), np.int64),
             across=np.full(1, -1),
             nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),

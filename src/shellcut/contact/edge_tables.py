@@ -13,7 +13,7 @@ from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
 from .contact_points import LEAST_TURN, is_cutting
-from .contact_tables import Lookups
+from .contact_tables import Carriers, Lookups
 from .settings import PenaltyLaw
 
 # Over the rounding radius: the line that the round of an edge is centred on is taken no farther
@@ -177,24 +177,6 @@ class EdgeMemory(NamedTuple):
         )
 
 
-class EdgePresses(NamedTuple):
-    """What friction needs of each edge of the film at the last evaluation; not kept."""
-
-    body: Annotated[Ints, "(n_film,)"]
-    """Tooth on which it presses."""
-    place: Annotated[Floats, "(n_film,)"]
-    """Where it presses, from 0 at one end to 1 at the other."""
-    out: Annotated[Floats, "(n_film, 3)"]
-    """Way out of the tool there, in the body frame, a unit vector at most."""
-    pressure: Annotated[Floats, "(n_film,)"]
-    """What the edge adds to the pressures of all, 0 if it does not press [N]."""
-
-    @classmethod
-    def none(cls, n: int) -> EdgePresses:
-        """Return that of n edges that do not press."""
-        return cls(np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 3)), np.zeros(n))
-
-
 class EdgeNodes(NamedTuple):
     """Fields of the nodes that the kernels need, as in :class:`shellcut.state.NodeTable`."""
 
@@ -220,7 +202,7 @@ class EdgeTables(NamedTuple):
     law: PenaltyLaw
     pairs: EdgePairs
     memory: EdgeMemory
-    presses: EdgePresses
+    carriers: Carriers
     near: Lookups
     """Of the nodes near the tool."""
     captured: Annotated[Ints, "(n_edge,)"]

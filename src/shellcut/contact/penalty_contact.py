@@ -40,7 +40,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add, add_to, combine, dot, load, norm, scale, store, sub
 from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
@@ -54,9 +54,9 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
-from shellcut.tool.touch import Touch
+from shellcut.tool.touch import Touch, react
 
-from .contact_tables import ContactNodes, ContactTables, ContactTool, Lookups
+from .contact_tables import Carriers, ContactNodes, ContactTables, ContactTool, Lookups
 from .near_nodes import NearNodes
 from .press_forces import BOOKED, N_SUM, STORED, PressForces
 from .settings import (
@@ -127,6 +127,8 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self.lookups = Lookups.none_yet(self.near.ids)
         """What is known of these nodes."""
+        self.carriers, self.kept = Carriers.of(np.zeros((0, 4), np.int64)), None
+        """Where they press; what friction keeps of them is in the state."""
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
         """What the kernel takes, anew with each list."""
@@ -209,6 +211,7 @@ class PenaltyContact:
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
         n = state.node
+        self.carriers = Carriers.of(np.repeat(self.near.ids[:, None], 4, axis=1))
         tables = ContactTables(
             tool=ContactTool(
                 grid=self.grid.arrays,
@@ -221,6 +224,7 @@ class PenaltyContact:
             ),
             law=self.law,
             near=self.lookups,
+            carriers=self.carriers,
             nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
             around=state.quads_at_nodes(),
         )
@@ -364,13 +368,8 @@ def _loaded_depth(
 def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: ContactNodes, wrench: Floats) -> None:
     """Add the contact force f [N] to a node and minus it to its tooth."""
     store(nodes.contact_force, n, f)
-    here, origin = load(nodes.x, n), pose.translation
-    arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
-    moment = cross(arm, f)
-    for c in range(3):
-        nodes.force[n, c] += f[c]
-        wrench[body, c] -= f[c]
-        wrench[body, 3 + c] -= moment[c]
+    add_to(nodes.force, n, f)
+    react(f, load(nodes.x, n), body, pose, wrench)
 
 
 @kernel
@@ -385,6 +384,7 @@ def _add_contact_forces(
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
+    carriers = tables.carriers
     g_m = law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x, side = nodes.x, nodes.contact_side
@@ -400,11 +400,11 @@ def _add_contact_forces(
         triangle, q = _look_up(i, p, known, side[n], tool, near)
         if not within[i]:
             work = _released(n, dt, work, nodes)
+            carriers.pressure[i] = 0.0
             continue
         old, moved = load(nodes.contact_force, n), load(nodes.velocity_half, n)
         if side[n] == 0:
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
-            near.closest[i, 1] = triangle  # of the tooth that friction acts on
         g, outward, near.across[i] = rounded_depth(
             p, q, triangle, side[n], law.rounding, tool.grid, tool.around, near.across[i]
         )
@@ -429,6 +429,9 @@ def _add_contact_forces(
         stored += energy
         f = scale(magnitude, direction)
         work += 0.5 * dt * dot(add(old, f), moved)
-        _put_on(n, f, tool.triangle_body[triangle], pose, nodes, wrench)
+        carriers.body[i] = tool.triangle_body[triangle]
+        carriers.stiffness[i], carriers.pressure[i] = stiffness, magnitude
+        store(carriers.normal, i, outward)
+        _put_on(n, f, carriers.body[i], pose, nodes, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return deepest

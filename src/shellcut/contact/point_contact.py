@@ -48,12 +48,13 @@ from shellcut.arrays import Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add_to, dot, load, norm, scale, store, sub
 from shellcut.state import KnownTopology, State, local_edge_length
-from shellcut.tool.pose import Pose, to_space, turn
-from shellcut.tool.touch import Touch
+from shellcut.tool.pose import Pose, to_space, turn, turn_back
+from shellcut.tool.touch import Touch, react
 
 from .contact_points import contact_points
+from .contact_tables import Carriers
 from .foot_on_quad import (
     QuadSurface,
     corner_weights,
@@ -108,8 +109,12 @@ class PointContact:
         self.points = contact_points(contact.tool, edge_length)
         """Those of the tool, in its body frame."""
         self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
-        self._springs = PointSprings.at_rest(len(self.points.place))
-        self._pairs = PointPairs.none(len(self.points.place), _ROOM)
+        n = len(self.points.place)
+        self._springs = PointSprings.at_rest(n)
+        nowhere = Carriers.of(np.zeros((n, 4), np.int64))
+        self.carriers, self.kept = nowhere._replace(body=self.points.body), np.arange(n)
+        """Where they press, and the rows that points had there before."""
+        self._pairs = PointPairs.none(n, _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
         self.n_search = 0
         """Searches for quads near the points so far."""
@@ -142,8 +147,7 @@ class PointContact:
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
-        pressing = self._springs.depth > 0.0
-        return np.unique(self._springs.node[pressing])
+        return np.unique(self.carriers.node[self._springs.depth > 0.0])
 
     def stiffness(self, _state: State, _counted: HeldBy) -> Held:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
@@ -162,6 +166,7 @@ class PointContact:
         """Return the springs, the list with the pose and places of its search, the last forces."""
         return {
             "springs": self._springs._asdict(),
+            "carriers": self.carriers._asdict(),
             "pairs": self._pairs._asdict(),
             "n_search": self.n_search,
             "x_listed": self._x_listed,
@@ -175,6 +180,7 @@ class PointContact:
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._springs = PointSprings(**{k: v.copy() for k, v in saved["springs"].items()})
+        self.carriers = Carriers(**{k: v.copy() for k, v in saved["carriers"].items()})
         self._pairs = PointPairs(**{k: v.copy() for k, v in saved["pairs"].items()})
         self._x_listed = saved["x_listed"].copy()
         self._walked, self._look_at = saved["walked"], saved["look_at"]
@@ -238,6 +244,7 @@ class PointContact:
             radius=self._radius,
             pairs=self._pairs,
             springs=self._springs,
+            carriers=self.carriers,
             film=_film_of(state),
             law=self._contact.law,
         )
@@ -301,7 +308,7 @@ def _add_point_forces(
     wrench[:] = 0.0
     points, springs, film, law = tables.points, tables.springs, tables.film, tables.law
     pairs, side, depth, until = tables.pairs, springs.side, springs.depth, springs.until
-    origin = pose.translation
+    carriers = tables.carriers
     walked += tool_way(pose, before, tables.radius)
     walked += dt * largest_speed(pairs.node, pairs.used[1], film.velocity_half)
     work = stored = absorbed = deepest = 0.0
@@ -312,8 +319,9 @@ def _add_point_forces(
             continue
         old = load(springs.force, k)
         if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
-            work += 0.5 * dt * _power(k, old, springs, film)
+            work += 0.5 * dt * _power(k, old, carriers, film)
             store(springs.force, k, (0.0, 0.0, 0.0))
+            carriers.pressure[k] = 0.0
         p = to_space(load(points.place, k), pose)
         q, xi, eta, free = _closest_quad(i, p, tables)
         kept, little = False, 0.0
@@ -354,31 +362,28 @@ def _add_point_forces(
         stiffness = points.share[k] * node_stiffness(area, law)
         springs.stored[k] = stiffness * smoothed_integral(g, law.smoothing_depth)
         stored += springs.stored[k]
-        f = scale(stiffness * smoothed(g, law.smoothing_depth) / far, way)
+        carriers.stiffness[k] = stiffness
+        carriers.pressure[k] = stiffness * smoothed(g, law.smoothing_depth)
+        f = scale(carriers.pressure[k] / far, way)
+        store(carriers.normal, k, turn_back(scale(1.0 / far, way), pose))
+        store(springs.force, k, f)
         weights = corner_weights(xi, eta)
         for c in range(4):
-            springs.node[k, c] = film.quads[q, c]
-            springs.weight[k, c] = weights[c]
-        store(springs.force, k, f)
-        work += 0.5 * dt * _power(k, f, springs, film)
-        body = points.body[k]
-        moment = cross((s[0] - origin[0], s[1] - origin[1], s[2] - origin[2]), f)
-        for c in range(3):
-            for corner in range(4):
-                film.force[springs.node[k, corner], c] += springs.weight[k, corner] * f[c]
-            wrench[body, c] -= f[c]
-            wrench[body, 3 + c] -= moment[c]
+            carriers.node[k, c], carriers.weight[k, c] = film.quads[q, c], weights[c]
+            add_to(film.force, carriers.node[k, c], scale(weights[c], f))
+        work += 0.5 * dt * _power(k, f, carriers, film)
+        react(f, s, points.body[k], pose, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return walked
 
 
 @inline
-def _power(k: int, f: Vec3, springs: PointSprings, film: PointFilm) -> float:
+def _power(k: int, f: Vec3, carriers: Carriers, film: PointFilm) -> float:
     """Return the power of force f of point k on its nodes [N·mm/s]."""
     power = 0.0
     for c in range(4):
-        moves = load(film.velocity_half, springs.node[k, c])
-        power += springs.weight[k, c] * dot(f, moves)
+        moves = load(film.velocity_half, carriers.node[k, c])
+        power += carriers.weight[k, c] * dot(f, moves)
     return power
 
 
