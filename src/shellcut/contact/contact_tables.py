@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts
-from shellcut.state import QuadsAtNodes
+from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 
@@ -100,7 +100,7 @@ class ContactTool(NamedTuple):
 
 
 class ContactNodes(NamedTuple):
-    """Fields of the nodes that the kernel needs, named as in :class:`shellcut.state.NodeTable`."""
+    """Fields of the nodes that kernels need, named as in :class:`shellcut.state.NodeTable`."""
 
     x: Annotated[Floats, "(n_node, 3)"]
     velocity_half: Annotated[Floats, "(n_node, 3)"]
@@ -109,12 +109,17 @@ class ContactNodes(NamedTuple):
     contact_mass: Annotated[Floats, "(n_node,)"]
     supported: Annotated[Bools, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]
-    """The kernel writes this and the following fields."""
+    """Kernels write this and the following fields."""
     contact_depth: Annotated[Floats, "(n_node,)"]
     contact_offset: Annotated[Floats, "(n_node,)"]
     contact_work: Annotated[Floats, "(n_node,)"]
     contact_force: Annotated[Floats, "(n_node, 3)"]
     force: Annotated[Floats, "(n_node, 3)"]
+
+    @classmethod
+    def of(cls, state: State) -> ContactNodes:
+        """Return those of a state, good until the next split."""
+        return cls(*(getattr(state.node, name) for name in cls._fields))
 
 
 class ContactTables(NamedTuple):

@@ -51,7 +51,7 @@ springs of friction, as stiff at the ends as they are, come on top with k_t at b
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -64,8 +64,8 @@ from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
-from .contact_tables import Carriers
-from .press_forces import TOUCHING
+from .contact_tables import Carriers, ContactNodes
+from .press_forces import TOUCHING, PressTerm
 from .settings import STEEPEST
 
 TANGENTIAL = 0.5
@@ -116,21 +116,12 @@ class Springs(NamedTuple):
         return cls(row, holds, at.node, at.weight, slip, force)
 
 
-class FilmNodes(NamedTuple):
-    """Fields of the nodes that the kernel needs, named as in :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
-
-
 class FrictionTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
     carriers: Carriers
     springs: Springs
-    film: FilmNodes
+    nodes: ContactNodes
 
 
 class FrictionForces(NamedTuple):
@@ -151,28 +142,6 @@ class FrictionForces(NamedTuple):
 _WORK, _DISSIPATED, _STORED = 0, 1, 2  # columns of Touch.sums, in the order of these fields
 
 
-class _Pressing(Protocol):
-    """A term that presses film and tool together."""
-
-    name: str
-    touch: Touch
-    carriers: Carriers
-    """Where it presses."""
-
-    @property
-    def kept(self) -> Ints | None:
-        """Row that each of its list had in the one before, -1 for none; of nodes None."""
-        ...
-
-    @property
-    def tables(self) -> object:
-        """Made anew with the list."""
-        ...
-
-    @property
-    def n_search(self) -> int: ...
-
-
 class CoulombFriction:
     """Friction of all that a term presses, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
@@ -180,7 +149,7 @@ class CoulombFriction:
     ----------
     name : str
         Of the term.
-    pressing : term
+    pressing : PressTerm
         Whose pressure it acts across; evaluated before this in every step.
     coefficient : float
         mu.
@@ -198,7 +167,7 @@ class CoulombFriction:
     def __init__(
         self,
         name: str,
-        pressing: _Pressing,
+        pressing: PressTerm,
         coefficient: float,
         uncounted: Callable[[], Held] | None = None,
     ) -> None:
@@ -288,20 +257,20 @@ class CoulombFriction:
         self._lay_out(state)
 
     def _lay_out(self, state: State) -> None:
-        film = FilmNodes(*(getattr(state.node, name) for name in FilmNodes._fields))
+        nodes = ContactNodes.of(state)
         self._of = self._pressing.tables
-        self._held = self._hold(FrictionTables(self._pressing.carriers, self.springs, film))
+        self._held = self._hold(FrictionTables(self._pressing.carriers, self.springs, nodes))
 
 
 @inline
 def _moved(
-    i: int, node: Ints, weight: Floats, film: FilmNodes, dt: float, pose: Pose, before: Pose
+    i: int, node: Ints, weight: Floats, nodes: ContactNodes, dt: float, pose: Pose, before: Pose
 ) -> tuple[Vec3, Vec3, Vec3]:
     """Return where a carrier is, its velocity, and its way against the tool in the tool's frame."""
     x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for c in range(4):
-        x = add_scaled(x, weight[i, c], load(film.x, node[i, c]))
-        v = add_scaled(v, weight[i, c], load(film.velocity_half, node[i, c]))
+        x = add_scaled(x, weight[i, c], load(nodes.x, node[i, c]))
+        v = add_scaled(v, weight[i, c], load(nodes.velocity_half, node[i, c]))
     return x, v, sub(to_body(x, pose), to_body(add_scaled(x, -dt, v), before))
 
 
@@ -319,7 +288,7 @@ def _add_friction(
     Writes the springs and touch, see :class:`FrictionForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
-    carriers, springs, film = tables.carriers, tables.springs, tables.film
+    carriers, springs, nodes = tables.carriers, tables.springs, tables.nodes
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
     work = stored = dissipated = 0.0
@@ -331,13 +300,13 @@ def _add_friction(
         row = springs.row[i]
         u, f = load(springs.slip, row), load(springs.force, row)
         if springs.holds[i]:
-            _, v, d = _moved(i, springs.node, springs.weight, film, dt, pose, before)
+            _, v, d = _moved(i, springs.node, springs.weight, nodes, dt, pose, before)
             work += 0.5 * dt * dot(f, v)
             dissipated -= 0.5 * dot(turn_back(f, before), add(u, d))
         new, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if pressure > 0.0:
             k_t, normal = TANGENTIAL * carriers.stiffness[i], load(carriers.normal, i)
-            x, v, d = _moved(i, carriers.node, carriers.weight, film, dt, pose, before)
+            x, v, d = _moved(i, carriers.node, carriers.weight, nodes, dt, pose, before)
             new, slips = return_mapping(add(u, d), normal, k_t, coefficient * pressure)
             f = scale(-k_t, turn(new, pose))
             n_slipping += slips
@@ -347,7 +316,7 @@ def _add_friction(
             for c in range(4):
                 n, weight = carriers.node[i, c], carriers.weight[i, c]
                 springs.node[i, c], springs.weight[i, c] = n, weight
-                add_to(film.force, n, scale(weight, f))
+                add_to(nodes.force, n, scale(weight, f))
             react(f, x, carriers.body[i], pose, wrench)
         store(springs.slip, row, new)
         store(springs.force, row, f)

@@ -15,9 +15,10 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.touch import Touch, react
 
 from .captured_edges import closest_along, place_at
+from .contact_tables import ContactNodes
 from .edge_hills import Hills, hills_of, no_hills
 from .edge_rebound import put_in_by_last, returned, way_back
-from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
+from .edge_tables import EdgePairs, EdgeTables, ToolEdges
 from .followed_edge import NO_HILL, follow, followed_hill, is_followed, is_idle, way_since
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
@@ -44,7 +45,7 @@ class Look(NamedTuple):
 
 
 @inline
-def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) -> float:
+def edge_stiffness(i: int, pairs: EdgePairs, nodes: ContactNodes, law: PenaltyLaw) -> float:
     """Return k of an edge of the film [N/mm]."""
     a, b = pairs.node[i, 0], pairs.node[i, 1]
     of_a = nodes.contact_share[a] * node_stiffness(nodes.contact_area[a], law)
@@ -72,7 +73,7 @@ def _side_of(i: int, held: EdgeTables) -> tuple[bool, int]:
 
 
 @inline
-def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
+def _size_of(i: int, pairs: EdgePairs, nodes: ContactNodes) -> float:
     """Return the local edge length of the film at an edge of it [mm]."""
     area = nodes.contact_area
     size: float = local_edge_length(max(area[pairs.node[i, 0]], area[pairs.node[i, 1]]))

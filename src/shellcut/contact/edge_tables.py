@@ -6,14 +6,14 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
 from .contact_points import LEAST_TURN, is_cutting
-from .contact_tables import Carriers, Lookups
+from .contact_tables import Carriers, ContactNodes, Lookups
 from .settings import PenaltyLaw
 
 # Over the rounding radius: the line that the round of an edge is centred on is taken no farther
@@ -177,20 +177,6 @@ class EdgeMemory(NamedTuple):
         )
 
 
-class EdgeNodes(NamedTuple):
-    """Fields of the nodes that the kernels need, as in :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    contact_share: Annotated[Floats, "(n_node,)"]
-    contact_side: Annotated[SmallInts, "(n_node,)"]
-    contact_mass: Annotated[Floats, "(n_node,)"]
-    supported: Annotated[Bools, "(n_node,)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
-
-
 class EdgeTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
@@ -209,4 +195,4 @@ class EdgeTables(NamedTuple):
     """Room for the tool's edges that one of the film's may touch."""
     across: Annotated[Ints, "(1,)"]
     """``EdgeMemory.across`` of the edge that is looked at."""
-    nodes: EdgeNodes
+    nodes: ContactNodes

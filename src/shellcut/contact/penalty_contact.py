@@ -58,7 +58,7 @@ from shellcut.tool.touch import Touch, react
 
 from .contact_tables import Carriers, ContactNodes, ContactTables, ContactTool, Lookups
 from .near_nodes import NearNodes
-from .press_forces import BOOKED, N_SUM, STORED, PressForces
+from .press_forces import PressTerm
 from .settings import (
     Contact,
     PenaltyLaw,
@@ -82,7 +82,7 @@ _ROUND_OFF = 1e-10
 _UNDECIDED = 0.1
 
 
-class PenaltyContact:
+class PenaltyContact(PressTerm):
     """Contact forces of all nodes, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -107,7 +107,7 @@ class PenaltyContact:
         edge_length: float,
         crack_aside: float = 0.0,
     ) -> None:
-        self.name = "contact"
+        super().__init__("contact", tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), None)
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self.grid = ClosestTriangleGrid.of(tool)
@@ -127,15 +127,10 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self.lookups = Lookups.none_yet(self.near.ids)
         """What is known of these nodes."""
-        self.carriers, self.kept = Carriers.of(np.zeros((0, 4), np.int64)), None
-        """Where they press; what friction keeps of them is in the state."""
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
-        """What the kernel takes, anew with each list."""
         self._hold = Holder()
         self._call = BoundOnce(_add_contact_forces)
-        self.touch, self.booked = Touch.none(tool.n_body, N_SUM), BOOKED
-        self._touch = Holder()(self.touch)
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
 
@@ -144,27 +139,14 @@ class PenaltyContact:
         before, self._pose = self._pose or pose, pose
         if self.near.renew(state, pose):
             self._take_list(state)
+            self.n_search = self.near.n_search
         deepest = self._call.code(pose, before, state.dt, self.tables, self._touch)
         self.deepest = max(self.deepest, deepest)
-
-    @property
-    def forces(self) -> PressForces:
-        """Results of the last evaluation."""
-        return PressForces.of(self.touch)
-
-    @property
-    def n_search(self) -> int:
-        """Searches for near nodes so far."""
-        return self.near.n_search
 
     def stiffness(self, state: State, _counted: HeldBy) -> Held:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
         near, n = self.near_nodes(state), state.node
         return near, n.contact_share[near] * self.law.steepest(n.contact_area[near])
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon; before the first evaluation none.
@@ -186,6 +168,7 @@ class PenaltyContact:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
         self.near.restore(state, saved["near"])
+        self.n_search = self.near.n_search
         self.lookups = Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
         self.touch.take(saved["touch"])
         self.deepest = saved["deepest"]
@@ -210,7 +193,6 @@ class PenaltyContact:
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
-        n = state.node
         self.carriers = Carriers.of(np.repeat(self.near.ids[:, None], 4, axis=1))
         tables = ContactTables(
             tool=ContactTool(
@@ -225,7 +207,7 @@ class PenaltyContact:
             law=self.law,
             near=self.lookups,
             carriers=self.carriers,
-            nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
+            nodes=ContactNodes.of(state),
             around=state.quads_at_nodes(),
         )
         self.tables = self._hold(tables)
@@ -378,7 +360,8 @@ def _add_contact_forces(
 ) -> float:
     """Add contact forces of the near nodes to their force; return the largest depth [mm].
 
-    Writes the look-ups, these nodes' contact fields, and touch, see :class:`PressForces`.
+    Writes the look-ups, these nodes' contact fields, and touch, see
+    :class:`.press_forces.PressForces`.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     wrench, sums = borrowed(touch)

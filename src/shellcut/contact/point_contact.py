@@ -54,7 +54,7 @@ from shellcut.tool.pose import Pose, to_space, turn, turn_back
 from shellcut.tool.touch import Touch, react
 
 from .contact_points import contact_points
-from .contact_tables import Carriers
+from .contact_tables import Carriers, ContactNodes
 from .foot_on_quad import (
     QuadSurface,
     corner_weights,
@@ -66,8 +66,8 @@ from .foot_on_quad import (
 from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
 from .point_search import list_pairs, whole_quads_near
-from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
-from .press_forces import BOOKED, N_SUM, STORED, PressForces
+from .point_tables import PointPairs, PointSprings, PointTables
+from .press_forces import PressTerm
 from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
@@ -92,7 +92,7 @@ _LEAST_LEFT = 0.05
 _ROUND_OFF = 1e-10
 
 
-class PointContact:
+class PointContact(PressTerm):
     """Contact of the tool's points, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -104,37 +104,25 @@ class PointContact:
     """
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
-        self.name = "points"
-        self._contact, self._slack = contact, _SLACK * edge_length
         self.points = contact_points(contact.tool, edge_length)
         """Those of the tool, in its body frame."""
-        self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
         n = len(self.points.place)
+        nowhere = Carriers.of(np.zeros((n, 4), np.int64))._replace(body=self.points.body)
+        super().__init__("points", contact.tool.n_body, nowhere, np.arange(n))
+        self._contact, self._slack = contact, _SLACK * edge_length
+        self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
         self._springs = PointSprings.at_rest(n)
-        nowhere = Carriers.of(np.zeros((n, 4), np.int64))
-        self.carriers, self.kept = nowhere._replace(body=self.points.body), np.arange(n)
-        """Where they press, and the rows that points had there before."""
         self._pairs = PointPairs.none(n, _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
-        self.n_search = 0
-        """Searches for quads near the points so far."""
         self._x_listed: Floats = np.zeros((0, 3))
         # Way walked since the list was made, and at which it is looked at whether it is old.
         self._walked, self._look_at = 0.0, 0.0
         self._known = KnownTopology()
         self.tables: PointTables | None = None
-        """For kernels, good until the list is made anew."""
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
         self._stiffness = BoundOnce(_stiffness_soon)
         self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
-        self.touch, self.booked = Touch.none(contact.tool.n_body, N_SUM), BOOKED
-        self._touch = Holder()(self.touch)
-
-    @property
-    def forces(self) -> PressForces:
-        """Results of the last evaluation."""
-        return PressForces.of(self.touch)
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
@@ -157,10 +145,6 @@ class PointContact:
         node, stiffness = np.empty(room, np.int64), np.empty(room)
         count = self._stiffness(self._pose, self._slack, self.tables, node, stiffness)
         return node[:count], stiffness[:count]
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def saved(self) -> dict[str, Any]:
         """Return the springs, the list with the pose and places of its search, the last forces."""
@@ -208,13 +192,14 @@ class PointContact:
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
         self.n_search += 1
-        n, film = state.node, _film_of(state)
+        n = state.node
         ids, low, high = np.empty(state.n_quad, np.int64), *np.empty((2, state.n_quad, 3))
         count = self._quads(
             self._contact.near.ids,
             n.halved,
             state.quad.share,
-            film,
+            state.quads,
+            ContactNodes.of(state),
             (CAPTURE, self._slack),
             ids,
             low,
@@ -223,7 +208,7 @@ class PointContact:
         boxes = ids[:count], low[:count], high[:count]
         place, force, kept = pose.to_space(self.points.place), self._springs.force, self._pairs
         while True:
-            n_pair = self._pair(place, force, *boxes, film.quads, self._pairs)
+            n_pair = self._pair(place, force, *boxes, state.quads, self._pairs)
             if n_pair <= self._pairs.quad.size:
                 break
             self._pairs = PointPairs.none(len(place), 2 * n_pair)
@@ -245,21 +230,16 @@ class PointContact:
             pairs=self._pairs,
             springs=self._springs,
             carriers=self.carriers,
-            film=_film_of(state),
+            quads=state.quads,
+            nodes=ContactNodes.of(state),
             law=self._contact.law,
         )
         self.tables = self._hold(tables)
 
 
-def _film_of(state: State) -> PointFilm:
-    """Return what kernels need of the film, good until the next split."""
-    n = state.node
-    return PointFilm(state.quads, *(getattr(n, name) for name in PointFilm._fields[1:]))
-
-
 @inline
-def _quad_of(q: int, film: PointFilm) -> QuadSurface:
-    quads, x = film.quads, film.x
+def _quad_of(q: int, tables: PointTables) -> QuadSurface:
+    quads, x = tables.quads, tables.nodes.x
     return quad_surface(
         load(x, quads[q, 0]), load(x, quads[q, 1]), load(x, quads[q, 2]), load(x, quads[q, 3])
     )
@@ -272,16 +252,16 @@ def _closest_quad(i: int, p: Vec3, tables: PointTables) -> tuple[int, float, flo
     Quads that are farther than a point can touch are passed over; the last number is the way after
     which one of them may no longer be [mm].
     """
-    pairs, film = tables.pairs, tables.film
+    pairs, nodes = tables.pairs, tables.nodes
     best, best_xi, best_eta, least, free = -1, 0.0, 0.0, np.inf, np.inf
     for j in range(pairs.first[i], pairs.first[i + 1]):
         q = pairs.quad[j]
-        quad = _quad_of(q, film)
+        quad = _quad_of(q, tables)
         away = sub(p, quad.c)
         reach = norm(quad.a) + norm(quad.b) + norm(quad.d)
         area = 0.0
         for c in range(4):
-            area = max(area, film.contact_area[film.quads[q, c]])
+            area = max(area, nodes.contact_area[tables.quads[q, c]])
         out_of_reach = norm(away) - reach - CAPTURE * local_edge_length(area)
         if out_of_reach > 0.0:
             free = min(free, out_of_reach)
@@ -306,11 +286,11 @@ def _add_point_forces(
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
-    points, springs, film, law = tables.points, tables.springs, tables.film, tables.law
+    points, springs, nodes, law = tables.points, tables.springs, tables.nodes, tables.law
     pairs, side, depth, until = tables.pairs, springs.side, springs.depth, springs.until
     carriers = tables.carriers
     walked += tool_way(pose, before, tables.radius)
-    walked += dt * largest_speed(pairs.node, pairs.used[1], film.velocity_half)
+    walked += dt * largest_speed(pairs.node, pairs.used[1], nodes.velocity_half)
     work = stored = absorbed = deepest = 0.0
     n_touching = 0
     for i in range(pairs.used[0]):
@@ -319,20 +299,20 @@ def _add_point_forces(
             continue
         old = load(springs.force, k)
         if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
-            work += 0.5 * dt * _power(k, old, carriers, film)
+            work += 0.5 * dt * _power(k, old, carriers, nodes)
             store(springs.force, k, (0.0, 0.0, 0.0))
             carriers.pressure[k] = 0.0
         p = to_space(load(points.place, k), pose)
         q, xi, eta, free = _closest_quad(i, p, tables)
         kept, little = False, 0.0
         if q >= 0:
-            quad = _quad_of(q, film)
+            quad = _quad_of(q, tables)
             s, normal = point_of(quad, xi, eta), unit_normal(quad, xi, eta)
             way = sub(p, s)
             far, height = norm(way), dot(way, normal)
             area = 0.0
             for c in range(4):
-                area += 0.25 * film.contact_area[film.quads[q, c]]
+                area += 0.25 * nodes.contact_area[tables.quads[q, c]]
             # Beyond the rim a point is more beside the film than above it.
             size = local_edge_length(area)
             kept = far <= CAPTURE * size and far <= 1.5 * abs(height) + _ROUND_OFF * size
@@ -369,20 +349,20 @@ def _add_point_forces(
         store(springs.force, k, f)
         weights = corner_weights(xi, eta)
         for c in range(4):
-            carriers.node[k, c], carriers.weight[k, c] = film.quads[q, c], weights[c]
-            add_to(film.force, carriers.node[k, c], scale(weights[c], f))
-        work += 0.5 * dt * _power(k, f, carriers, film)
+            carriers.node[k, c], carriers.weight[k, c] = tables.quads[q, c], weights[c]
+            add_to(nodes.force, carriers.node[k, c], scale(weights[c], f))
+        work += 0.5 * dt * _power(k, f, carriers, nodes)
         react(f, s, points.body[k], pose, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return walked
 
 
 @inline
-def _power(k: int, f: Vec3, carriers: Carriers, film: PointFilm) -> float:
+def _power(k: int, f: Vec3, carriers: Carriers, nodes: ContactNodes) -> float:
     """Return the power of force f of point k on its nodes [N·mm/s]."""
     power = 0.0
     for c in range(4):
-        moves = load(film.velocity_half, carriers.node[k, c])
+        moves = load(nodes.velocity_half, carriers.node[k, c])
         power += carriers.weight[k, c] * dot(f, moves)
     return power
 
@@ -397,18 +377,18 @@ def _stiffness_soon(
     ascending; return their number.
     """
     pose, tables = borrowed(pose), borrowed(tables)
-    points, pairs, film, law = tables.points, tables.pairs, tables.film, tables.law
+    points, pairs, nodes, law = tables.points, tables.pairs, tables.nodes, tables.law
     count = 0
     for i in range(pairs.used[0]):
         k, begin = pairs.point[i], count
         p = to_space(load(points.place, k), pose)
         for j in range(pairs.first[i], pairs.first[i + 1]):
-            quad = _quad_of(pairs.quad[j], film)
+            quad = _quad_of(pairs.quad[j], tables)
             xi, eta = foot_on_quad(p, quad)
             if norm(sub(p, point_of(quad, xi, eta))) > soon + tables.springs.depth[k]:
                 continue
             for c in range(4):
-                n, at = film.quads[pairs.quad[j], c], count
+                n, at = tables.quads[pairs.quad[j], c], count
                 while at > begin and node[at - 1] > n:
                     at -= 1
                 if at > begin and node[at - 1] == n:
@@ -418,8 +398,8 @@ def _stiffness_soon(
                 node[at] = n
                 count += 1
         for j in range(begin, count):
-            area = film.contact_area[node[j]]
-            away = norm(sub(load(film.x, node[j]), p)) / local_edge_length(area)
+            area = nodes.contact_area[node[j]]
+            away = norm(sub(load(nodes.x, node[j]), p)) / local_edge_length(area)
             weight = min(max(1.0 + _SLACK - away, 0.0), 1.0)
             stiffness[j] = points.share[k] * weight * STEEPEST * node_stiffness(area, law)
     return count

@@ -9,7 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallIds, SmallInts
 
 from .contact_points import ContactPoints
-from .contact_tables import Carriers
+from .contact_tables import Carriers, ContactNodes
 from .settings import PenaltyLaw
 
 
@@ -73,17 +73,6 @@ class PointSprings(NamedTuple):
         )
 
 
-class PointFilm(NamedTuple):
-    """What the kernel needs of the film, named as in :class:`shellcut.state.NodeTable`."""
-
-    quads: Annotated[SmallIds, "(n_quad, 4)"]
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
-
-
 class PointTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
@@ -93,5 +82,6 @@ class PointTables(NamedTuple):
     pairs: PointPairs
     springs: PointSprings
     carriers: Carriers
-    film: PointFilm
+    quads: Annotated[SmallIds, "(n_quad, 4)"]
+    nodes: ContactNodes
     law: PenaltyLaw
