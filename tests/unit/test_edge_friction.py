@@ -11,8 +11,8 @@ from naive.booking import book
 from naive.contact import smoothed
 from naive.edge_friction import RubbedEdge
 from notched_strip import cutting
+from shellcut.contact.coulomb_friction import TANGENTIAL
 from shellcut.contact.edge_contact import _same_edges
-from shellcut.contact.friction_term import TANGENTIAL
 from shellcut.contact.settings import Contact, node_stiffness
 from shellcut.models import opening_test
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
@@ -71,7 +71,7 @@ def dragged(sim, way):
         book(term(sim, "edge_friction"), entries, on_tool)
         last = forces.wrench[0, :3].copy()
         found.append(forces)
-        pressure.append(term(sim, "edges").tables.presses.pressure.sum())
+        pressure.append(term(sim, "edges").carriers.pressure.sum())
     return found, entries, np.array(pressure)
 
 
@@ -174,14 +174,14 @@ def test_nodes_and_edges_together_never_rub_more_than_all_that_presses():
     for y in np.linspace(0.0, 1.5, 750):
         did, forces = evaluated(sim, Pose(np.eye(3), np.array([GAP + depth, y, 0.0])))
         n = sim.state.node
-        edges = term(sim, "edges").tables
+        edges = term(sim, "edges")
         # At nodes and edges together; what edges take from nodes counts once.
         on_nodes = np.linalg.norm(n.contact_force[: n.count], axis=1)
-        whole = on_nodes.sum() + edges.presses.pressure.sum()
-        springs = term(sim, "edge_friction")._springs
+        whole = on_nodes.sum() + edges.carriers.pressure.sum()
+        springs = term(sim, "edge_friction").springs
         each = [np.linalg.norm(forces["friction"], axis=1), np.linalg.norm(springs.force, axis=1)]
         assert sum(f.sum() for f in each) <= MU * whole * (1.0 + 1e-12)
-        assert (each[1] <= MU * edges.presses.pressure * (1.0 + 1e-12)).all()
+        assert (each[1] <= MU * edges.carriers.pressure * (1.0 + 1e-12)).all()
         rubbed.append(-(did["friction"].wrench + did["edge_friction"].wrench)[0, 1])
         most.append(whole)
     rubbed, most = np.array(rubbed), np.array(most)
@@ -240,11 +240,11 @@ def test_a_rim_that_is_rubbed_closes_momentum_and_energy():
         sim.step()
         slipped += term(sim, "edge_friction").forces.n_slipping
     rubs = term(sim, "edge_friction")
-    force = rubs._springs.force
+    force = rubs.springs.force
     wrench = rubs.forces.wrench[0]
     np.testing.assert_allclose(force.sum(axis=0), -wrench[:3], rtol=1e-12)
-    ends, s = rubs._springs.node, rubs._springs.place[:, None]
-    at = (1.0 - s) * n.x[ends[:, 0]] + s * n.x[ends[:, 1]] - sim.pose.translation
+    nodes, weight = rubs.springs.node, rubs.springs.weight
+    at = np.einsum("ia,iac->ic", weight, n.x[nodes]) - sim.pose.translation
     scale = np.abs(np.cross(at, force)).max()
     np.testing.assert_allclose(np.cross(at, force).sum(axis=0), -wrench[3:], atol=1e-12 * scale)
     assert slipped > 50
@@ -293,14 +293,14 @@ def test_springs_survive_a_new_list():
     for to in towards(0.03):
         evaluated(sim, Pose(np.eye(3), to))
     evaluated(sim, Pose(np.eye(3), np.array([GAP + 0.03, 1e-4, 0.0])))
-    kept = term(sim, "edge_friction")._springs
-    assert kept.spring.any()
+    kept = term(sim, "edge_friction").springs
+    assert kept.slip.any()
     sim.contact.near._known.revision = -1  # the nodes are listed anew
     did, _ = evaluated(sim, Pose(np.eye(3), np.array([GAP + 0.03, 1e-4, 0.0])))
-    now = term(sim, "edge_friction")._springs
+    now = term(sim, "edge_friction").springs
     assert now is not kept
     # Where it presses is found anew, to 1e-9 of the edge.
-    np.testing.assert_allclose(now.spring, kept.spring, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(now.slip, kept.slip, rtol=0.0, atol=1e-12)
     assert did["edge_friction"].dissipated == pytest.approx(0.0, abs=1e-15)
 
 

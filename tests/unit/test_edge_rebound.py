@@ -135,7 +135,7 @@ def test_forces_and_work_are_those_of_a_plain_twin():
         got = strip.memory.put_in.sum()
         np.testing.assert_allclose(got, twin.got, atol=1e-6)
         # With both ends outside friction takes mu times all that presses.
-        pressure = term(strip.sim).tables.presses.pressure.sum()
+        pressure = term(strip.sim).carriers.pressure.sum()
         np.testing.assert_allclose(pressure, np.linalg.norm(wanted.sum(axis=0)), atol=1e-4)
         limited += 0.0 < twin.part < 1.0
         held += twin.part == 1.0 and whole.any()

@@ -8,8 +8,7 @@ import pytest
 
 from naive.booking import book
 from notched_strip import cutting
-from shellcut.contact.coulomb_friction import CoulombFriction
-from shellcut.contact.friction_term import TANGENTIAL
+from shellcut.contact.coulomb_friction import TANGENTIAL, CoulombFriction
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
@@ -36,7 +35,7 @@ def on_flank(depth):
     state.node.contact_area[:] = AREA
     state.node.mass[:] = state.node.contact_mass[:] = 1e-3
     contact = PenaltyContact(BLADE, Contact(penalty=PENALTY, friction=MU), FILM, 0.4)
-    return state, contact, CoulombFriction(contact, MU)
+    return state, contact, CoulombFriction("friction", contact, MU)
 
 
 def step(state, contact, friction, d, pose, entries, dt=DT, on_tool=0.0):

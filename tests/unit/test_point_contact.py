@@ -318,7 +318,7 @@ def test_a_needle_between_nodes_is_felt_at_first_touch():
 def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
     sim, points, s, k = pressing()
     result = points.forces
-    nodes, weights = points._springs.node[k], points._springs.weight[k]
+    nodes, weights = points.carriers.node[k], points.carriers.weight[k]
     tip = points.points.place[k] - [0.0, 0.0, GAP + 0.02]
     foot = weights @ s.node.x[nodes]
     depth = np.linalg.norm(tip - foot)
@@ -339,7 +339,7 @@ def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
 def test_forces_are_the_gradient_of_the_stored_energy():
     sim, points, s, k = pressing()
     h = 1e-6
-    for node in points._springs.node[k].copy():
+    for node in points.carriers.node[k].copy():
         press(sim, 0.02)
         f = s.node.force[node].copy()
         slope = np.zeros(3)
@@ -368,7 +368,7 @@ def test_a_point_that_slides_over_the_mesh_is_felt_throughout():
 def test_film_at_a_crack_is_left_alone():
     sim, points, s, k = pressing()
     stored = points.forces.stored
-    s.node.halved[points._springs.node[k, 0]] = True
+    s.node.halved[points.carriers.node[k, 0]] = True
     s.revision += 1
     result = press(sim, 0.02)
     assert result.n_touching == 0
@@ -381,9 +381,9 @@ def test_it_counts_in_the_step():
     sim, points, s, k = pressing()
     nodes, stiffness = points.stiffness(s, {})
     total = np.bincount(nodes, stiffness, s.n_node)
-    felt = points._springs.node[k]
+    felt = points.carriers.node[k]
     steepest = points.points.share[k] * sim.contact.law.steepest(s.node.contact_area[felt])
-    assert (total[felt] >= points._springs.weight[k] * steepest).all()
+    assert (total[felt] >= points.carriers.weight[k] * steepest).all()
     assert total.max() < 3.0 * steepest.max()
 
 
@@ -434,7 +434,7 @@ def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
     found, entries = rubbed(sim, [np.array([x, 0.5 * x, -GAP - depth]) for x in ways])
     k = int(np.flatnonzero(term(sim)._springs.depth)[0])
     pressed = np.linalg.norm(term(sim)._springs.force[k])
-    area = sim.state.node.contact_area[term(sim)._springs.node[k]].mean()
+    area = sim.state.node.contact_area[term(sim).carriers.node[k]].mean()
     stiffness = 0.5 * term(sim).points.share[k] * node_stiffness(area, sim.contact.law)
     length = np.hypot(1.0, 0.5)
     pulls = np.array([-f.wrench[0, 0] * length for f in found])  # on the film, along the way
@@ -451,7 +451,7 @@ def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
         entries["friction_dissipated"] + found[-1].stored, rel=1e-9
     )
     assert found[-1].n_slipping == 1
-    nodes, weight = term(sim)._springs.node[k], term(sim)._springs.weight[k]
+    nodes, weight = term(sim).carriers.node[k], term(sim).carriers.weight[k]
     arm = weight @ sim.state.node.x[nodes] - [ways[-1], 0.5 * ways[-1], -GAP - depth]
     force, moment = np.split(found[-1].wrench[0], 2)
     np.testing.assert_allclose(moment, np.cross(arm, force), rtol=1e-12)

@@ -1,4 +1,4 @@
-"""Named tables of the arguments of the penalty contact's kernel."""
+"""Named tables of the arguments of the penalty contact's kernel, and of all that presses."""
 
 from __future__ import annotations
 
@@ -7,11 +7,40 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts
-from shellcut.state import QuadsAtNodes
+from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 
 from .settings import PenaltyLaw
+
+
+class Carriers(NamedTuple):
+    """Where a term presses film and tool on one another, row by row of its list; its kernel writes.
+
+    A carrier is a node, or the place of an edge or a quad: a mean of up to four nodes.
+    """
+
+    node: Annotated[Ints, "(n_row, 4)"]
+    """Nodes that carry the place."""
+    weight: Annotated[Floats, "(n_row, 4)"]
+    """Their shape functions there."""
+    body: Annotated[Ints, "(n_row,)"]
+    """Tooth on which it presses."""
+    stiffness: Annotated[Floats, "(n_row,)"]
+    """k of the penalty [N/mm]."""
+    pressure: Annotated[Floats, "(n_row,)"]
+    """Normal force, 0 where nothing presses [N]."""
+    normal: Annotated[Floats, "(n_row, 3)"]
+    """Its direction on the film, a unit vector in the body frame."""
+
+    @classmethod
+    def of(cls, node: Ints) -> Carriers:
+        """Return those of the first of each of some nodes (n_row, 4), where nothing presses."""
+        n = len(node)
+        weight = np.zeros((n, 4))
+        weight[:, 0] = 1.0
+        body, normal = np.zeros(n, np.int64), np.zeros((n, 3))
+        return cls(node.copy(), weight, body, np.zeros(n), np.zeros(n), normal)
 
 
 class Lookups(NamedTuple):
@@ -71,7 +100,7 @@ class ContactTool(NamedTuple):
 
 
 class ContactNodes(NamedTuple):
-    """Fields of the nodes that the kernel needs, named as in :class:`shellcut.state.NodeTable`."""
+    """Fields of the nodes that kernels need, named as in :class:`shellcut.state.NodeTable`."""
 
     x: Annotated[Floats, "(n_node, 3)"]
     velocity_half: Annotated[Floats, "(n_node, 3)"]
@@ -80,12 +109,17 @@ class ContactNodes(NamedTuple):
     contact_mass: Annotated[Floats, "(n_node,)"]
     supported: Annotated[Bools, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]
-    """The kernel writes this and the following fields."""
+    """Kernels write this and the following fields."""
     contact_depth: Annotated[Floats, "(n_node,)"]
     contact_offset: Annotated[Floats, "(n_node,)"]
     contact_work: Annotated[Floats, "(n_node,)"]
     contact_force: Annotated[Floats, "(n_node, 3)"]
     force: Annotated[Floats, "(n_node, 3)"]
+
+    @classmethod
+    def of(cls, state: State) -> ContactNodes:
+        """Return those of a state, good until the next split."""
+        return cls(*(getattr(state.node, name) for name in cls._fields))
 
 
 class ContactTables(NamedTuple):
@@ -94,5 +128,6 @@ class ContactTables(NamedTuple):
     tool: ContactTool
     law: PenaltyLaw
     near: Lookups
+    carriers: Carriers
     nodes: ContactNodes
     around: QuadsAtNodes

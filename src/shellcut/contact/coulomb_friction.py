@@ -1,181 +1,324 @@
-"""Coulomb friction of the film's nodes on the faces of the tool, regularised by a spring.
+"""Coulomb friction of film and tool, regularised by a spring.
 
-A node that contact presses on a face with the force N along the outward normal n (impacts and
-absorbed jumps counted, :mod:`shellcut.contact.penalty_contact`) gets a tangential force besides.
-An elastic spring holds it to the tool; u is its elongation, a vector in the tool's frame, so that
-the tool carries it along whatever it does. Over a step in which the node moves by d against the
-tool,
+Where a term presses the film on the tool with the force N along the outward normal n, at a carrier
+(a node, a place of an edge, the foot of a point of the tool on a quad), the film gets a tangential
+force besides. An elastic spring holds it to the tool; u is its elongation, the elastic slip, a
+vector in the tool's frame, so that the tool carries it along whatever it does. Over a step in which
+the film at the carrier moves by d against the tool,
 
     u* = P (u + d),   P = 1 - n n^T                                     (trial: it sticks)
-    u' = u* min(1, mu N / (k_t |u*|)),   force -k_t u'                  (else it slips)
+    u' = u* min(1, mu N / (k_t |u*|)),   force f' = -k_t u'             (else it slips)
 
 which is the return mapping of rigid-plastic slip with the elastic part k_t [Wriggers2006]: sticking
-up to mu N, then slipping with mu N against the slip, whatever the length of the step.
+up to mu N, then slipping with mu N against the slip, whatever the length of the step. The nodes of
+the carrier take f' by their shape functions, the tool minus that.
 
-*Works.* The trapezoid of the forces and of d is ½ k_t (u + u')·d. The spring stores ½ k_t u². So
+*Works.* The force f of t_{n-1} has acted on its own carrier, which has moved by d_f, and f' acts on
+that of now. So with the energies -½ f·u and -½ f'·u' that the spring stored and stores
 
-    ½ k_t (u + u')·d = ½ k_t (u'² - u²) + ½ k_t (u + u')·(u + d - u'),
+    dissipated = -½ (f·d_f + f'·d) - ½ f·u + ½ f'·u'.
 
-an identity: the last term, the mean force times the slip, is the energy dissipated. It holds for a
-normal that turns (the spring loses its part along n) and for a node that comes off (N = 0, so u' =
-0: what was stored is dissipated). The work itself comes from the forces on nodes and tool, each in
-their own motion, so that work = stored + dissipated is a check.
+With the same carrier and k_t as in the last step (a node) that is ½ k_t (u + u')·(u + d - u'), the
+mean force times the slip: also for a normal that turns (the spring loses its part along n), and for
+what comes off (N = 0, so u' = 0: what was stored is dissipated). The work itself comes from the
+forces on film and tool, each in their own motion, so that work = stored + dissipated is a check.
 
-*Stiffness* is that of all frictions (:mod:`.friction_term`).
+*Which pressure.* An edge of the film presses with the energy that it has over that of its ends
+(:mod:`.edge_contact`): with f(D) at its place s, and takes (1 - s) f(D_a) and s f(D_b) from what
+its ends are pressed with. The nodes rub with all that they are pressed with. So mu multiplies what
+the edge adds,
 
-A split leaves its new node with the spring of the node it comes from.
+    N = k max(f(D) - (1 - s) f(D_a) - s f(D_b), 0),
+
+and friction of nodes and edges together takes mu times the sum of all pressures at most. Towards an
+end of the edge N goes to zero, and the node takes over. d is the way of the film's material at s, s
+held: where the edges slide along one another their crossing runs away from it.
+
+*History.* The spring of a node is kept in the state, and a split leaves its new node that of the
+node it comes from. The spring of a point of the tool follows the point from quad to quad. That of
+an edge belongs to the edge of the film, from one edge of the tool to the next and through splits
+along edges of the mesh. What leaves the list of the term that presses it lets go.
+
+*Stiffness.* k_t is ``TANGENTIAL`` times the k of the penalty: what is pressed slips by mu N / k_t =
+2 mu f(g) from rest, less than its own depth for mu up to ½. The spring acts across the normal, the
+penalty along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the
+penalty, the largest singular value of the two together is at most k sqrt(a² (1 + mu²) +
+TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so
+2 % of the step at most. Where the contact of an edge adds no stiffness to that of its ends, the
+springs of friction, as stiff at the ends as they are, come on top with k_t at both ends.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce, kernel
-from shellcut.numerics.vec3 import add, add_to, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
+from shellcut.numerics.vec3 import add, add_scaled, add_to, dot, load, norm, scale, store, sub
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
-from shellcut.tool.touch import Touch
+from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
-from .contact_tables import ContactTables
-from .friction_term import DISSIPATED, TANGENTIAL, ToolFriction
-from .penalty_contact import PenaltyContact
-from .settings import STEEPEST, node_stiffness
+from .contact_tables import Carriers, ContactNodes
+from .press_forces import TOUCHING, PressTerm
+from .settings import STEEPEST
 
-
-class _Springs(NamedTuple):
-    """Springs of the nodes, named as in :class:`shellcut.state.NodeTable`; the kernel writes."""
-
-    held: Annotated[Bools, "(n_near,)"]
-    """Which nodes of the contact's list have a spring that is not at rest."""
-    friction_spring: Annotated[Floats, "(n_node, 3)"]
-    friction_force: Annotated[Floats, "(n_node, 3)"]
+TANGENTIAL = 0.5
+"""Stiffness of the tangential spring over that of the penalty."""
 
 
-class CoulombFriction(ToolFriction):
-    """Friction of all nodes in contact, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+def stiffer_by(coefficient: float) -> float:
+    """Return what friction adds to the steepest penalty in the bound on the step, over that."""
+    coupled = (1.0 + coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
+    return float(np.sqrt(coupled)) - 1.0
+
+
+@always_inline
+def return_mapping(trial: Vec3, normal: Vec3, stiffness: float, most: float) -> tuple[Vec3, bool]:
+    """Return the elastic slip u' [mm], and whether it slips.
+
+    trial : u + d [mm].  stiffness : k_t [N/mm].  most : mu N [N].
+    """
+    new = add_scaled(trial, -dot(trial, normal), normal)
+    pull = stiffness * norm(new)
+    if pull > most:
+        return scale(most / pull, new), True
+    return new, False
+
+
+class Springs(NamedTuple):
+    """Springs of friction: a row for each of the list, and after them those that have left it."""
+
+    row: Annotated[Ints, "(n_spring,)"]
+    """Of ``slip`` and ``force``: node ids if these are the state's."""
+    holds: Annotated[Bools, "(n_spring,)"]
+    """Whether it has been stretched."""
+    node: Annotated[Ints, "(n_spring, 4)"]
+    """Carrier of the force."""
+    weight: Annotated[Floats, "(n_spring, 4)"]
+    """Its shape functions."""
+    slip: Annotated[Floats, "(n_kept, 3)"]
+    """Elastic slip u, in the tool's frame [mm]."""
+    force: Annotated[Floats, "(n_kept, 3)"]
+    """On the film [N]."""
+
+    @classmethod
+    def at_rest(cls, node: Ints) -> Springs:
+        """Return those of carriers with these nodes (n, 4) that nothing has stretched."""
+        n, at = len(node), Carriers.of(node)
+        slip, force = np.zeros((2, n, 3))
+        row, holds = np.arange(n, dtype=np.int64), np.zeros(n, np.bool_)
+        return cls(row, holds, at.node, at.weight, slip, force)
+
+
+class FrictionTables(NamedTuple):
+    """Kernel arguments that stay valid until the list is made anew."""
+
+    carriers: Carriers
+    springs: Springs
+    nodes: ContactNodes
+
+
+class FrictionForces(NamedTuple):
+    """Results of one evaluation of the friction."""
+
+    wrench: Floats
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    node_work: float
+    """Work of the friction on the nodes since t_{n-1} [N·mm]."""
+    dissipated: float
+    """Energy dissipated by slip since t_{n-1} [N·mm]."""
+    stored: float
+    """Energy of the springs at t_n [N·mm]."""
+    n_slipping: int
+    """Number of nodes, points of the tool or edges of the film that slip."""
+
+
+_WORK, _DISSIPATED, _STORED = 0, 1, 2  # columns of Touch.sums, in the order of these fields
+
+
+class CoulombFriction:
+    """Friction of all that a term presses, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
     ----------
-    contact : PenaltyContact
-        Presses the nodes on the tool; evaluated before this in every step.
+    name : str
+        Of the term.
+    pressing : PressTerm
+        Whose pressure it acts across; evaluated before this in every step.
     coefficient : float
         mu.
+    uncounted : callable, optional
+        Returns nodes where it presses and stiffness [N/mm] that it does not count as its own.
     """
 
-    def __init__(self, contact: PenaltyContact, coefficient: float) -> None:
-        super().__init__("friction", contact, coefficient)
-        self._contact = contact
-        self._tables: ContactTables | None = None
-        self._springs: _Springs | None = None
-        self._listed: Ints = np.zeros(0, np.int64)
+    booked = (
+        Booking("friction_work", _WORK, -1.0),
+        Booking("friction_work", ON_TOOL, -1.0),
+        Booking("friction_dissipated", _DISSIPATED),
+    )
+    """What goes from the sums into the ledger."""
+
+    def __init__(
+        self,
+        name: str,
+        pressing: PressTerm,
+        coefficient: float,
+        uncounted: Callable[[], Held] | None = None,
+    ) -> None:
+        self.name, self.coefficient = name, coefficient
+        self._pressing, self._uncounted = pressing, uncounted
+        self.touch = Touch.none(len(pressing.touch.wrench), len(FrictionForces._fields) - 1)
+        self._touch, self._hold = Holder()(self.touch), Holder()
+        self.springs = Springs.at_rest(pressing.carriers.node)
+        """Those of all that is listed."""
+        self._of: object = None
+        self._held: Any = None
         self._pose: Pose | None = None
-        self._hold = Holder()
-        self._call = BoundOnce(_add_friction_forces)
+        self._rests = True  # no evaluation would change what the last one has written
+        self._call = BoundOnce(_add_friction)
+
+    @property
+    def forces(self) -> FrictionForces:
+        """Results of the last evaluation."""
+        work, dissipated, stored, n_slipping = self.touch.sums.tolist()
+        return FrictionForces(self.touch.wrench.copy(), work, dissipated, stored, int(n_slipping))
+
+    @property
+    def n_search(self) -> int:
+        """Searches of the other term: this one acts where that does."""
+        return self._pressing.n_search
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        renewed = self._tables is not self._contact.tables
-        if renewed:
-            lost = self._take_list(state)
-        self._call.code(
-            pose, before, state.dt, self.coefficient, self._tables, self._springs, self._touch
-        )
-        if renewed:
-            self.touch.sums[DISSIPATED] += lost
+        presses = self._pressing.touch.sums[TOUCHING] > 0.0
+        quiet = not presses and bool(self.touch.sums[_STORED] == 0.0)
+        if self._of is not self._pressing.tables:
+            self._take_list(state)
+        elif quiet and self._rests:
+            return
+        self._call.code(pose, before, state.dt, self.coefficient, self._held, self._touch)
+        self._rests = quiet
+
+    def stiffness(self, _state: State, counted: HeldBy) -> Held:
+        """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
+        near, penalty = counted[self._pressing.name]
+        slips = stiffer_by(self.coefficient) * penalty
+        if self._uncounted is None:
+            return near, slips
+        nodes, steepest = self._uncounted()
+        springs = TANGENTIAL / STEEPEST * steepest
+        return np.concatenate([near, nodes]), np.concatenate([slips, springs])
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
+        return {"friction_stored": float(self.touch.sums[_STORED])}
 
     def saved(self) -> dict[str, Any]:
-        """Return the last forces; the springs are in the state."""
-        return {"touch": self.touch._asdict()}
+        """Return the springs, but those of nodes, which are in the state, and the last forces."""
+        saved: dict[str, Any] = {"touch": self.touch._asdict()}
+        if self._pressing.kept is not None:
+            saved["springs"] = self.springs._asdict()
+        return saved
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
-        self._pose = pose
+        """Take over :meth:`saved`, with the tool at its present pose; after the other term's."""
+        self._pose, self._rests = pose, False
         self.touch.take(saved["touch"])
-        self._take_list(state)
+        if "springs" in saved:
+            self.springs = Springs(**{k: rows.copy() for k, rows in saved["springs"].items()})
+            self._lay_out(state)
+        else:
+            self._take_list(state)
 
-    def _take_list(self, state: State) -> float:
-        """Switch to the contact's new list; return the energy of the springs that left it [N·mm].
+    def _take_list(self, state: State) -> None:
+        """Switch to the other term's new list; what has left it lets go in this step."""
+        node, kept, was = self._pressing.carriers.node, self._pressing.kept, self.springs
+        if kept is None:
+            left = np.isin(was.row, node[:, 0], invert=True) & was.holds
+            springs = Springs.at_rest(np.concatenate([node, was.node[left]]))
+            row, force = springs.node[:, 0].copy(), state.node.friction_force
+            holds = np.asarray(force[row].any(axis=1))
+            self.springs = springs._replace(
+                row=row, holds=holds, slip=state.node.friction_spring, force=force
+            )
+        else:
+            rows = np.append(kept, np.setdiff1d(np.flatnonzero(was.holds), kept))
+            self.springs = Springs.at_rest(np.concatenate([node, was.node[rows[len(node) :]]]))
+            to = np.flatnonzero(rows >= 0)
+            for new, old in zip(self.springs[1:], was[1:], strict=True):
+                new[to] = old[rows[to]]
+        self._lay_out(state)
 
-        Nodes that have left are out of contact.
-        """
-        n, tables = state.node, self._contact.tables
-        left = np.setdiff1d(self._listed, self._contact.near.ids)
-        springs = n.friction_spring[left]
-        lost = 0.0
-        if springs.any():
-            steepest = n.contact_share[left] * self._contact.law.steepest(n.contact_area[left])
-            stiffness = TANGENTIAL / STEEPEST * steepest
-            lost = float(0.5 * stiffness @ (springs**2).sum(axis=1))
-            n.friction_spring[left] = n.friction_force[left] = 0.0
-        self._listed, self._tables = self._contact.near.ids, tables
-        springs = n.friction_spring
-        self._springs = self._hold(
-            _Springs(np.asarray(springs[self._listed].any(axis=1)), springs, n.friction_force)
-        )
-        return lost
+    def _lay_out(self, state: State) -> None:
+        nodes = ContactNodes.of(state)
+        self._of = self._pressing.tables
+        self._held = self._hold(FrictionTables(self._pressing.carriers, self.springs, nodes))
+
+
+@inline
+def _moved(
+    i: int, node: Ints, weight: Floats, nodes: ContactNodes, dt: float, pose: Pose, before: Pose
+) -> tuple[Vec3, Vec3, Vec3]:
+    """Return where a carrier is, its velocity, and its way against the tool in the tool's frame."""
+    x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for c in range(4):
+        x = add_scaled(x, weight[i, c], load(nodes.x, node[i, c]))
+        v = add_scaled(v, weight[i, c], load(nodes.velocity_half, node[i, c]))
+    return x, v, sub(to_body(x, pose), to_body(add_scaled(x, -dt, v), before))
 
 
 @kernel
-def _add_friction_forces(
+def _add_friction(
     pose: Pose,
-    pose_before: Pose,
+    before: Pose,
     dt: float,
     coefficient: float,
-    tables: ContactTables,
-    springs: _Springs,
+    tables: FrictionTables,
     touch: Touch,
 ) -> None:
-    """Add the friction of the near nodes to their force.
+    """Add the friction at all carriers to the forces of their nodes.
 
-    Writes the springs and touch, see :class:`.friction_term.FrictionForces`.
+    Writes the springs and touch, see :class:`FrictionForces`.
     """
-    pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
-    springs = borrowed(springs)
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    carriers, springs, nodes = tables.carriers, tables.springs, tables.nodes
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
-    nodes, near, origin = tables.nodes, tables.near, pose.translation
-    spring, force = springs.friction_spring, springs.friction_force
     work = stored = dissipated = 0.0
-    n_slipping = 0
-    for i in range(near.node.shape[0]):
-        if not (near.within[i] or springs.held[i]):
+    n_slipping, n_listed = 0, carriers.pressure.shape[0]
+    for i in range(springs.row.shape[0]):
+        pressure = carriers.pressure[i] if i < n_listed else 0.0
+        if pressure == 0.0 and not springs.holds[i]:
             continue
-        n = near.node[i]
-        pressed = load(nodes.contact_force, n)
-        pressure = norm(pressed)
-        u, old = load(spring, n), load(force, n)
-        if pressure == 0.0 and not springs.held[i]:
-            continue
-        x, moves = load(nodes.x, n), load(nodes.velocity_half, n)
-        share = nodes.contact_share[n]
-        stiffness = TANGENTIAL * share * node_stiffness(nodes.contact_area[n], tables.law)
-        before = to_body(combine(1.0, x, -dt, moves), pose_before)
-        pulled = add(u, sub(to_body(x, pose), before))
-        new = (0.0, 0.0, 0.0)
+        row = springs.row[i]
+        u, f = load(springs.slip, row), load(springs.force, row)
+        if springs.holds[i]:
+            _, v, d = _moved(i, springs.node, springs.weight, nodes, dt, pose, before)
+            work += 0.5 * dt * dot(f, v)
+            dissipated -= 0.5 * dot(turn_back(f, before), add(u, d))
+        new, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if pressure > 0.0:
-            normal = turn_back(scale(1.0 / pressure, pressed), pose)
-            new = combine(1.0, pulled, -dot(pulled, normal), normal)
-            most, trial = coefficient * pressure, stiffness * norm(new)
-            if trial > most:
-                new = scale(most / trial, new)
-                n_slipping += 1
-        stored += 0.5 * stiffness * dot(new, new)
-        dissipated += 0.5 * stiffness * dot(add(u, new), sub(pulled, new))
-        f = scale(-stiffness, turn(new, pose))
-        work += 0.5 * dt * dot(add(old, f), moves)
-        springs.held[i] = pressure > 0.0
-        store(spring, n, new)
-        store(force, n, f)
-        add_to(nodes.force, n, f)
-        body = tables.tool.triangle_body[near.closest[i, 1]]
-        moment = cross((x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]), f)
-        for c in range(3):
-            wrench[body, c] -= f[c]
-            wrench[body, 3 + c] -= moment[c]
+            k_t, normal = TANGENTIAL * carriers.stiffness[i], load(carriers.normal, i)
+            x, v, d = _moved(i, carriers.node, carriers.weight, nodes, dt, pose, before)
+            new, slips = return_mapping(add(u, d), normal, k_t, coefficient * pressure)
+            f = scale(-k_t, turn(new, pose))
+            n_slipping += slips
+            stored += 0.5 * k_t * dot(new, new)
+            work += 0.5 * dt * dot(f, v)
+            dissipated += 0.5 * k_t * dot(new, sub(d, new))
+            for c in range(4):
+                n, weight = carriers.node[i, c], carriers.weight[i, c]
+                springs.node[i, c], springs.weight[i, c] = n, weight
+                add_to(nodes.force, n, scale(weight, f))
+            react(f, x, carriers.body[i], pose, wrench)
+        store(springs.slip, row, new)
+        store(springs.force, row, f)
+        springs.holds[i] = pressure > 0.0
     sums[0], sums[1], sums[2], sums[3] = work, dissipated, stored, n_slipping

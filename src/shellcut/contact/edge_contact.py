@@ -60,15 +60,14 @@ from shellcut.numerics.jit import BoundOnce
 from shellcut.state import KnownTopology, SplitRecord, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
-from shellcut.tool.touch import Touch
 
-from .contact_tables import ContactTables
+from .contact_tables import Carriers, ContactNodes, ContactTables
 from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
-from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgePresses, EdgeTables, ToolEdges
+from .edge_tables import EdgeMemory, EdgePairs, EdgeTables, ToolEdges
 from .film_edges import open_edges, rows_at
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
-from .press_forces import ABSORBED, BOOKED, N_SUM, STORED, WORK, PressForces
+from .press_forces import ABSORBED, WORK, PressTerm
 
 # Room for pairs at first.
 _ROOM = 256
@@ -77,7 +76,7 @@ _ROOM = 256
 _SOON = 0.5
 
 
-class EdgeContact:
+class EdgeContact(PressTerm):
     """Contact of the film's edges, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -93,9 +92,9 @@ class EdgeContact:
     def __init__(
         self, contact: PenaltyContact, edge_length: float, part_of: Callable[[int], Part]
     ) -> None:
-        self.name = "edges"
-        self._contact = contact
-        tool = contact.tool
+        tool, self._contact = contact.tool, contact
+        nowhere = Carriers.of(np.zeros((0, 4), np.int64))
+        super().__init__("edges", tool.n_body, nowhere, np.zeros(0, np.int64))
         self._edges = ToolEdges.of(tool, contact.law.rounding, edge_length)
         self._radius = float(np.linalg.norm(tool.vertices, axis=1).max())
         self._around = ConvexNeighbours.of(tool)
@@ -105,24 +104,11 @@ class EdgeContact:
         self._pose: Pose | None = None
         self._soon = _SOON * contact.near.half_margin
         self._walked, self._looked_at = 0.0, 0.0
-        self.n_search = 0
-        """How often the step must have been looked at anew."""
         self._hold = Holder()
         self.tables: EdgeTables | None = None
-        """For kernels, good until the list is made anew."""
-        self.kept: Ints = np.zeros(0, np.int64)
-        """Row that each edge of the list had in the one before, -1 for none."""
-        self.held: Any = None
-        """These, laid out."""
+        self._held: Any = None  # these, laid out
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
         self._springs, self._room = BoundOnce(edge_springs), _ROOM
-        self.touch, self.booked = Touch.none(tool.n_body, N_SUM), BOOKED
-        self._touch = Holder()(self.touch)
-
-    @property
-    def forces(self) -> PressForces:
-        """Results of the last evaluation."""
-        return PressForces.of(self.touch)
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
@@ -130,7 +116,8 @@ class EdgeContact:
         renewed = self._of_contact is not self._contact.tables
         if renewed:
             work, lost = self._renew(state, pose)
-        self._walked = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
+        held = self._held
+        self._walked = self._call.code(pose, before, state.dt, self._walked, held, self._touch)
         if renewed:
             self.touch.sums[WORK] += work
             self.touch.sums[ABSORBED] += lost
@@ -158,12 +145,8 @@ class EdgeContact:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 2 * len(self.tables.pairs.node)
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._springs(self._pose, self._soon, self.held, node, stiffness)
+        count = self._springs(self._pose, self._soon, self._held, node, stiffness)
         return node[:count], stiffness[:count]
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def pressing(self) -> tuple[Ints, Floats]:
         """Return the ends of the edges that press, (n, 2), and the depth that does not [mm]."""
@@ -233,7 +216,8 @@ class EdgeContact:
 
     def _lay_out(self, state: State, pairs: EdgePairs, memory: EdgeMemory) -> None:
         """Build the kernels' tables, valid until the list is made anew."""
-        n, contact = state.node, self._contact
+        contact = self._contact
+        self.carriers = Carriers.of(pairs.node[:, [0, 1, 0, 0]])
         self.tables = EdgeTables(
             edges=self._edges,
             radius=self._radius,
@@ -243,12 +227,12 @@ class EdgeContact:
             law=contact.law,
             pairs=pairs,
             memory=memory,
-            presses=EdgePresses.none(len(pairs.node)),
+            carriers=self.carriers,
             captured=np.zeros(len(self._edges.start), np.int64),
             across=np.full(1, -1),
-            nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
+            nodes=ContactNodes.of(state),
         )
-        self.held = self._hold(self.tables)
+        self._held = self._hold(self.tables)
         self._of_contact = contact.tables
         self._known.take(state)
 

@@ -9,15 +9,16 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add_to, combine, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
-from shellcut.tool.touch import Touch
+from shellcut.tool.touch import Touch, react
 
 from .captured_edges import closest_along, place_at
+from .contact_tables import ContactNodes
 from .edge_hills import Hills, hills_of, no_hills
 from .edge_rebound import put_in_by_last, returned, way_back
-from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
+from .edge_tables import EdgePairs, EdgeTables, ToolEdges
 from .followed_edge import NO_HILL, follow, followed_hill, is_followed, is_idle, way_since
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
@@ -44,7 +45,7 @@ class Look(NamedTuple):
 
 
 @inline
-def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) -> float:
+def edge_stiffness(i: int, pairs: EdgePairs, nodes: ContactNodes, law: PenaltyLaw) -> float:
     """Return k of an edge of the film [N/mm]."""
     a, b = pairs.node[i, 0], pairs.node[i, 1]
     of_a = nodes.contact_share[a] * node_stiffness(nodes.contact_area[a], law)
@@ -72,7 +73,7 @@ def _side_of(i: int, held: EdgeTables) -> tuple[bool, int]:
 
 
 @inline
-def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
+def _size_of(i: int, pairs: EdgePairs, nodes: ContactNodes) -> float:
     """Return the local edge length of the film at an edge of it [mm]."""
     area = nodes.contact_area
     size: float = local_edge_length(max(area[pairs.node[i, 0]], area[pairs.node[i, 1]]))
@@ -181,13 +182,13 @@ def add_edge_forces(
     """Add the forces of the listed edges to those of their ends; return the way walked.
 
     walked : way that film and tool may have come nearer since the list was made [mm].  Writes the
-    memory, what friction needs, and touch, see :class:`.press_forces.PressForces`.
+    memory, the carriers, and touch, see :class:`.press_forces.PressForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(held)
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
-    presses, deepest = tables.presses, 0.0
+    carriers, deepest = tables.carriers, 0.0
     of_tool = tool_way(pose, before, tables.radius)
     speed = largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
     walked += of_tool + dt * speed
@@ -215,7 +216,7 @@ def add_edge_forces(
         memory.across[i] = tables.across[0]
         memory.offset[i] = min(memory.offset[i], g)
         memory.depth[i], memory.place[i], memory.stored[i] = g, look.hills.deepest.s, 0.0
-        presses.pressure[i] = 0.0
+        carriers.pressure[i] = 0.0
         if had > 0.0 or look.hills.press.stored > 0.0:
             back_a = way_back(i, 0, dt, pose, before, held)
             back_b = way_back(i, 1, dt, pose, before, held)
@@ -255,7 +256,7 @@ def _put_on_ends(
     back_a, back_b : of :func:`.way_back` [mm].
     """
     tables = borrowed(held)
-    memory, presses, beside = tables.memory, tables.presses, look.beside
+    memory, carriers, beside = tables.memory, tables.carriers, look.beside
     found = look.hills.press
     if found.stored == 0.0:
         return
@@ -269,11 +270,12 @@ def _put_on_ends(
     part = returned(i, f_a, f_b, back_a, back_b, dt, held)
     _put_on(i, 0, scale(part, f_a), body, pose, held, wrench)
     _put_on(i, 1, scale(part, f_b), body, pose, held, wrench)
-    presses.body[i], presses.place[i] = body, s
     memory.drift[i], memory.press_place[i] = s - memory.press_place[i], s
-    more = by * norm(found.out) - found.from_a - found.from_b
-    presses.pressure[i] = part * k * max(more, 0.0)
-    store(presses.out, i, found.out)
+    along = norm(found.out)
+    carriers.body[i], carriers.stiffness[i] = body, k
+    carriers.weight[i, 0], carriers.weight[i, 1] = 1.0 - s, s
+    carriers.pressure[i] = part * k * max(by * along - found.from_a - found.from_b, 0.0)
+    store(carriers.normal, i, scale(1.0 / along, found.out))
 
 
 @inline
@@ -293,15 +295,10 @@ def _put_on(
 ) -> None:
     """Add a force [N] to an end of the i-th edge and minus it to a tooth."""
     tables = borrowed(held)
-    nodes, origin = tables.nodes, pose.translation
-    n = tables.pairs.node[i, end]
-    x = load(nodes.x, n)
-    moment = cross((x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]), f)
-    for c in range(3):
-        tables.memory.force[i, end, c] = f[c]
-        nodes.force[n, c] += f[c]
-        wrench[body, c] -= f[c]
-        wrench[body, 3 + c] -= moment[c]
+    nodes, n = tables.nodes, tables.pairs.node[i, end]
+    store(tables.memory.force[i], end, f)
+    add_to(nodes.force, n, f)
+    react(f, load(nodes.x, n), body, pose, wrench)
 
 
 @kernel

@@ -6,14 +6,14 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
 from .contact_points import LEAST_TURN, is_cutting
-from .contact_tables import Lookups
+from .contact_tables import Carriers, ContactNodes, Lookups
 from .settings import PenaltyLaw
 
 # Over the rounding radius: the line that the round of an edge is centred on is taken no farther
@@ -177,38 +177,6 @@ class EdgeMemory(NamedTuple):
         )
 
 
-class EdgePresses(NamedTuple):
-    """What friction needs of each edge of the film at the last evaluation; not kept."""
-
-    body: Annotated[Ints, "(n_film,)"]
-    """Tooth on which it presses."""
-    place: Annotated[Floats, "(n_film,)"]
-    """Where it presses, from 0 at one end to 1 at the other."""
-    out: Annotated[Floats, "(n_film, 3)"]
-    """Way out of the tool there, in the body frame, a unit vector at most."""
-    pressure: Annotated[Floats, "(n_film,)"]
-    """What the edge adds to the pressures of all, 0 if it does not press [N]."""
-
-    @classmethod
-    def none(cls, n: int) -> EdgePresses:
-        """Return that of n edges that do not press."""
-        return cls(np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 3)), np.zeros(n))
-
-
-class EdgeNodes(NamedTuple):
-    """Fields of the nodes that the kernels need, as in :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    contact_share: Annotated[Floats, "(n_node,)"]
-    contact_side: Annotated[SmallInts, "(n_node,)"]
-    contact_mass: Annotated[Floats, "(n_node,)"]
-    supported: Annotated[Bools, "(n_node,)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
-
-
 class EdgeTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
@@ -220,11 +188,11 @@ class EdgeTables(NamedTuple):
     law: PenaltyLaw
     pairs: EdgePairs
     memory: EdgeMemory
-    presses: EdgePresses
+    carriers: Carriers
     near: Lookups
     """Of the nodes near the tool."""
     captured: Annotated[Ints, "(n_edge,)"]
     """Room for the tool's edges that one of the film's may touch."""
     across: Annotated[Ints, "(1,)"]
     """``EdgeMemory.across`` of the edge that is looked at."""
-    nodes: EdgeNodes
+    nodes: ContactNodes

@@ -40,7 +40,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add, add_to, combine, dot, load, norm, scale, store, sub
 from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
@@ -54,11 +54,11 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
-from shellcut.tool.touch import Touch
+from shellcut.tool.touch import Touch, react
 
-from .contact_tables import ContactNodes, ContactTables, ContactTool, Lookups
+from .contact_tables import Carriers, ContactNodes, ContactTables, ContactTool, Lookups
 from .near_nodes import NearNodes
-from .press_forces import BOOKED, N_SUM, STORED, PressForces
+from .press_forces import PressTerm
 from .settings import (
     Contact,
     PenaltyLaw,
@@ -82,7 +82,7 @@ _ROUND_OFF = 1e-10
 _UNDECIDED = 0.1
 
 
-class PenaltyContact:
+class PenaltyContact(PressTerm):
     """Contact forces of all nodes, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -107,7 +107,7 @@ class PenaltyContact:
         edge_length: float,
         crack_aside: float = 0.0,
     ) -> None:
-        self.name = "contact"
+        super().__init__("contact", tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), None)
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self.grid = ClosestTriangleGrid.of(tool)
@@ -129,11 +129,8 @@ class PenaltyContact:
         """What is known of these nodes."""
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
-        """What the kernel takes, anew with each list."""
         self._hold = Holder()
         self._call = BoundOnce(_add_contact_forces)
-        self.touch, self.booked = Touch.none(tool.n_body, N_SUM), BOOKED
-        self._touch = Holder()(self.touch)
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
 
@@ -142,27 +139,14 @@ class PenaltyContact:
         before, self._pose = self._pose or pose, pose
         if self.near.renew(state, pose):
             self._take_list(state)
+            self.n_search = self.near.n_search
         deepest = self._call.code(pose, before, state.dt, self.tables, self._touch)
         self.deepest = max(self.deepest, deepest)
-
-    @property
-    def forces(self) -> PressForces:
-        """Results of the last evaluation."""
-        return PressForces.of(self.touch)
-
-    @property
-    def n_search(self) -> int:
-        """Searches for near nodes so far."""
-        return self.near.n_search
 
     def stiffness(self, state: State, _counted: HeldBy) -> Held:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
         near, n = self.near_nodes(state), state.node
         return near, n.contact_share[near] * self.law.steepest(n.contact_area[near])
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon; before the first evaluation none.
@@ -184,6 +168,7 @@ class PenaltyContact:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
         self.near.restore(state, saved["near"])
+        self.n_search = self.near.n_search
         self.lookups = Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
         self.touch.take(saved["touch"])
         self.deepest = saved["deepest"]
@@ -208,7 +193,7 @@ class PenaltyContact:
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
-        n = state.node
+        self.carriers = Carriers.of(np.repeat(self.near.ids[:, None], 4, axis=1))
         tables = ContactTables(
             tool=ContactTool(
                 grid=self.grid.arrays,
@@ -221,7 +206,8 @@ class PenaltyContact:
             ),
             law=self.law,
             near=self.lookups,
-            nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
+            carriers=self.carriers,
+            nodes=ContactNodes.of(state),
             around=state.quads_at_nodes(),
         )
         self.tables = self._hold(tables)
@@ -364,13 +350,8 @@ def _loaded_depth(
 def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: ContactNodes, wrench: Floats) -> None:
     """Add the contact force f [N] to a node and minus it to its tooth."""
     store(nodes.contact_force, n, f)
-    here, origin = load(nodes.x, n), pose.translation
-    arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
-    moment = cross(arm, f)
-    for c in range(3):
-        nodes.force[n, c] += f[c]
-        wrench[body, c] -= f[c]
-        wrench[body, 3 + c] -= moment[c]
+    add_to(nodes.force, n, f)
+    react(f, load(nodes.x, n), body, pose, wrench)
 
 
 @kernel
@@ -379,12 +360,14 @@ def _add_contact_forces(
 ) -> float:
     """Add contact forces of the near nodes to their force; return the largest depth [mm].
 
-    Writes the look-ups, these nodes' contact fields, and touch, see :class:`PressForces`.
+    Writes the look-ups, these nodes' contact fields, and touch, see
+    :class:`.press_forces.PressForces`.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
+    carriers = tables.carriers
     g_m = law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x, side = nodes.x, nodes.contact_side
@@ -400,11 +383,11 @@ def _add_contact_forces(
         triangle, q = _look_up(i, p, known, side[n], tool, near)
         if not within[i]:
             work = _released(n, dt, work, nodes)
+            carriers.pressure[i] = 0.0
             continue
         old, moved = load(nodes.contact_force, n), load(nodes.velocity_half, n)
         if side[n] == 0:
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
-            near.closest[i, 1] = triangle  # of the tooth that friction acts on
         g, outward, near.across[i] = rounded_depth(
             p, q, triangle, side[n], law.rounding, tool.grid, tool.around, near.across[i]
         )
@@ -429,6 +412,9 @@ def _add_contact_forces(
         stored += energy
         f = scale(magnitude, direction)
         work += 0.5 * dt * dot(add(old, f), moved)
-        _put_on(n, f, tool.triangle_body[triangle], pose, nodes, wrench)
+        carriers.body[i] = tool.triangle_body[triangle]
+        carriers.stiffness[i], carriers.pressure[i] = stiffness, magnitude
+        store(carriers.normal, i, outward)
+        _put_on(n, f, carriers.body[i], pose, nodes, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return deepest

@@ -48,12 +48,13 @@ from shellcut.arrays import Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add_to, dot, load, norm, scale, store, sub
 from shellcut.state import KnownTopology, State, local_edge_length
-from shellcut.tool.pose import Pose, to_space, turn
-from shellcut.tool.touch import Touch
+from shellcut.tool.pose import Pose, to_space, turn, turn_back
+from shellcut.tool.touch import Touch, react
 
 from .contact_points import contact_points
+from .contact_tables import Carriers, ContactNodes
 from .foot_on_quad import (
     QuadSurface,
     corner_weights,
@@ -65,8 +66,8 @@ from .foot_on_quad import (
 from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
 from .point_search import list_pairs, whole_quads_near
-from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
-from .press_forces import BOOKED, N_SUM, STORED, PressForces
+from .point_tables import PointPairs, PointSprings, PointTables
+from .press_forces import PressTerm
 from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
@@ -91,7 +92,7 @@ _LEAST_LEFT = 0.05
 _ROUND_OFF = 1e-10
 
 
-class PointContact:
+class PointContact(PressTerm):
     """Contact of the tool's points, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -103,33 +104,25 @@ class PointContact:
     """
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
-        self.name = "points"
-        self._contact, self._slack = contact, _SLACK * edge_length
         self.points = contact_points(contact.tool, edge_length)
         """Those of the tool, in its body frame."""
+        n = len(self.points.place)
+        nowhere = Carriers.of(np.zeros((n, 4), np.int64))._replace(body=self.points.body)
+        super().__init__("points", contact.tool.n_body, nowhere, np.arange(n))
+        self._contact, self._slack = contact, _SLACK * edge_length
         self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
-        self._springs = PointSprings.at_rest(len(self.points.place))
-        self._pairs = PointPairs.none(len(self.points.place), _ROOM)
+        self._springs = PointSprings.at_rest(n)
+        self._pairs = PointPairs.none(n, _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
-        self.n_search = 0
-        """Searches for quads near the points so far."""
         self._x_listed: Floats = np.zeros((0, 3))
         # Way walked since the list was made, and at which it is looked at whether it is old.
         self._walked, self._look_at = 0.0, 0.0
         self._known = KnownTopology()
         self.tables: PointTables | None = None
-        """For kernels, good until the list is made anew."""
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
         self._stiffness = BoundOnce(_stiffness_soon)
         self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
-        self.touch, self.booked = Touch.none(contact.tool.n_body, N_SUM), BOOKED
-        self._touch = Holder()(self.touch)
-
-    @property
-    def forces(self) -> PressForces:
-        """Results of the last evaluation."""
-        return PressForces.of(self.touch)
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
@@ -142,8 +135,7 @@ class PointContact:
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
-        pressing = self._springs.depth > 0.0
-        return np.unique(self._springs.node[pressing])
+        return np.unique(self.carriers.node[self._springs.depth > 0.0])
 
     def stiffness(self, _state: State, _counted: HeldBy) -> Held:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
@@ -154,14 +146,11 @@ class PointContact:
         count = self._stiffness(self._pose, self._slack, self.tables, node, stiffness)
         return node[:count], stiffness[:count]
 
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": float(self.touch.sums[STORED])}
-
     def saved(self) -> dict[str, Any]:
         """Return the springs, the list with the pose and places of its search, the last forces."""
         return {
             "springs": self._springs._asdict(),
+            "carriers": self.carriers._asdict(),
             "pairs": self._pairs._asdict(),
             "n_search": self.n_search,
             "x_listed": self._x_listed,
@@ -175,6 +164,7 @@ class PointContact:
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._springs = PointSprings(**{k: v.copy() for k, v in saved["springs"].items()})
+        self.carriers = Carriers(**{k: v.copy() for k, v in saved["carriers"].items()})
         self._pairs = PointPairs(**{k: v.copy() for k, v in saved["pairs"].items()})
         self._x_listed = saved["x_listed"].copy()
         self._walked, self._look_at = saved["walked"], saved["look_at"]
@@ -202,13 +192,14 @@ class PointContact:
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
         self.n_search += 1
-        n, film = state.node, _film_of(state)
+        n = state.node
         ids, low, high = np.empty(state.n_quad, np.int64), *np.empty((2, state.n_quad, 3))
         count = self._quads(
             self._contact.near.ids,
             n.halved,
             state.quad.share,
-            film,
+            state.quads,
+            ContactNodes.of(state),
             (CAPTURE, self._slack),
             ids,
             low,
@@ -217,7 +208,7 @@ class PointContact:
         boxes = ids[:count], low[:count], high[:count]
         place, force, kept = pose.to_space(self.points.place), self._springs.force, self._pairs
         while True:
-            n_pair = self._pair(place, force, *boxes, film.quads, self._pairs)
+            n_pair = self._pair(place, force, *boxes, state.quads, self._pairs)
             if n_pair <= self._pairs.quad.size:
                 break
             self._pairs = PointPairs.none(len(place), 2 * n_pair)
@@ -238,21 +229,17 @@ class PointContact:
             radius=self._radius,
             pairs=self._pairs,
             springs=self._springs,
-            film=_film_of(state),
+            carriers=self.carriers,
+            quads=state.quads,
+            nodes=ContactNodes.of(state),
             law=self._contact.law,
         )
         self.tables = self._hold(tables)
 
 
-def _film_of(state: State) -> PointFilm:
-    """Return what kernels need of the film, good until the next split."""
-    n = state.node
-    return PointFilm(state.quads, *(getattr(n, name) for name in PointFilm._fields[1:]))
-
-
 @inline
-def _quad_of(q: int, film: PointFilm) -> QuadSurface:
-    quads, x = film.quads, film.x
+def _quad_of(q: int, tables: PointTables) -> QuadSurface:
+    quads, x = tables.quads, tables.nodes.x
     return quad_surface(
         load(x, quads[q, 0]), load(x, quads[q, 1]), load(x, quads[q, 2]), load(x, quads[q, 3])
     )
@@ -265,16 +252,16 @@ def _closest_quad(i: int, p: Vec3, tables: PointTables) -> tuple[int, float, flo
     Quads that are farther than a point can touch are passed over; the last number is the way after
     which one of them may no longer be [mm].
     """
-    pairs, film = tables.pairs, tables.film
+    pairs, nodes = tables.pairs, tables.nodes
     best, best_xi, best_eta, least, free = -1, 0.0, 0.0, np.inf, np.inf
     for j in range(pairs.first[i], pairs.first[i + 1]):
         q = pairs.quad[j]
-        quad = _quad_of(q, film)
+        quad = _quad_of(q, tables)
         away = sub(p, quad.c)
         reach = norm(quad.a) + norm(quad.b) + norm(quad.d)
         area = 0.0
         for c in range(4):
-            area = max(area, film.contact_area[film.quads[q, c]])
+            area = max(area, nodes.contact_area[tables.quads[q, c]])
         out_of_reach = norm(away) - reach - CAPTURE * local_edge_length(area)
         if out_of_reach > 0.0:
             free = min(free, out_of_reach)
@@ -299,11 +286,11 @@ def _add_point_forces(
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
-    points, springs, film, law = tables.points, tables.springs, tables.film, tables.law
+    points, springs, nodes, law = tables.points, tables.springs, tables.nodes, tables.law
     pairs, side, depth, until = tables.pairs, springs.side, springs.depth, springs.until
-    origin = pose.translation
+    carriers = tables.carriers
     walked += tool_way(pose, before, tables.radius)
-    walked += dt * largest_speed(pairs.node, pairs.used[1], film.velocity_half)
+    walked += dt * largest_speed(pairs.node, pairs.used[1], nodes.velocity_half)
     work = stored = absorbed = deepest = 0.0
     n_touching = 0
     for i in range(pairs.used[0]):
@@ -312,19 +299,20 @@ def _add_point_forces(
             continue
         old = load(springs.force, k)
         if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
-            work += 0.5 * dt * _power(k, old, springs, film)
+            work += 0.5 * dt * _power(k, old, carriers, nodes)
             store(springs.force, k, (0.0, 0.0, 0.0))
+            carriers.pressure[k] = 0.0
         p = to_space(load(points.place, k), pose)
         q, xi, eta, free = _closest_quad(i, p, tables)
         kept, little = False, 0.0
         if q >= 0:
-            quad = _quad_of(q, film)
+            quad = _quad_of(q, tables)
             s, normal = point_of(quad, xi, eta), unit_normal(quad, xi, eta)
             way = sub(p, s)
             far, height = norm(way), dot(way, normal)
             area = 0.0
             for c in range(4):
-                area += 0.25 * film.contact_area[film.quads[q, c]]
+                area += 0.25 * nodes.contact_area[tables.quads[q, c]]
             # Beyond the rim a point is more beside the film than above it.
             size = local_edge_length(area)
             kept = far <= CAPTURE * size and far <= 1.5 * abs(height) + _ROUND_OFF * size
@@ -354,31 +342,28 @@ def _add_point_forces(
         stiffness = points.share[k] * node_stiffness(area, law)
         springs.stored[k] = stiffness * smoothed_integral(g, law.smoothing_depth)
         stored += springs.stored[k]
-        f = scale(stiffness * smoothed(g, law.smoothing_depth) / far, way)
+        carriers.stiffness[k] = stiffness
+        carriers.pressure[k] = stiffness * smoothed(g, law.smoothing_depth)
+        f = scale(carriers.pressure[k] / far, way)
+        store(carriers.normal, k, turn_back(scale(1.0 / far, way), pose))
+        store(springs.force, k, f)
         weights = corner_weights(xi, eta)
         for c in range(4):
-            springs.node[k, c] = film.quads[q, c]
-            springs.weight[k, c] = weights[c]
-        store(springs.force, k, f)
-        work += 0.5 * dt * _power(k, f, springs, film)
-        body = points.body[k]
-        moment = cross((s[0] - origin[0], s[1] - origin[1], s[2] - origin[2]), f)
-        for c in range(3):
-            for corner in range(4):
-                film.force[springs.node[k, corner], c] += springs.weight[k, corner] * f[c]
-            wrench[body, c] -= f[c]
-            wrench[body, 3 + c] -= moment[c]
+            carriers.node[k, c], carriers.weight[k, c] = tables.quads[q, c], weights[c]
+            add_to(nodes.force, carriers.node[k, c], scale(weights[c], f))
+        work += 0.5 * dt * _power(k, f, carriers, nodes)
+        react(f, s, points.body[k], pose, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return walked
 
 
 @inline
-def _power(k: int, f: Vec3, springs: PointSprings, film: PointFilm) -> float:
+def _power(k: int, f: Vec3, carriers: Carriers, nodes: ContactNodes) -> float:
     """Return the power of force f of point k on its nodes [N·mm/s]."""
     power = 0.0
     for c in range(4):
-        moves = load(film.velocity_half, springs.node[k, c])
-        power += springs.weight[k, c] * dot(f, moves)
+        moves = load(nodes.velocity_half, carriers.node[k, c])
+        power += carriers.weight[k, c] * dot(f, moves)
     return power
 
 
@@ -392,18 +377,18 @@ def _stiffness_soon(
     ascending; return their number.
     """
     pose, tables = borrowed(pose), borrowed(tables)
-    points, pairs, film, law = tables.points, tables.pairs, tables.film, tables.law
+    points, pairs, nodes, law = tables.points, tables.pairs, tables.nodes, tables.law
     count = 0
     for i in range(pairs.used[0]):
         k, begin = pairs.point[i], count
         p = to_space(load(points.place, k), pose)
         for j in range(pairs.first[i], pairs.first[i + 1]):
-            quad = _quad_of(pairs.quad[j], film)
+            quad = _quad_of(pairs.quad[j], tables)
             xi, eta = foot_on_quad(p, quad)
             if norm(sub(p, point_of(quad, xi, eta))) > soon + tables.springs.depth[k]:
                 continue
             for c in range(4):
-                n, at = film.quads[pairs.quad[j], c], count
+                n, at = tables.quads[pairs.quad[j], c], count
                 while at > begin and node[at - 1] > n:
                     at -= 1
                 if at > begin and node[at - 1] == n:
@@ -413,8 +398,8 @@ def _stiffness_soon(
                 node[at] = n
                 count += 1
         for j in range(begin, count):
-            area = film.contact_area[node[j]]
-            away = norm(sub(load(film.x, node[j]), p)) / local_edge_length(area)
+            area = nodes.contact_area[node[j]]
+            away = norm(sub(load(nodes.x, node[j]), p)) / local_edge_length(area)
             weight = min(max(1.0 + _SLACK - away, 0.0), 1.0)
             stiffness[j] = points.share[k] * weight * STEEPEST * node_stiffness(area, law)
     return count

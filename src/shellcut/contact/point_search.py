@@ -13,8 +13,9 @@ from shellcut.arrays import Bools, Floats, Ints, SmallIds
 from shellcut.numerics.jit import inline, kernel
 from shellcut.state import local_edge_length
 
+from .contact_tables import ContactNodes
 from .near_nodes import in_box
-from .point_tables import PointFilm, PointPairs
+from .point_tables import PointPairs
 
 # Number of quads in a common box.
 _TOGETHER = 16
@@ -22,24 +23,25 @@ _TOGETHER = 16
 
 @kernel
 def whole_quads_near(
-    nodes: Ints,
+    near_tool: Ints,
     halved: Bools,
     share: Floats,
-    film: PointFilm,
+    quads: SmallIds,
+    nodes: ContactNodes,
     margins: tuple[float, float],
     ids: Ints,
     low: Floats,
     high: Floats,
 ) -> int:
-    """Write ids and boxes of the whole quads at some nodes; return their number.
+    """Write ids and boxes of the whole quads at the nodes near the tool; return their number.
 
     halved, share : of nodes, and of quads: cut ones are left out, and those with a halved node.
     margins : of the boxes, over the local edge length, and besides [mm].  ids, low, high :
     (n_quad,), (n_quad, 3), (n_quad, 3), written.
     """
-    quads, x = film.quads, film.x
+    x = nodes.x
     near = np.zeros(x.shape[0], np.bool_)
-    for n in nodes:
+    for n in near_tool:
         near[n] = True
     count = 0
     for q in range(quads.shape[0]):
@@ -48,7 +50,7 @@ def whole_quads_near(
             n = quads[q, c]
             beside |= near[n]
             whole &= not halved[n]
-            area = max(area, film.contact_area[n])
+            area = max(area, nodes.contact_area[n])
         if not (beside and whole):
             continue
         margin = margins[0] * local_edge_length(area) + margins[1]

@@ -9,6 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallIds, SmallInts
 
 from .contact_points import ContactPoints
+from .contact_tables import Carriers, ContactNodes
 from .settings import PenaltyLaw
 
 
@@ -59,10 +60,6 @@ class PointSprings(NamedTuple):
     """Way walked from which on it may touch, and is looked at again [mm]."""
     force: Annotated[Floats, "(n_point, 3)"]
     """On the film [N]."""
-    node: Annotated[Ints, "(n_point, 4)"]
-    """Nodes that it acts on."""
-    weight: Annotated[Floats, "(n_point, 4)"]
-    """Their shape functions."""
 
     @classmethod
     def at_rest(cls, n: int) -> PointSprings:
@@ -73,20 +70,7 @@ class PointSprings(NamedTuple):
             stored=np.zeros(n),
             until=np.zeros(n),
             force=np.zeros((n, 3)),
-            node=np.zeros((n, 4), np.int64),
-            weight=np.zeros((n, 4)),
         )
-
-
-class PointFilm(NamedTuple):
-    """What the kernel needs of the film, named as in :class:`shellcut.state.NodeTable`."""
-
-    quads: Annotated[SmallIds, "(n_quad, 4)"]
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
 
 
 class PointTables(NamedTuple):
@@ -97,5 +81,7 @@ class PointTables(NamedTuple):
     """Of the farthest of them, around the body's origin [mm]."""
     pairs: PointPairs
     springs: PointSprings
-    film: PointFilm
+    carriers: Carriers
+    quads: Annotated[SmallIds, "(n_quad, 4)"]
+    nodes: ContactNodes
     law: PenaltyLaw

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Ints
+from shellcut.numerics.held_table import Holder
+from shellcut.state import State
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
+
+from .contact_tables import Carriers
 
 
 class PressForces(NamedTuple):
@@ -25,20 +29,50 @@ class PressForces(NamedTuple):
     deepest: float
     """Largest depth of them [mm]."""
 
-    @classmethod
-    def of(cls, touch: Touch) -> PressForces:
-        """Return what a kernel has written."""
-        work, absorbed, stored, n_touching, deepest = touch.sums.tolist()
-        return cls(touch.wrench.copy(), work, absorbed, stored, int(n_touching), deepest)
 
-
-N_SUM = len(PressForces._fields) - 1
 WORK, ABSORBED, STORED, TOUCHING = 0, 1, 2, 3
 """Columns of :attr:`shellcut.tool.touch.Touch.sums`, in the order of the fields."""
 
-BOOKED = (
-    Booking("contact_work", WORK, -1.0),
-    Booking("contact_work", ON_TOOL, -1.0),
-    Booking("contact_absorbed", ABSORBED),
-)
-"""What goes from the sums into the ledger."""
+
+class PressTerm:
+    """The part of a term that presses film and tool together that is the same for all.
+
+    Parameters
+    ----------
+    name : str
+        Of the term.
+    n_body : int
+        Teeth of the tool.
+    carriers : Carriers
+        Where it presses.
+    kept : ndarray, shape (n_row,), optional
+        Row that each of its list had in the one before, -1 for none; of nodes, which are told by
+        their ids, none.
+    """
+
+    booked = (
+        Booking("contact_work", WORK, -1.0),
+        Booking("contact_work", ON_TOOL, -1.0),
+        Booking("contact_absorbed", ABSORBED),
+    )
+    """What goes from the sums into the ledger."""
+    tables: Any
+    """What its kernel takes, anew with each list."""
+
+    def __init__(self, name: str, n_body: int, carriers: Carriers, kept: Ints | None) -> None:
+        self.name, self.carriers, self.kept = name, carriers, kept
+        self.n_search = 0
+        """How often it has made its list."""
+        self.touch = Touch.none(n_body, len(PressForces._fields) - 1)
+        self._touch = Holder()(self.touch)
+
+    @property
+    def forces(self) -> PressForces:
+        """Results of the last evaluation."""
+        work, absorbed, stored, n_touching, deepest = self.touch.sums.tolist()
+        wrench = self.touch.wrench.copy()
+        return PressForces(wrench, work, absorbed, stored, int(n_touching), deepest)
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
+        return {"contact_stored": float(self.touch.sums[STORED])}

@@ -30,7 +30,7 @@ the next step's are what friction did on the film in between. What is not stored
 mean force times the slip where the foot stays.
 
 *Stiffness.* k_t is ``TANGENTIAL`` of the point's k and acts across it, with slip it adds the
-unsymmetric mu k f'; together at most 1 + :func:`.friction_term.stiffer_by` times the steepest k.
+unsymmetric mu k f'; together at most 1 + :func:`.coulomb_friction.stiffer_by` times the steepest k.
 The couple's part, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to a
 thickness of 1.5 edges.
 """
@@ -39,14 +39,14 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import State
 
-from .friction_term import TANGENTIAL, FrictionTerm
+from .coulomb_friction import TANGENTIAL, return_mapping, stiffer_by
 from .quad_distance import Corners, corners_of, normal_at, place_in, tangents_at, weights_at
 from .self_contact import SelfContact
 from .self_contact_kernel import half_work_of, put_on
@@ -75,7 +75,7 @@ class SelfFrictionForces(NamedTuple):
 _IDLE = SelfFrictionForces(0.0, 0.0, 0.0, 0)
 
 
-class SelfFriction(FrictionTerm):
+class SelfFriction:
     """Friction of the film on itself, a :class:`shellcut.simulation.film_terms.FilmTerm`.
 
     Parameters
@@ -89,8 +89,7 @@ class SelfFriction(FrictionTerm):
     name = "self_friction"
 
     def __init__(self, contact: SelfContact, coefficient: float) -> None:
-        super().__init__(contact, coefficient)
-        self._contact = contact
+        self._contact, self.coefficient = contact, coefficient
         self._of: SelfContactTables | None = None
         self._drags = Presses.with_room(0)
         self._held: Any = None
@@ -111,6 +110,16 @@ class SelfFriction(FrictionTerm):
         work, stored, n_slipping = self._call.code(state.dt, self.coefficient, held, self._held)
         self.forces = SelfFrictionForces(work, stored, before - stored - work, n_slipping)
         return self.forces
+
+    @property
+    def n_search(self) -> int:
+        """Searches of the contact: this acts where that does."""
+        return self._contact.n_search
+
+    def stiffness(self, _state: State, counted: HeldBy) -> Held:
+        """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
+        near, penalty = counted[self._contact.name]
+        return near, stiffer_by(self.coefficient) * penalty
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the energy of the springs at the last evaluation, by its name in the ledger."""
@@ -209,12 +218,10 @@ def _add_self_friction(
         w = _way_of_slip(row, node, xi, eta, over, dt, nodes, quads)
         carried = add_scaled(combine(w[0], along, w[1], across), w[2], n)
         pulled = add_scaled(u, 1.0, carried)
-        new = add_scaled(pulled, -dot(pulled, pressed) / (pressure * pressure), pressed)
         stiffness = TANGENTIAL * tables.stiffness[touches.point[i]]
-        most, trial = coefficient * pressure, stiffness * norm(new)
-        if trial > most:
-            new = scale(most / trial, new)
-            n_slipping += 1
+        normal = scale(1.0 / pressure, pressed)
+        new, slips = return_mapping(pulled, normal, stiffness, coefficient * pressure)
+        n_slipping += slips
         stored += 0.5 * stiffness * dot(new, new)
         store(memory.drag, sheet, (dot(new, along), dot(new, across), dot(new, n)))
         memory.drag_row[sheet] = row

@@ -99,8 +99,7 @@ class Contact:
         none.
     friction : float
         Coefficient mu of Coulomb friction between the film and the tool, see
-        :mod:`shellcut.contact.coulomb_friction` and :mod:`shellcut.contact.point_friction`; 0 for
-        none.
+        :mod:`shellcut.contact.coulomb_friction`; 0 for none.
     tool_points : bool
         Whether corners and edges of the tool push the film between its nodes, see
         :mod:`shellcut.contact.point_contact`.

@@ -9,11 +9,9 @@ import numpy as np
 
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.edge_contact import EdgeContact
-from shellcut.contact.edge_friction import EdgeFriction
 from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.point_contact import PointContact
-from shellcut.contact.point_friction import PointFriction
 from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
@@ -51,18 +49,19 @@ def contact_terms(
     contact = PenaltyContact(tool, settings, film, edge_length, aside)
     terms: list[ToolTerm] = [contact]
     if settings.friction > 0.0:
-        terms.append(CoulombFriction(contact, settings.friction))
+        terms.append(CoulombFriction("friction", contact, settings.friction))
     if settings.tool_points:
         finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
         points = PointContact(contact, finer)
         terms.append(points)
         if settings.friction > 0.0:
-            terms.append(PointFriction(points, settings.friction))
+            terms.append(CoulombFriction("point_friction", points, settings.friction))
     if settings.film_edges:
         edges = EdgeContact(contact, edge_length, part_of)
         terms.append(edges)
         if settings.friction > 0.0:
-            terms.append(EdgeFriction(edges, settings.friction))
+            mu, alone = settings.friction, edges.stiffness_alone
+            terms.append(CoulombFriction("edge_friction", edges, mu, alone))
     return contact, terms
 
 

@@ -11,7 +11,11 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Vec3
+from shellcut.numerics.jit import always_inline
+from shellcut.numerics.vec3 import cross, sub
+
+from .pose import Pose
 
 ON_TOOL = -1
 """Column of a :class:`Booking` that stands for the work of the wrench on the tool."""
@@ -33,6 +37,16 @@ class Touch(NamedTuple):
     def take(self, saved: Mapping[str, Any]) -> None:
         """Take over ``_asdict()`` of another, in place."""
         self.wrench[:], self.sums[:] = saved["wrench"], saved["sums"]
+
+
+@always_inline
+def react(f: Vec3, x: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
+    """Add minus a force f on the film at x [N, mm] to the wrench on a tooth."""
+    r = pose.translation
+    moment = cross(sub(x, (r[0], r[1], r[2])), f)
+    for c in range(3):
+        wrench[body, c] -= f[c]
+        wrench[body, 3 + c] -= moment[c]
 
 
 class Booking(NamedTuple):
