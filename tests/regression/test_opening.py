@@ -59,7 +59,7 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
     # Regressions, by the perturbed runs: 27.603 ± 0.010 and 67.463 ± 0.023 (rows are 0.05 degrees
-    # apart), 142.170 ± 0.056 and -0.883 ± 0.021 on this coarse ring, 4.92e-5 ± 2e-7, 0.94 ± 0.015 %.
+    # apart), 142.170 ± 0.056, -0.883 ± 0.021, on this coarse ring, 4.92e-5 ± 2e-7, 0.94 ± 0.015 %.
     assert summary["window_from_deg"] == pytest.approx(27.60, abs=0.06)
     assert summary["window_to_deg"] == pytest.approx(67.46, abs=0.12)
     assert summary["torque_plateau_Nmm"] == pytest.approx(142.17, abs=0.3)
@@ -87,10 +87,10 @@ def test_six_teeth_are_steady_until_their_cuts_come_near_each_other(tmp_path):
     assert 0.0 < left < 2.0
     assert summary["window_to_deg"] < 46.0
     theory = steady_work_per_radian(n_teeth=6)
-    # Closed form. Discretisation: the window is 1.8 spacings of the nodes, in each of which two
-    # cables break at once; measured 1.027, on M1 0.9999.
+    # Closed form. Discretisation: the window is three spacings of the nodes, in each of which two
+    # cables break at once; measured 1.019, on M1 1.002.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.035)
-    # Regression: 213.2, of two spacings of 0.82 mm.
+    # Regression: 213.9, of three spacings of 0.82 mm.
     assert summary["torque_plateau_Nmm"] == pytest.approx(213.5, rel=0.03)
 
 
