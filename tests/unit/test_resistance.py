@@ -1,6 +1,7 @@
 """What the drive has to overcome, for every kind of motion: the figure's work is the tool's."""
 
 from math import cos, pi, sin
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,9 +13,13 @@ from shellcut.numerics.broken_line import BrokenLine
 from shellcut.recording.tool_resistance import COMPONENTS, Resistance
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.run_results import read
+from shellcut.simulation.ledger import Ledger
+from shellcut.simulation.tool_terms import ToolTerms
 from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
 from shellcut.tool.table_motion import TableMotion
+from shellcut.tool.touch import Touch
 
 END = 1.0
 WRENCHES = np.random.default_rng(5).normal(size=(4, 6))
@@ -112,6 +117,47 @@ def test_a_screw_that_advances_at_an_angle_gives_its_power():
         torque, force = figures(r, motion, wrench, 0.8)
         by_figures = 2.0 * (torque + force * 5.0 / (2.0 * pi))
         assert by_figures == pytest.approx(power(motion, wrench, 0.8), rel=1e-12)
+
+
+class Given:
+    """A term that touches the tool with a wrench given by the time."""
+
+    name, booked = "given", ()
+
+    def __init__(self):
+        self.touch = Touch.none(1, 1)
+
+    def add_forces(self, state, pose):
+        self.touch.wrench[0] = WRENCHES[0] + WRENCHES[1] * sin(5.0 * state.time)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        ScrewMotion(2.0, pitch=5.0, ramp=0.5, axis_point=(1.0, 2.0, 0.0)),
+        ScrewMotion(2.0, pitch=5.0, axis_point=(1.0, 2.0, 0.0), advance=(1.0, 0.0, -1.0)),
+        screw_table(point=(3.0, -1.0)),
+    ],
+    ids=["screw", "screw aside", "table"],
+)
+def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion):
+    r, term = Resistance(motion, END), Given()
+    terms, ledger = ToolTerms([term], motion), Ledger()
+    angle, figure = [], []
+    for time in np.linspace(0.0, END, 2001).tolist():
+        state = SimpleNamespace(time=time, dt=END / 2000 if time else 0.0)
+        pose = Pose.of(*motion.pose(time))
+        terms.add_forces(state, pose, ledger)
+        angle.append(motion.coordinate(time))
+        figure.append(r.of(term.touch.wrench[0], pose.translation, time))
+    sim = SimpleNamespace(
+        tool_terms=terms, tooth_wrenches=terms.wrench, ledger=ledger, pose=pose, state=state
+    )
+    row = {name: value for name, _, value in r.row(sim)}
+    for (name, _), values in zip(r.columns, np.array(figure).T, strict=True):
+        # Of the same steps: arc and chord.
+        wanted = BrokenLine(np.array(angle), values).integral(0.0, angle[-1])
+        assert row[f"{name}_integral"] == pytest.approx(wanted, rel=1e-5)
 
 
 def tumbling(t):
