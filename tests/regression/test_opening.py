@@ -1,4 +1,7 @@
-"""Whole opening tests: work rate, torque, ledger, path."""
+"""Whole opening tests: work rate, torque, ledger, path.
+
+Figures of perturbed runs are mean and standard deviation of the twenty runs of ``perturbed.py``.
+"""
 
 import numpy as np
 import pytest
@@ -30,10 +33,11 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     np.testing.assert_allclose(np.hypot(places[:, 0], places[:, 1]), 9.4, rtol=1e-12)
     assert history["cohesive_work"][-1] <= BOUND
     assert summary["imbalance_rel"] < 5e-3
-    # Measured 1.1 % on the quick mesh, at the first cut: until its first node is cut, the tips dent
-    # the film by 0.14 mm. Without their contact 0.7 %.
+    # At the first cut: until its first node is cut, the tips dent the film by 0.14 mm. Without
+    # their contact 0.7 % on the quick mesh.
     assert summary["kinetic_rel"] < 0.015
     # Work of the screw: T dθ + F (p/2π) dθ against what the ledger took up in the steady window.
+    # They differ by the imbalance there: measured 1e-5.
     lead = pitch / (2.0 * np.pi)
     power = summary["torque_plateau_Nmm"] + lead * summary["axial_force_plateau_N"]
     low, high = summary["window_from_deg"], summary["window_to_deg"]
@@ -41,10 +45,12 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     angle = np.radians(history["angle"][window])
     taken_up = (history["tool_work"] - history["imbalance"])[window]
     mean_rate = (taken_up[-1] - taken_up[0]) / (angle[-1] - angle[0])
-    assert power == pytest.approx(mean_rate, rel=2e-3)
-    # Measured 0.0023 with four imperfections; in one, a single segment has 0.0101.
-    ratio = broken_ratio(case)
-    assert abs(ratio - 1.0).max() < 0.012
+    assert power == pytest.approx(mean_rate, rel=1e-4)
+    # The two cables of one segment may break early, by chance: in twenty perturbed runs by 0.004 ±
+    # 0.011, at most 0.049. Of the others the largest is 0.012.
+    ratio = np.sort(abs(broken_ratio(case) - 1.0))
+    assert ratio[-3] < 0.02
+    assert ratio[-1] < 0.1
     area = state.cable.area[: state.cable.count].sum()
     assert area == pytest.approx(0.074 * state.crack_length, rel=1e-12)
     return summary
@@ -52,13 +58,16 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
 
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
-    # Regression, within the 4.5 degrees between two nodes and a row of the history: 27.4 and 63.1.
-    assert summary["window_from_deg"] == pytest.approx(27.4, abs=4.6)
-    assert summary["window_to_deg"] == pytest.approx(63.1, abs=4.6)
-    # Regression: 141.3 on this coarse ring (0.82 mm nodes).
-    assert summary["torque_plateau_Nmm"] == pytest.approx(141.3, rel=0.02)
-    # What goes in between nodes is felt; measured 0.030 mm.
-    assert summary["unfelt_film_edge_mm"] < 0.5 * 0.074
+    # Regressions, by the perturbed runs: 27.603 ± 0.010 and 67.463 ± 0.023 (rows are 0.05 degrees
+    # apart), 142.170 ± 0.056, -0.883 ± 0.021, on this coarse ring, 4.92e-5 ± 2e-7, 0.94 ± 0.015 %.
+    assert summary["window_from_deg"] == pytest.approx(27.60, abs=0.06)
+    assert summary["window_to_deg"] == pytest.approx(67.46, abs=0.12)
+    assert summary["torque_plateau_Nmm"] == pytest.approx(142.17, abs=0.3)
+    assert summary["axial_force_plateau_N"] == pytest.approx(-0.88, abs=0.1)
+    assert summary["imbalance_rel"] < 6e-5
+    assert summary["kinetic_rel"] < 0.0105
+    # What goes in between nodes is felt, to half the film's thickness or so: 0.016 ± 0.007 mm.
+    assert summary["unfelt_film_edge_mm"] < 0.6 * 0.074
 
 
 def short_run(tmp_path, angle, *, teeth=4, pitch=12.0, faster=1.0):
@@ -72,15 +81,16 @@ def test_six_teeth_are_steady_until_their_cuts_come_near_each_other(tmp_path):
     summary, history = short_run(tmp_path, 48.0, teeth=6)
     # Before each edge has cut two process zones of 2.5 mm (a node more or less) nothing is steady.
     assert summary["window_from_deg"] > 25.0
-    # Each cut is 9.84 mm long, and the next begins: the tips are there at 51 degrees.
-    tips = min(history[f"uncut_ahead_edge_{k}"][history["angle"] < 46.0][-1] for k in range(1, 7))
-    assert 0.0 < tips < 1.2
+    # Each cut is 9.84 mm long, and the next begins: the tips are there at 51 degrees. Before, less
+    # than a process zone is left ahead of each edge.
+    left = min(history[f"uncut_ahead_edge_{k}"][history["angle"] < 46.0][-1] for k in range(1, 7))
+    assert 0.0 < left < 2.0
     assert summary["window_to_deg"] < 46.0
     theory = steady_work_per_radian(n_teeth=6)
-    # Closed form. Discretisation: the window is 1.8 spacings of the nodes, in each of which two
-    # cables break at once; measured 1.027, on M1 0.9999.
+    # Closed form. Discretisation: the window is three spacings of the nodes, in each of which two
+    # cables break at once; measured 1.019, on M1 1.002.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.035)
-    # Regression: 213.2, of two spacings of 0.82 mm.
+    # Regression: 213.9, of three spacings of 0.82 mm.
     assert summary["torque_plateau_Nmm"] == pytest.approx(213.5, rel=0.03)
 
 

@@ -24,18 +24,22 @@ def test_from_the_renewed_zone_to_the_neighbourhood_of_the_next_cut():
     window = steady_window(history(X, [edge(X)] * 4), ANGLE)
     assert window
     # The cut is 2.4 mm long when the first cable has broken (a spacing behind 2 mm): from 4.8 mm on
-    # until 1.2 mm are left ahead of the tip, in steps of the spacing.
+    # until 2.4 mm are left ahead of the edge, in steps of the spacing.
     assert window.low == pytest.approx(4.8 / 0.18, abs=0.06)
-    assert window.high == pytest.approx((ARC - 0.4 - 1.2) // 0.4 * 0.4 / 0.18, abs=0.06)
+    assert window.high == pytest.approx((ARC - 2.4) / 0.18, abs=0.06)
     assert window.text("deg") == f"{window.low:.3g} to {window.high:.3g} deg"
-    assert (X[window.rows][[0, -1]] == (window.low, window.high)).all()
+    assert (X[[window.first, window.last]] == (window.low, window.high)).all()
 
 
-def test_the_mean_is_of_whole_periods():
-    sawtooth = 140.0 + 20.0 * np.mod(0.18 * X, SPACING) / SPACING
+def test_the_mean_is_of_whole_periods_and_of_every_step():
+    # Of a sawtooth, and of its integral: the rows of the torque itself do not count.
+    place = 0.18 * X / SPACING
+    sawtooth = 140.0 + 20.0 * np.mod(place, 1.0)
+    period = np.radians(SPACING / 0.18)
+    done = period * (140.0 * place + 20.0 * (np.floor(place) + np.mod(place, 1.0) ** 2) / 2.0)
     work = np.radians(X) * 135.2
     h = history(X, [edge(X)] * 4, torque=sawtooth, cohesive_work=work, tool_work=2.0 * work)
-    h["axial_force"] = 0.1 * sawtooth
+    h |= {"axial_force": sawtooth, "torque_integral": done, "axial_force_integral": 0.1 * done}
     figures = steady_figures(h, ANGLE, ("torque", "N*mm"))
     # Rows 0.05 degrees apart of teeth 2.2 degrees long: 2 % of the tooth at each end.
     assert figures["torque_plateau_Nmm"] == pytest.approx(150.0, rel=1e-3)
@@ -53,7 +57,7 @@ def test_a_straight_way_has_its_figures_a_millimetre():
     figures = steady_figures(h, PATH, ("force", "N"))
     assert figures["force_plateau_N"] == pytest.approx(3.2, rel=1e-12)
     assert figures["dWcoh_ds_N"] == pytest.approx(3.1, rel=1e-12)
-    assert figures["window_to_mm"] == pytest.approx(16.4, abs=0.03)
+    assert figures["window_to_mm"] == pytest.approx(15.6, abs=0.03)
 
 
 def test_teeth_that_enter_late_are_waited_for():
@@ -124,7 +128,7 @@ def test_where_there_is_none_the_reason_is_said():
         "cutting edge 1 has cut 3.2 mm; its process zone is renewed only after 4.8 mm"
     )
     assert why([edge(X, arc=4.9)] * 12) == (
-        "when the process zones had been renewed, at 26.7 deg, cutting edge 1 had 0 mm to go to "
+        "when the process zones had been renewed, at 26.7 deg, cutting edge 1 had 0.1 mm to go to "
         "the next cut or the film's edge"
     )
     short = X[X < 30.0]
@@ -154,11 +158,10 @@ def test_a_small_run_says_what_it_cut(tmp_path):
     zone = cable.length[:n][holds].sum()
     assert h["process_zone_edge_1"][-1] == pytest.approx(zone, rel=1e-15)
     assert (np.diff(h["cut_length_edge_1"]) >= 0.0).all()
-    # One crack along y = 0 up to 3.2 mm, the film's end, node by node of 0.4 mm. The first cable is
-    # met after 23.1 µs, the tip at 0.8 mm; that splits after 23.6 µs, before the next row, which is
-    # the first that shows a cable met and has the tip at 1.2 mm.
+    # One crack along y = 0 up to 3.2 mm, the film's end, node by node of 0.4 mm. The edge meets the
+    # first cable at 0.4 mm, wherever the tip is, and has none to go when the tip is at the end.
     ahead = h["uncut_ahead_edge_1"]
-    assert ahead[ahead > 0.0][0] == pytest.approx(2.0, abs=1e-12)
+    assert ahead[ahead > 0.0][0] == pytest.approx(2.8, abs=1e-12)
     assert (np.diff(ahead[ahead > 0.0]) <= 0.0).all()
     assert ahead / 0.4 == pytest.approx(np.round(ahead / 0.4), abs=1e-9)
     assert ahead[-1] == 0.0

@@ -127,7 +127,7 @@ def test_works_are_the_trapezoid_of_wrench_and_twist_and_go_into_their_entries()
     terms[1].booked = [Booking("c", 2, 3.0), Booking("a", 1)]
     rows = [(0, 1, 1), (0, 0, 0), (0, ON_TOOL, 0), (1, 2, 2), (1, 1, 0)]
     book_of_works = WorkBook(
-        last=np.zeros((3, 6)),
+        last=np.zeros((4, 6)),
         works=np.full(2, np.nan),
         wrenches=tuple(term.touch.wrench for term in terms),
         sums=tuple(term.touch.sums for term in terms),
@@ -136,11 +136,13 @@ def test_works_are_the_trapezoid_of_wrench_and_twist_and_go_into_their_entries()
         amounts=np.full(3, np.nan),
     )
     last, works = book_of_works.last, book_of_works.works
+    over_turn = np.zeros(6)
     for k in range(3):
         for term, wrench in zip(terms, wrenches[k], strict=True):
             term.touch.wrench[:], term.touch.sums[:] = wrench, rng.normal(size=len(term.touch.sums))
         dt = 0.1 * (k + 1)
-        whole = work_on_tool(spin[k], velocity[k], dt, book_of_works)
+        origin = rng.normal(size=3)
+        whole = work_on_tool(np.stack([spin[k], velocity[k]]), origin, dt, book_of_works)
         moved = dt * np.concatenate([velocity[k], spin[k]])
         wanted = dict.fromkeys("abc", 0.0)
         for i, term in enumerate(terms):
@@ -150,5 +152,10 @@ def test_works_are_the_trapezoid_of_wrench_and_twist_and_go_into_their_entries()
             book(term, wanted, mean @ moved)
         assert whole == pytest.approx(works.sum(), rel=1e-13)
         np.testing.assert_allclose(book_of_works.amounts, [*wanted.values()], rtol=1e-13)
+        before = wrenches[k - 1].sum(axis=(0, 1)) if k else np.zeros(6)
+        mean = 0.5 * (before + wrenches[k].sum(axis=(0, 1)))
+        mean[3:] += np.cross(origin - 0.5 * dt * velocity[k], mean[:3])
+        over_turn += dt * np.linalg.norm(spin[k]) * mean
+        np.testing.assert_allclose(last[3], over_turn, rtol=1e-12)
     np.testing.assert_allclose(last[:2], wrenches[2].sum(axis=1), rtol=1e-14)
     np.testing.assert_allclose(last[2], wrenches[2].sum(axis=(0, 1)), rtol=1e-14)

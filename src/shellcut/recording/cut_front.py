@@ -4,9 +4,9 @@ r"""Position of the cuts: cut length, process zone, uncut film ahead and edge to
 cut length              reference length of cut that the edge has passed: that of the cables that
                         were bent around it
 process zone            the part of the cut length whose cables the edge still drags
-uncut film ahead        distance from the crack tip driven by the edge to the first boundary node
-                        or node of any crack, along the circle (or line) that the tool's motion
-                        traces in the film there: exact for screws and straight motions
+uncut film ahead        distance from the edge to the crack tip that it drives, and on to the first
+                        boundary node or node of any crack, along the circle (or line) that the
+                        tool's motion traces in the film: exact for screws and straight motions
 edge to spare           length of the edge from a joint to its nearer end, the smallest in the
                         process zone: 0 where the edge is just entering or leaving the film
 ======================  ==========================================================================
@@ -130,18 +130,15 @@ class CutFront:
             mine = met[holds & (chain == k)]
             assert self._edge is not None
             rows[k, 3] = self._edge.to_spare(cable.edge[mine], cable.joint_body[mine])
-            tip = self._driven(sim, cable.ends[mine, 0], ends.place)
-            if tip is not None:
-                rows[k, 2] = self._ahead(sim, tip, ends)
+            tip, lead = self._driven(sim, cable.ends[mine, 0], ends.place)
+            if np.isfinite(lead):
+                rows[k, 2] = lead + self._ahead(sim, tip, ends)
         return rows
 
-    def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> int | None:
-        """Return which of the tips : (n, 3) the edge of a process zone drives.
-
-        None if no tip is ahead.
-        """
+    def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> tuple[int, float]:
+        """Return which of tips : (n, 3) a zone's edge drives, and its lead [mm], inf if none."""
         if not len(tips):
-            return None
+            return -1, np.inf
         gap = tips - sim.state.node.X[zone][:, None]
         distance = np.linalg.norm(gap, axis=2)
         velocity = self._velocity(sim, zone)
@@ -150,7 +147,7 @@ class CutFront:
         distance[moving[:, None] & (ahead <= 0.0)] = np.inf
         nearest = distance.min(axis=0)
         best = int(nearest.argmin())
-        return best if np.isfinite(nearest[best]) else None
+        return best, float(nearest[best])
 
     def _velocity(self, sim: Simulation, nodes: Ints) -> Floats:
         """Return the tool's velocity along the film at nodes, 0 where it only passes through."""

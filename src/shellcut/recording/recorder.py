@@ -320,10 +320,6 @@ class Recorder:
     def _row(self) -> Iterator[tuple[str, str, float]]:
         return history_row(self._sim, self.resistance, self._front, unfelt=self._schedule.unfelt)
 
-    def _felt(self) -> list[float]:
-        """Return the resistance of the whole tool, or to all supports."""
-        return self.resistance.felt(self._sim)
-
     def _show_end(self) -> None:
         """Write a frame and a picture of the end of the run.
 
@@ -373,14 +369,14 @@ class Recorder:
         sim, r = self._sim, self.resistance
         figures = {
             r.coordinate_name: r.coordinate(sim.state.time),
-            r.columns[0][0]: self._felt()[0],
+            r.columns[0][0]: r.felt(sim)[0],
             "imbalance": 100.0 * sim.ledger.relative(sim.ledger.imbalance),
         }
         progress.update(self._share, step=sim.state.step, **figures)
 
     def _expose(self, sim: Simulation) -> Exposure:
         r = self.resistance
-        scalars = dict(zip((name for name, _ in r.columns), self._felt(), strict=True))
+        scalars = dict(zip((name for name, _ in r.columns), r.felt(sim), strict=True))
         return Exposure.of(
             sim,
             coordinate=r.coordinate(sim.state.time),

@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.results.steady_window import INTEGRAL
 from shellcut.tool.motion import Motion
 from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
 
@@ -125,12 +126,17 @@ class Resistance:
             yield figure, unit, sum(values[k] for _, values in of_terms)
             for name, values in of_terms:
                 yield f"{figure}_{name}", unit, values[k]
+        if isinstance(self._reading, _AboutAxis):
+            sums = self._reading.integrals(sim.tool_terms.wrench_over_turn, sim.ledger.tool_work)
+            for (figure, unit), value in zip(self.columns, sums, strict=True):
+                yield figure + INTEGRAL, unit, value
         first, unit = self.columns[0]
         for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
             yield f"{first}_tooth_{tooth}", unit, self.of(wrench, origin, time)[0]
         whole = sum(term.touch.wrench.sum(axis=0) for term in sim.tool_terms)
-        components = self.components(whole, origin)
-        for (component, unit), value in zip(COMPONENTS, components, strict=True):
+        for (component, unit), value in zip(
+            COMPONENTS, self.components(whole, origin), strict=True
+        ):
             yield component, unit, value
 
     def components(self, wrench: Floats, origin: Floats) -> list[float]:
@@ -166,6 +172,15 @@ class _AboutAxis:
             point = (px + q * dx, py + q * dy, pz + q * dz)
         about = _moment_about(point, force, moment, origin)
         return [0.0 - _dot(self._axis, about), 0.0 - _dot(self._advance, force)]
+
+    def integrals(self, over_turn: Floats, work: float) -> list[float]:
+        """Return those of the figures over the angle [rad], from the wrench's and the work."""
+        *force, mx, my, mz = over_turn.tolist()
+        torque, along = self.of(force, (mx, my, mz), (0.0, 0.0, 0.0), 0.0)
+        if self._moves:  # then the moments are about other points from step to step
+            aside = 1.0 - _dot(self._axis, self._advance) ** 2
+            torque = work - _dot(self._drift, self._advance) / aside * along
+        return [torque, along]
 
 
 class _AlongLine:

@@ -37,7 +37,6 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.numerics.broken_line import BrokenLine
-from shellcut.numerics.trapezoid import integral
 from shellcut.unit import conversion, dimension
 
 from .comparison_table import table_of
@@ -286,8 +285,7 @@ def _compared(
     peak_at_m, peak_m = _peak(points, there)
     peak_at_s, peak_s = _peak(fine, s.mean_at(fine, window or 0.0))
     to_work, work_unit = _work_scale(x_unit, y_unit)
-    work_m = to_work * integral(points, there)
-    work_s = to_work * integral(corners, s.at(corners))
+    work_m, work_s = (to_work * line.integral(a, b) for line in (m, s))
     rms = float(np.sqrt(_mean(points, (ours - there) ** 2)))
     steady, why_not = _steady_range(results, x, a, b)
     means = [line.integral(*steady) / (steady[1] - steady[0]) for line in (m, s)] if steady else []
@@ -394,7 +392,7 @@ def _peak(x: Floats, y: Floats) -> tuple[float, float]:
 
 
 def _mean(x: Floats, y: Floats) -> float:
-    return integral(x, y) / float(x[-1] - x[0])
+    return BrokenLine(x, y).integral(x[0], x[-1]) / float(x[-1] - x[0])
 
 
 def _over(value: float, reference: float) -> float:

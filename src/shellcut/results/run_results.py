@@ -23,14 +23,13 @@ from shellcut.files.file_list import names_in
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from shellcut.frame import Frame
-from shellcut.numerics.trapezoid import integral
 from shellcut.tool.pose import Pose
 
 from .cut_quality import UNITS, cut_quality
 from .energy_account import PUT_IN, energy_shares, total, trusted_rows
 from .history import read_history
 from .splits_csv import read_splits
-from .steady_window import SteadyWindow, steady_window
+from .steady_window import SteadyWindow, steady_figures, steady_window
 from .vtkhdf_reader import VtkHdfReader
 
 
@@ -263,12 +262,12 @@ class Results:
 
     def _plateau(self) -> tuple[float, float, float] | None:
         """Return the ends of the steady window, and the mean resistance in it."""
+        coordinate = self.coordinate_name, self.coordinate_unit
+        resistance = self.resistance_name, self.resistance_unit
+        figures = steady_figures(self.history, coordinate, resistance)
+        mean = figures.get(f"{resistance[0]}_plateau_{resistance[1].replace('*', '')}")
         window = self.steady_window
-        if not window:
-            return None
-        x = self.history[self.coordinate_name][window.rows]
-        y = self.history[self.resistance_name][window.rows]
-        return window.low, window.high, integral(x, y) / float(x[-1] - x[0])
+        return None if mean is None else (window.low, window.high, float(mean))
 
     def _column(self, k: int) -> str:
         # Time, coordinate and the plotted figure are the first three columns of every history.

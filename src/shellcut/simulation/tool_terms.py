@@ -9,6 +9,7 @@ through the list, sums the wrenches, works out the work of the tool and books wh
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import sqrt
 from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -99,8 +100,8 @@ class ToolTerms:
             if not ON_TOOL <= column < touches[k].sums.size:
                 raise IndexError(f"{self._terms[k].name} books column {column} as {entry}")
         self._entries = sorted({entry for _, entry, *_ in booked})
-        # Wrenches on the whole tool at t_{n-1}: of each term, and of all.
-        self._last = np.zeros((len(self._terms) + 1, 6))
+        # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that.
+        self._last = np.zeros((len(self._terms) + 2, 6))
         self._amounts = np.zeros(len(self._entries))
         self._book = Holder()(
             WorkBook(
@@ -126,17 +127,20 @@ class ToolTerms:
         first, *others = (term.touch.wrench for term in self._terms)
         return np.asarray(sum(others, first.copy()))
 
+    @property
+    def wrench_over_turn(self) -> Floats:
+        """Integral over the angle of the wrench in the world's axes and origin, (6,), [N, N·mm]."""
+        return np.asarray(self._last[-1])
+
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
         for term in self._terms:
             term.add_forces(state, pose)
-        spin = velocity = _STILL
-        if self._motion is not None:
-            spin, velocity = self._motion.twist(state.time - 0.5 * state.dt)
-            # A motion may give views of any kind; kernels take rows.
-            spin = np.ascontiguousarray(spin, float)
-            velocity = np.ascontiguousarray(velocity, float)
-        ledger.tool_work -= self._work_on_tool.code(spin, velocity, state.dt, self._book)
+        twist = _STILL
+        if self._motion is not None:  # it may give views of any kind; kernels take rows
+            twist = np.array(self._motion.twist(state.time - 0.5 * state.dt), float)
+        way = twist, pose.translation, state.dt
+        ledger.tool_work -= self._work_on_tool.code(*way, self._book)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
@@ -152,14 +156,15 @@ class ToolTerms:
             term.restore(state, pose, saved[term.name])
 
 
-_STILL = np.zeros(3)
+_STILL = np.zeros((2, 3))
 
 
 class WorkBook(NamedTuple):
     """What the terms have done, and where it goes."""
 
     last: Annotated[Floats, "(n_sum, 6)"]
-    """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n."""
+    """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n. The
+    last row is the integral over the angle of that of all, its moment about the world's origin."""
     works: Annotated[Floats, "(n_term,)"]
     """Of each term on the tool over the step [N·mm], written."""
     wrenches: tuple[Floats, ...]
@@ -175,15 +180,17 @@ class WorkBook(NamedTuple):
 
 
 @kernel
-def work_on_tool(spin: Floats, velocity: Floats, dt: float, book: WorkBook) -> float:
+def work_on_tool(twist: Floats, origin: Floats, dt: float, book: WorkBook) -> float:
     """Return the work on the tool over a step [N·mm]; write that of each term, and the amounts.
 
-    spin, velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.
+    twist : (2, 3), spin and velocity of the body's origin [rad/s, mm/s] at t_{n-1/2}; origin :
+    (3,), where that is at t_n [mm].
     """
     last, works, wrenches, sums, row, factor, amounts = borrowed(book)
-    n_term = len(wrenches)
+    n_term, spin, velocity = len(wrenches), twist[0], twist[1]
     works[:] = 0.0
     work = 0.0
+    turn = dt * sqrt(spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2)
     for c in range(6):
         moved = dt * (velocity[c] if c < 3 else spin[c - 3])
         total = 0.0
@@ -194,7 +201,13 @@ def work_on_tool(spin: Floats, velocity: Floats, dt: float, book: WorkBook) -> f
             works[k] += 0.5 * (last[k, c] + one) * moved
             last[k, c] = one
             total += one
-        work += 0.5 * (last[n_term, c] + total) * moved
+        mean = 0.5 * (last[n_term, c] + total)
+        work += mean * moved
+        last[n_term + 1, c] += turn * mean
+        if c < 3:  # r x f, with the origin at t_{n-1/2}
+            a, b = (c + 1) % 3, (c + 2) % 3
+            last[n_term + 1, 3 + a] += turn * (origin[b] - 0.5 * dt * velocity[b]) * mean
+            last[n_term + 1, 3 + b] -= turn * (origin[a] - 0.5 * dt * velocity[a]) * mean
         last[n_term, c] = total
     amounts[:] = 0.0
     for i in range(row.shape[0]):
