@@ -55,8 +55,8 @@ class TipPlaces:
     def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
         """Return the rows into which a crack may run from its tip, and the tip's place in each.
 
-        At a node those come first into whose corner the crack's heading points: where film is
-        folded at the tip, a row beside the crack says nothing of the way ahead.
+        At a node those come first into whose corner the crack's heading points, or nearly: where
+        film is folded at the tip, a row beside the crack says nothing of the way ahead.
         """
         topology = self._topology
         if tip.flank is not None:
@@ -64,7 +64,7 @@ class TipPlaces:
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
             every = self._rows_at_node(tip.ends[0])
-            return sorted(every, key=lambda at: not self._points_into(*at, tip.heading))
+            return sorted(every, key=lambda at: self._beside(*at, tip.heading))
         found = []
         a, b = tip.ends
         for row, corner in topology.corners_at(a):
@@ -155,10 +155,13 @@ class TipPlaces:
         along, gradients = self._parts_of(row, place, heading)
         return np.asarray(along @ gradients)
 
-    def _points_into(self, row: int, corner: Point, heading: Floats) -> bool:
-        """Return whether a heading points into a row, or along its side, from a corner of it."""
+    def _beside(self, row: int, corner: Point, heading: Floats) -> float:
+        """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
+
+        To so many digits that rows on either side of a straight crack are equal.
+        """
         along, _ = self._parts_of(row, corner, heading)
-        return bool((along * corner < AWAY * np.abs(along).max()).all())
+        return round(float((along * corner).max() / np.abs(along).max()), 6)
 
     def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
         """Return a heading in (xi, eta) of a row, shape (2,), and what gives gradients, (2, 4)."""
