@@ -339,10 +339,11 @@ def test_a_rim_that_is_drawn_along_the_blade_is_not_cut(side):
     rim = np.unique(boundary_edges(state))
     loads, free = LoadSet(mesh, ()), frozenset()
     criterion = SplitCriterion(Fracture(), STRENGTH, shell, loads, BLADE, free, rim)
-    assert all(due(criterion, state, pose=at(edge, 0.0)) == [] for edge in np.arange(-8, 8, STEP))
+    edges = [at(x) for x in np.arange(-8.0, 8.0, STEP)]
+    assert all(due(criterion, state, pose=edge) == [] for edge in edges)
     # Of film that lies across the mid-plane the rim is cut.
     state.node.x[: mesh.n_node, 1] -= 0.43 * side
-    found = [s.node for edge in np.arange(-8, 8, STEP) for s in due(criterion, state, pose=at(edge))]
+    found = [split.node for edge in edges for split in due(criterion, state, pose=edge)]
     assert 21 in found  # on the rim, one row from the side that was next to the blade
 
 
