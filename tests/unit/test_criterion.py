@@ -198,7 +198,7 @@ def test_options_are_forgotten_when_the_topology_changes():
 # --- the blade-cut rule ------------------------------------------------------------------------
 
 
-def at(x, y):
+def at(x, y=0.0):
     """Pose of the blade with its edge at a place; it moves along +x, and y is lateral."""
     return Pose(np.eye(3), np.array([x, y, 0.0]))
 
@@ -325,6 +325,26 @@ def test_the_rim_beside_a_path_is_not_notched():
     cracks = cases.edge_cracks(mesh, shell, state, CohesiveLaw())
     past = slide(cracks, state, criterion, (0.5, -1.6, 0.0), 0.0, 5.0)
     assert past == []
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_rim_that_is_drawn_along_the_blade_is_not_cut(side):
+    # Film to one side of the blade, sheared until its rim x = 0 lies nearly along the blade: quads
+    # on either side of a rim node, the mid-plane beside them all.
+    mesh = sheet()
+    shell, state = cases.set_up(mesh)
+    X = mesh.nodes
+    x, y = X[:, 0] + 2.0 * (X[:, 1] - 2.0), side * (0.35 * (2.0 - X[:, 1]) + 0.08)
+    state.node.x[: mesh.n_node] = np.stack([x, y, X[:, 2]], axis=1)
+    rim = np.unique(boundary_edges(state))
+    loads, free = LoadSet(mesh, ()), frozenset()
+    criterion = SplitCriterion(Fracture(), STRENGTH, shell, loads, BLADE, free, rim)
+    edges = [at(x) for x in np.arange(-8.0, 8.0, STEP)]
+    assert all(due(criterion, state, pose=edge) == [] for edge in edges)
+    # Of film that lies across the mid-plane the rim is cut.
+    state.node.x[: mesh.n_node, 1] -= 0.43 * side
+    found = [split.node for edge in edges for split in due(criterion, state, pose=edge)]
+    assert 21 in found  # on the rim, one row from the side that was next to the blade
 
 
 def test_supported_nodes_are_not_cut():

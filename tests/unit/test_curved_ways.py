@@ -58,6 +58,28 @@ def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
         np.testing.assert_array_equal(turned.T, at.T)
 
 
+@pytest.mark.parametrize("fold_deg", [60.0, 120.0, 170.0])
+@pytest.mark.parametrize("aside", [-0.05, 0.0, 0.05])
+def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_deg, aside):
+    mesh = rectangle(6.0, 4.0, size=SIZE)
+    law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
+    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
+    (node,) = mesh.nodes_where(lambda x, y, z: np.hypot(x - 2.5, y) < 1e-9)
+    heading = np.array([1.0, aside, 0.0]) / np.hypot(1.0, aside)
+    tip = Tip((int(node), int(node)), 0.0, -1, heading, SIZE)
+    c, s = np.cos(np.radians(fold_deg)), np.sin(np.radians(fold_deg))
+    fold = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+    ahead = mesh.nodes[:, 0] > 2.5
+    x = sim.state.node.x
+    x[: mesh.n_node][ahead] = mesh.nodes[node] + (mesh.nodes[ahead] - mesh.nodes[node]) @ fold.T
+    path = sim.cracks.free._path
+    at = path.place_of(sim.state, tip)
+    np.testing.assert_allclose(at.heading, fold @ heading, atol=1e-12)
+    # A way along the film ahead is found in a row ahead.
+    segment = path.segment_from(sim.state, tip, at.heading)
+    assert mesh.nodes[mesh.quads[segment.row], 0].mean() > 2.5
+
+
 @pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
 def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     # A strain that is uniform in the sheet, its principal axes at 45 degrees to the cylinder's: the

@@ -8,9 +8,10 @@ nodes' positions only: no list of nodes of an expected path exists.
 Two kinds of node are cut when the edge reaches them and the blade is there. A whole one inside the
 sheet is *pierced*: it lies nearly on the edge. A node of the sheet's present edge, be it of the
 film's own boundary, of the flank of an earlier cut or the tip of a crack, is *passed*: it belongs
-to the nearest row, provided that the blade parts its quads, some of them clearly to one side of the
-mid-plane and some to the other. A flank that the blade slides along has all its quads on one side,
-the flank of a cut that it crosses has not, whoever made that cut and when.
+to the nearest row, provided that the blade parts its quads: some of them lie to one side of the
+mid-plane and some to the other, and clearly to either side of the node. A flank that the blade
+slides along has all its quads on one side, the flank of a cut that it crosses has not, whoever made
+that cut and when.
 """
 
 from __future__ import annotations
@@ -47,8 +48,9 @@ from shellcut.tool.tool import Tool
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
 
-# The blade parts the quads of a node when the centres of some lie farther than this from its own
-# distance to the mid-plane, on either side, in the same units. Two rectangles on a flank that the
+# The blade parts the quads of a node when its mid-plane lies between the centres of some and of
+# others, and some lie farther than this from the node's own distance to it, on either side, in the
+# same units. Two rectangles on a flank that the
 # blade slides along stand 0.5 to the one side, and pass this limit when turned by 57 degrees; of a
 # cut that crosses another at 35 degrees the smaller quad stands 0.38 to its side.
 _PARTED = 0.15
@@ -154,10 +156,12 @@ def _holds(ids: Ints, n: int) -> bool:
 
 
 @inline
-def _parted(n: int, x: Floats, around: QuadsAtNodes, normal: Vec3, least: float) -> bool:
-    """Return whether quads of a node lie on both sides of a plane through it, ``least`` off it.
+def _parted(
+    n: int, x: Floats, around: QuadsAtNodes, normal: Vec3, lateral: float, least: float
+) -> bool:
+    """Return whether quads of a node lie on both sides of a plane, and ``least`` beside the node.
 
-    normal : of the plane, as the nodes are in space.
+    normal : of the plane, as the nodes are in space.  lateral : of the node, from the plane [mm].
     """
     to_minus = to_plus = 0.0
     here = dot(load(x, n), normal)
@@ -167,7 +171,7 @@ def _parted(n: int, x: Floats, around: QuadsAtNodes, normal: Vec3, least: float)
             row = around.at[n, i]
             centre += around.centre[row, a] * dot(load(x, around.quads[row, a]), normal)
         to_minus, to_plus = min(to_minus, centre), max(to_plus, centre)
-    return to_minus < -least and to_plus > least
+    return to_minus < min(-least, -lateral) and to_plus > max(least, -lateral)
 
 
 @kernel
@@ -204,7 +208,7 @@ def _cut_nodes(near: Ints, pose: Pose, tips: Ints, tables: _CutTables, edge_of: 
                     continue
                 if at_an_edge:
                     normal = turn(segment_part(segments, k, NORMAL), pose)
-                    if not _parted(n, x, around, normal, _PARTED * size):
+                    if not _parted(n, x, around, normal, lateral, _PARTED * size):
                         continue
                 if in_the_blade(p, lateral, k, edges):
                     shallowest = depth

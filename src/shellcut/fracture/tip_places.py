@@ -68,13 +68,18 @@ class TipPlaces:
         return float(np.sqrt(self._shell.area[row]))
 
     def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the rows into which a crack may run from its tip, and the tip's place in each."""
+        """Return the rows into which a crack may run from its tip, and the tip's place in each.
+
+        At a node those come first into whose corner the crack's heading points, or nearly: where
+        film is folded at the tip, a row beside the crack says nothing of the way ahead.
+        """
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
-            return self._rows_at_node(tip.ends[0])
+            every = self._rows_at_node(tip.ends[0])
+            return sorted(every, key=lambda at: self._beside(*at, tip.heading))
         found = []
         a, b = tip.ends
         for row, corner in topology.corners_at(a):
@@ -212,6 +217,19 @@ class TipPlaces:
         plane of the row ahead, by projection, and moves with that row: as the line of film ahead of
         the tip that lay in its direction.
         """
+        along, gradients = self._parts_of(row, place, heading)
+        return np.asarray(along @ gradients)
+
+    def _beside(self, row: int, corner: Point, heading: Floats) -> float:
+        """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
+
+        To so many digits that rows on either side of a straight crack are equal.
+        """
+        along, _ = self._parts_of(row, corner, heading)
+        return round(float((along * corner).max() / np.abs(along).max()), 6)
+
+    def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
+        """Return a heading in (xi, eta) of a row, shape (2,), and what gives gradients, (2, 4)."""
         (xi, eta), film = place, self._shell.reference
         gradients = 0.25 * np.array(
             [
@@ -220,7 +238,7 @@ class TipPlaces:
             ]
         )
         along, *_ = np.linalg.lstsq((gradients @ film.x[film.quads[row]]).T, heading, rcond=None)
-        return np.asarray(along @ gradients)
+        return np.asarray(along), gradients
 
     def reference_of(self, state: State, tip: Tip) -> Floats:
         """Return where a tip lies in the reference film [mm], shape (3,)."""
