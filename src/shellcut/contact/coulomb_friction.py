@@ -32,7 +32,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -111,7 +111,7 @@ class CoulombFriction(ToolFriction):
         if springs.any():
             steepest = n.contact_share[left] * self._contact.law.steepest(n.contact_area[left])
             stiffness = TANGENTIAL / STEEPEST * steepest
-            lost = float(0.5 * stiffness @ (springs**2).sum(axis=1))
+            lost = float(product(0.5 * stiffness, (springs**2).sum(axis=1)))
             n.friction_spring[left] = n.friction_force[left] = 0.0
         self._listed, self._tables = self._contact.near.ids, tables
         springs = n.friction_spring

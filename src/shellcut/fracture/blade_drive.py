@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.arrays import Bools, Floats, Ints, Vec3, norm, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import combine, load
@@ -127,18 +127,19 @@ class BladeDrive:
         segment = self.edges.segments[edge]
         for _ in range(TURNS):
             gap = pose.to_body(x[None])[0] - segment[START]
-            left = reach * size - float(gap @ segment[BACK])
+            left = reach * size - float(product(gap, segment[BACK]))
             if abs(left) <= NEAR * size:
                 break
             spin, velocity = motion.twist(later)
-            speed = (velocity + np.cross(spin, x - pose.translation)) @ (
-                pose.rotation @ segment[BACK]
+            speed = product(
+                velocity + np.cross(spin, x - pose.translation),
+                product(pose.rotation, segment[BACK]),
             )
             if speed >= 0.0:  # the edge goes away from it, or rests
                 break
             later -= left / speed
             pose = pose_at(motion, later)
-        return float((pose.to_body(x[None])[0] - segment[START]) @ segment[NORMAL]), pose
+        return float(product(pose.to_body(x[None])[0] - segment[START], segment[NORMAL])), pose
 
     def directions(
         self, segment: int, off: float, place: Place, pose: Pose
@@ -162,17 +163,15 @@ class BladeDrive:
             Of the tool.
         """
         t, size = place.t, place.size
-        b = pose.rotation @ self.edges.segments[segment, NORMAL]
+        b = product(pose.rotation, self.edges.segments[segment, NORMAL])
         trace = np.cross(t, b)
-        trace /= max(float(np.linalg.norm(trace)), TANGENT)
-        if trace @ place.heading < 0.0:
+        trace /= max(float(norm(trace)), TANGENT)
+        if product(trace, place.heading) < 0.0:
             trace = -trace
-        sine = float(b @ place.T)
-        across = (b - (b @ t) * t) / max(1.0 - sine * sine, LEAST)
+        sine = float(product(b, place.T))
+        across = (b - product(b, t) * t) / max(1.0 - sine * sine, LEAST)
         ways = [reach * size * trace - off * across for reach in LOOK_AHEAD]
-        return [way / max(float(np.linalg.norm(way)), TANGENT) for way in [*ways, trace]], (
-            sine * across
-        )
+        return [way / max(float(norm(way)), TANGENT) for way in [*ways, trace]], (sine * across)
 
 
 @kernel

@@ -25,7 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, product, unit
+from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
 
 from .quad_fans import boundary_edges
@@ -89,23 +90,23 @@ class CrackPath(TipPlaces):
         best, found = np.inf, None
         for a, b in boundary_edges(state).tolist():
             A, B = state.node.X[[a, b]]
-            size, n = float(np.linalg.norm(A - B)), state.node.t[a] + state.node.t[b]
-            n /= np.linalg.norm(n)
+            size, n = float(norm(A - B)), state.node.t[a] + state.node.t[b]
+            n = unit(n)
             in_sheet = np.stack([way, A - B, A - start], axis=1)
-            in_sheet -= np.outer(n, n @ in_sheet)
+            in_sheet -= np.outer(n, product(n, in_sheet))
             base, gap = in_sheet[:, :2], in_sheet[:, 2]
-            (ahead, s), *_ = np.linalg.lstsq(base, gap, rcond=None)
-            miss = np.linalg.norm(base @ (ahead, s) - gap)
+            ahead, s = least_squares(base, gap)
+            miss = norm(product(base, (ahead, s)) - gap)
             on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
-            height = abs((A + s * (B - A) - start - ahead * way) @ n)
+            height = abs(product(A + s * (B - A) - start - ahead * way, n))
             if on_it and height < size and -AWAY < ahead < min(best, 1.0):
-                best, unit = ahead, way / np.linalg.norm(way)
+                best, direction = ahead, unit(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:
-                    found = Tip((at_end, at_end), 0.0, -1, unit, 0.0)
+                    found = Tip((at_end, at_end), 0.0, -1, direction, 0.0)
                 else:
                     ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
-                    found = Tip(ends, float(s), -1, unit, 0.0)
+                    found = Tip(ends, float(s), -1, direction, 0.0)
         return found
 
     def segment_from(
@@ -137,7 +138,7 @@ class CrackPath(TipPlaces):
         polygon, found = self._topology.polygon(row), []
         points = polygon.points
         for other in others:
-            if other.heading @ heading > ONCOMING or row in other.behind:
+            if product(other.heading, heading) > ONCOMING or row in other.behind:
                 continue
             place = self._place_at(row, other)
             if place is None or common_side(polygon, entry, place) is not None:
@@ -262,7 +263,7 @@ class CrackPath(TipPlaces):
         places = [on_side(side, s)]
         ring = self.ring(row)
         x = state.node.x[state.quads[row]]
-        reach = MERGE * size / float(np.linalg.norm(x[(side + 1) % 4] - x[side]))
+        reach = MERGE * size / float(norm(x[(side + 1) % 4] - x[side]))
         for known in self._topology.crossings(ring[side], ring[(side + 1) % 4]):
             if abs(known - s) < reach and holds(polygon, on_side(side, known)):
                 places.insert(0, on_side(side, known))
@@ -286,13 +287,15 @@ class CrackPath(TipPlaces):
         direction is none in the sheet.
         """
         nodes, weights = state.quads[row], np.array(shape_functions(entry))
-        t = weights @ state.node.t[nodes]
-        t = t / np.linalg.norm(t)
+        t = product(weights, state.node.t[nodes])
+        t = unit(t)
         normal = np.cross(t if lean is None else t - lean, direction)
-        if (size := float(np.linalg.norm(normal))) < AWAY:
+        if (size := float(norm(normal))) < AWAY:
             return None
-        gaps = (np.array([shape_functions(p) for p in places]) - weights) @ state.node.x[nodes]
-        return gaps @ (normal / size), gaps @ direction
+        gaps = product(
+            np.array([shape_functions(p) for p in places]) - weights, state.node.x[nodes]
+        )
+        return product(gaps, normal / size), product(gaps, direction)
 
     def to_an_end(
         self,

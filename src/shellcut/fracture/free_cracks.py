@@ -8,13 +8,13 @@ which tips a blade drives (:mod:`.blade_drive`), in which direction the others r
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
-from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats
+from shellcut.arrays import Bools, Floats, norm, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -192,7 +192,7 @@ class FreeCracks:
         """
         line, before = NotchLine(points), len(state.split_log)
         tip = self._slit(state, line)
-        for start, stop in pairwise(points):
+        for start, stop in itertools.pairwise(points):
             # The line may have more than its first point before the rim.
             tip = tip or self._path.rim_tip(state, start, stop)
             if tip is not None or row_at(state, stop) is not None:
@@ -341,12 +341,12 @@ class FreeCracks:
         if segment.side != FLANK and not cut.is_open(state, end):
             tip = self._path.tip_at(segment, heading, cut.length)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
-        here = np.array(shape_functions(segment.exit)) @ state.node.X[state.quads[segment.row]]
+        here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self._path.size(segment.row)
-        gaps = [np.linalg.norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
+        gaps = [norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
-        joined = min(there, key=lambda tip: float(tip.heading @ came), default=None)
-        if joined is not None and joined.heading @ came < ONCOMING:
+        joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
+        if joined is not None and product(joined.heading, came) < ONCOMING:
             self.tips.remove(joined)
             return None
         if cut.kind != NOTCH and self._drive is None:
@@ -363,10 +363,10 @@ class FreeCracks:
         here = self._path.reference_of(state, tip)
         for other in self.tips:
             between = self._path.between(tip, other)
-            if between is None or other.heading @ tip.heading > ONCOMING:
+            if between is None or product(other.heading, tip.heading) > ONCOMING:
                 continue
             gap = self._path.reference_of(state, other) - here
-            across = np.linalg.norm(gap - (gap @ tip.heading) * tip.heading)
+            across = norm(gap - product(gap, tip.heading) * tip.heading)
             if across < JOIN * self._path.size(tip.quad):
                 self._cuts.tear(state, *between, kind)
                 self.tips.remove(other)
@@ -383,7 +383,7 @@ class FreeCracks:
             if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
             ways = (self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0))
-            for back, ahead in product(*ways):
+            for back, ahead in itertools.product(*ways):
                 cut = self._through(state, back, ahead, "blade")
                 if cut is not None:
                     break
@@ -402,14 +402,14 @@ class FreeCracks:
         """
         at = self._path.place_in(state, row, place)
         off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time, reach)
-        ahead = then.rotation @ drive.edges.segments[edge, BACK] * -reach
+        ahead = product(then.rotation, drive.edges.segments[edge, BACK]) * -reach
         (way, *_), lean = drive.directions(edge, off, at._replace(heading=ahead), then)
         segment = self._path.segment(state, row, place, way, lean)
         if segment is None:
             return []
         gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
-        heading = gap @ state.node.X[state.quads[row]]
-        ends = self._path.oncoming(row, place, heading / np.linalg.norm(heading), self.tips)
+        heading = product(gap, state.node.X[state.quads[row]])
+        ends = self._path.oncoming(row, place, unit(heading), self.tips)
         joined = self._path.to_an_end(state, row, place, way, lean, ends) if ends else None
         return [segment] if joined is None else [joined, segment]
 
@@ -431,7 +431,7 @@ class FreeCracks:
                 at[i] = rows[a] + tip.s * (rows[b] - rows[a])
             else:
                 corners = self._shell.mesh_quads[tip.quad]
-                at[i] = np.array(shape_functions(tip.flank)) @ rows[corners]
+                at[i] = product(shape_functions(tip.flank), rows[corners])
         return at
 
     def saved(self) -> dict[str, Any]:
@@ -446,5 +446,4 @@ class FreeCracks:
 def _heading_of_notch(state: State, node: int) -> Floats:
     """Return the direction in which a notch arrives at its tip."""
     (far, _), *_ = arriving(state, fans_of(state, node))
-    way = state.node.X[node] - state.node.X[far]
-    return np.asarray(way / np.linalg.norm(way))
+    return unit(state.node.X[node] - state.node.X[far])

@@ -37,7 +37,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product, unit
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
@@ -118,7 +118,7 @@ class TrialCut:
         if force is None:
             return -np.inf
         m, length = _across(state, segment)
-        return float(force @ m) / (self.carried * 0.5 * (self.behind(tip) + length))
+        return float(product(force, m)) / (self.carried * 0.5 * (self.behind(tip) + length))
 
     def behind(self, tip: Tip) -> float:
         """Return L_in, of the segment behind a tip that has a cable to come [mm]."""
@@ -131,10 +131,10 @@ class TrialCut:
         if force is None:
             return -np.inf
         m, length = _across(state, segment)
-        across, pull = float(force @ m), float(np.linalg.norm(force))
+        across, pull = float(product(force, m)), float(np.linalg.norm(force, axis=0))
         if across < 0.0:
             along = sqrt(max(pull * pull - across * across, 0.0))
-            opens = force @ _parted_behind(state, segment, pairs) > 0.0
+            opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
         before, after = self._factors(state, tip, segment)
         return pull / (self.carried * 0.5 * (before * self.behind(tip) + after * length))
@@ -144,7 +144,7 @@ class TrialCut:
         if self._anisotropy is None:
             return 1.0, 1.0
         X = state.node.X[state.quads[segment.row]]
-        start, stop = (np.array(shape_functions(p)) @ X for p in (segment.entry, segment.exit))
+        start, stop = (product(shape_functions(p), X) for p in (segment.entry, segment.exit))
         ways = np.stack([tip.heading, stop - start])
         before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
         return before, after
@@ -156,8 +156,8 @@ class TrialCut:
         for weight, sides in pairs:
             for sign, side in zip((-1.0, 1.0), sides, strict=True):
                 part = shares[side.part]
-                mass = float(part @ self.corner_mass(side))
-                force = part @ self.corner_forces(state, side.rows, side.nodes)
+                mass = float(product(part, self.corner_mass(side)))
+                force = product(part, self.corner_forces(state, side.rows, side.nodes))
                 for cable, end, share in side.cables:
                     if state.cable.status[cable] != BROKEN:
                         force += share * state.cable.force[cable, end]
@@ -260,8 +260,8 @@ def _across(state: State, segment: Segment) -> tuple[Floats, float]:
     """Return the unit normal to a segment in the sheet, shape (3,), and its length [mm]."""
     nodes = state.quads[segment.row]
     start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
-    m = np.cross(start @ state.node.t[nodes], (stop - start) @ state.node.x[nodes])
-    return m / np.linalg.norm(m), float(np.linalg.norm((stop - start) @ state.node.X[nodes]))
+    m = np.cross(product(start, state.node.t[nodes]), product(stop - start, state.node.x[nodes]))
+    return unit(m), float(np.linalg.norm(product(stop - start, state.node.X[nodes]), axis=0))
 
 
 def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
