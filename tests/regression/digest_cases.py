@@ -56,28 +56,37 @@ clamp = "rim"
 [tool]
 kind = "blade"
 edge_angle_deg = 60
-length = "4 mm"
-shift = [-6.0, 0.0, 3.1]
+length = "3 mm"
+shift = [-3.0, 0.0, 3.1]
 [motion]
-direction = [1, 0, -0.5]
+direction = [1, 0, -0.3]
 speed = "6 m/s"
-duration = "1 ms"
+ramp = "0.1 ms"
+duration = "0.9 ms"
 [contact]
 self_contact = true
 """
 
 
-def digest_of(name, folder):
-    """Run a case into a folder; return its digest and its number of steps and of splits."""
+OPTIONS = {"n_frame": 2, "n_snapshot": 0, "curves": False, "progress": False}
+
+
+def model_of(name, folder):
+    """Read the model of a case; its file, if it has one, is written to the folder."""
     from shellcut import read_model
 
     model, keys = CASES[name]
     if model.endswith(".toml"):
         (folder / model).write_text(DISC)
         model = folder / model
-    case = read_model(model, keys).build()
-    case.run(folder / "out", n_frame=2, n_snapshot=0, curves=False, progress=False)
-    summary = json.loads((folder / "out" / "summary.json").read_text())
+    return read_model(model, keys)
+
+
+def digest_of(name, folder):
+    """Run a case, or go on with the one in the folder; return digest, steps, number of splits."""
+    case, out = model_of(name, folder).build(), folder / "out"
+    case.run(out, resume=out.exists(), **OPTIONS)
+    summary = json.loads((out / "summary.json").read_text())
     return summary["digest"], summary["n_step"], len(case.simulation.state.split_log)
 
 
@@ -98,19 +107,19 @@ def versions():
 
 
 def published():
-    """Return the versions on the page and its digests by name."""
-    text = PAGE.read_text(encoding="utf-8")
-    rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ")]
-    said = next(line for line in text.splitlines() if line.startswith("Versions: "))
-    return said, {row[0].strip("| "): row[-1].strip("` |") for row in rows[2:]}
+    """Return the versions on the page, and its digests by name."""
+    rows = [row.split(" | ") for row in PAGE.read_text(encoding="utf-8").splitlines()]
+    said = next(row[0] for row in rows if row[0].startswith("Versions: "))
+    return said, {row[0].strip("| "): row[-1].strip("` |") for row in rows if len(row) == 5 and "`" in row[-1]}
 
 
 def _write_page():
-    rows = ["| case | `shellcut run` | steps | splits | digest |", "|---|---|---|---|---|"]
+    rows = ["| case | `shellcut run` | steps | splits | digest |", "|---|---|--:|--:|---|"]
     for name, (digest, n_step, n_split) in digests_of(CASES).items():
         model, keys = CASES[name]
-        settings = " ".join(f"--set {key}={value!r}" for key, value in keys.items())
-        rows.append(f"| {name} | `{model} {settings}` | {n_step:,} | {n_split} | `{digest[:16]}` |")
+        settings = " ".join(f"--set {key}={json.dumps(value)}" for key, value in keys.items())
+        command = f"{model} {settings}".strip()
+        rows.append(f"| {name} | `{command}` | {n_step:,} | {n_split} | `{digest[:16]}` |")
     head, _ = PAGE.read_text(encoding="utf-8").split("\nVersions: ")
     table = "\n".join(rows)
     PAGE.write_text(f"{head}\nVersions: {versions()}.\n\n{table}\n", encoding="utf-8")

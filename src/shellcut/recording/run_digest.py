@@ -23,11 +23,6 @@ def run_digest(saved: Mapping[str, Any], history: Mapping[str, Floats]) -> str:
         :meth:`Simulation.saved`, numbers, texts and arrays, nested by name.
     history : mapping of ndarray, shape (n_row,)
         The columns of the history.
-
-    Examples
-    --------
-    >>> run_digest({"dt": 1e-7, "state": {"step": 3}}, {"time": np.array([0.0, 3e-7])})[:16]
-    ''
     """
     digest = hashlib.sha256()
     for name, rows in _tables("", {"history": history, "run": saved}):
