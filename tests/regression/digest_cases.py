@@ -110,7 +110,9 @@ def published():
     """Return the versions on the page, and its digests by name."""
     rows = [row.split(" | ") for row in PAGE.read_text(encoding="utf-8").splitlines()]
     said = next(row[0] for row in rows if row[0].startswith("Versions: "))
-    return said, {row[0].strip("| "): row[-1].strip("` |") for row in rows if len(row) == 5 and "`" in row[-1]}
+    return said, {
+        row[0].strip("| "): row[-1].strip("` |") for row in rows if len(row) == 5 and "`" in row[-1]
+    }
 
 
 def _write_page():

@@ -62,8 +62,7 @@ class Rows:
     def bulge(self) -> Floats:
         """How far a path through the row's nodes lies off its sides, in edges, shape (n_place,)."""
         sides = np.unique(np.sort(self.ends, axis=1), axis=0)
-        away = np.diff(self._mesh.nodes[sides], axis=1)[:, 0]
-        away = unit(away)
+        away = unit(np.diff(self._mesh.nodes[sides], axis=1)[:, 0])
         total = np.zeros((self._mesh.n_node, 3))
         np.add.at(total, sides[:, 0], away)
         np.add.at(total, sides[:, 1], -away)

@@ -403,8 +403,7 @@ class _Search:
         corner = mesh.nodes[mesh.quads[near]]  # (n, near, 4, 3)
         normal = self._normals[near][:, :, None]
         side = np.roll(corner, -1, axis=2) - corner
-        inward = np.cross(normal, side)
-        inward = unit(inward)
+        inward = unit(np.cross(normal, side))
         off = ((p[:, None, None] - corner) * inward).sum(axis=-1).min(axis=-1)
         height = ((p[:, None] - self._centres[near]) * normal[:, :, 0]).sum(axis=-1)
         size = self._size[near]
@@ -416,8 +415,7 @@ class _Search:
 
 def _quad_normals(mesh: Mesh) -> Floats:
     corner = mesh.nodes[mesh.quads]
-    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    return unit(normal)
+    return unit(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]))
 
 
 def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:

@@ -121,8 +121,7 @@ def _along_edges(
     inner &= ~((share == 1.0) & on_cut[surface.hi[rows]][of])
     of, share = of[inner], share[inner, None]
     place = (1.0 - share) * start[of] + share * end[of]
-    normal = surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]]
-    normal = unit(normal)
+    normal = unit(surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]])
     teeth = tool.triangle_body[surface.forward[rows]]
     return place, normal[of], surface.turn[rows][of], teeth[of]
 

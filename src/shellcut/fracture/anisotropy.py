@@ -76,8 +76,7 @@ class Anisotropy:
         normal : ndarray, shape (3,)
             Unit normal of the sheet; where MD is along it, f is the mean of both.
         """
-        md = np.asarray(self.direction, float)
-        md = unit(md)
+        md = unit(np.asarray(self.direction, float))
         md = md - product(md, normal) * normal
         size = product(md, md)
         cosine = product(ways, md) ** 2 / np.einsum("ij,ij->i", ways, ways)

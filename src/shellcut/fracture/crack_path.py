@@ -287,8 +287,7 @@ class CrackPath(TipPlaces):
         direction is none in the sheet.
         """
         nodes, weights = state.quads[row], np.array(shape_functions(entry))
-        t = product(weights, state.node.t[nodes])
-        t = unit(t)
+        t = unit(product(weights, state.node.t[nodes]))
         normal = np.cross(t if lean is None else t - lean, direction)
         if (size := float(norm(normal))) < AWAY:
             return None

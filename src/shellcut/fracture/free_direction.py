@@ -173,8 +173,7 @@ class FreeDirection:
             self._ahead[key] = self._look(state, *key, tips)
         ahead = self._ahead[key]
         nodes = state.quads[ahead.row]
-        t = product(ahead.weights, state.node.t[nodes])
-        t = unit(t)
+        t = unit(product(ahead.weights, state.node.t[nodes]))
         moved = product(ahead.base, state.node.x[nodes])
         if not alone:
             yield unit(moved[0])
@@ -268,8 +267,7 @@ class FreeDirection:
         mean = np.einsum("i,ijk->jk", ahead.weight, stress)
         values, vectors = symmetric_eigen(mean)
         pulling = product(vectors * np.maximum(values, 0.0), vectors.T)
-        across = np.cross(t, ways)
-        across = unit(across)
+        across = unit(np.cross(t, ways))
         return np.asarray(np.linalg.norm(product(across, pulling), axis=1))
 
 

@@ -219,8 +219,7 @@ class SegmentCables:
         n = state.node
         corners = n.x[state.quads[one.row_minus]]
         here, far = (product(shape_functions(p), corners) for p in (one.place_minus, one.far))
-        m = one.way * np.cross(n.t[c.ends[k, 0]], far - here)
-        m = unit(m)
+        m = unit(one.way * np.cross(n.t[c.ends[k, 0]], far - here))
         c.edge[k] = NOT_MET
         c.length[k] = one.length
         c.area[k] = self._material.thickness * one.length * self._factor(state, one)

@@ -133,8 +133,7 @@ class TipPlaces:
     def way_of(self, state: State, segment: Segment) -> Floats:
         """Return the unit direction of a segment in space, shape (3,)."""
         gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
-        way = product(gap, state.node.x[state.quads[segment.row]])
-        return unit(way)
+        return unit(product(gap, state.node.x[state.quads[segment.row]]))
 
     def reference_director(self, row: int, place: Point) -> Floats:
         """Return the unit director at a place of a row in the reference film, shape (3,)."""

@@ -157,8 +157,7 @@ def _lamina(x: Floats, quads: Ints) -> Floats:
     e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
     a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
     e2 = np.cross(np.cross(e1, a2), e1)
-    axes = np.stack([e1, e2], axis=1)
-    return unit(axes)
+    return unit(np.stack([e1, e2], axis=1))
 
 
 @kernel

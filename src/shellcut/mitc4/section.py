@@ -283,8 +283,7 @@ def frame_components(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats
     ê_1 is normal to G_2 and G_3, hence along G^1, so ê_2 · G^1 = ê_3 · G^1 = 0.
     """
     e3 = unit(G3)
-    e1 = _cross(G2, e3)
-    e1 = unit(e1)
+    e1 = unit(_cross(G2, e3))
     e2 = _cross(e3, e1)
     contra = inverse(np.stack([G1, G2, G3], axis=2))  # rows G^1, G^2, G^3
     return (

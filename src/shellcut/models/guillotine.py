@@ -185,8 +185,7 @@ def _up_the_edge(blade: Tool) -> Floats:
     ends = blade.vertices[blade.edges.ravel()]
     if not len(ends):
         raise ValueError("slice_ratio is of a cutting edge, and this tool has none")
-    along = ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()]
-    return unit(along)
+    return unit(ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()])
 
 
 def _check_edge_left(blade: Tool, rise: float, left: float) -> None:

@@ -199,8 +199,7 @@ class CutFront:
         length = float(norm(first))
         if length <= _ALONG * norm(places[0]) or length == 0.0:
             along = ends.heading(tip)
-            along = along - product(along, director) * director
-            along = unit(along)
+            along = unit(along - product(along, director) * director)
             return along, np.cross(director, along), 0.0
         chord = first / length
         left = np.cross(director, chord)

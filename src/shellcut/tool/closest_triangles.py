@@ -358,8 +358,7 @@ def _planes(tool: Tool) -> Floats:
     # (n_triangle, 4, 4): see TriangleSurface.
     corners = tool.vertices[tool.triangles]
     along = np.roll(corners, -1, axis=1) - corners
-    inward = np.cross(tool.triangle_normals[:, None], along)
-    inward = unit(inward)
+    inward = unit(np.cross(tool.triangle_normals[:, None], along))
     planes = np.empty((tool.n_triangle, 4, 4))
     planes[:, 0, :3], planes[:, 1:, :3] = tool.triangle_normals, inward
     planes[:, 0, 3] = (tool.triangle_normals * corners[:, 0]).sum(axis=1)
