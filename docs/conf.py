@@ -76,7 +76,7 @@ PAGES = {
         "theory/statics",
         "theory/yielding-cut",
     ],
-    "What to trust": ["limits", "verification", "performance"],
+    "What to trust": ["limits", "same-bits", "verification", "performance"],
     "Reference": [
         "model-keys",
         "materials",

@@ -1,8 +1,19 @@
-"""Type aliases of arrays for annotations; imports only NumPy."""
+"""Names of array types; products, lengths and functions that give the same bits on every processor.
+
+``@``, ``numpy.dot``, the norm of a single vector and ``numpy.linalg`` call BLAS, which adds in an
+order that depends on the processor; NumPy's exp, log, arctan2 and the like have an approximation of
+their own for AVX-512. Nothing that the state of a run depends on may call them. In their place are
+:func:`product`, whose plain loops NumPy compiles for all processors alike, and the functions of
+``math``, :func:`each` for every element of an array. Sums, roots and squares of NumPy are the same
+everywhere.
+
+Imports only NumPy.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,3 +37,33 @@ Held: TypeAlias = tuple[Ints, Floats]
 
 HeldBy: TypeAlias = Mapping[str, Held]
 """The same of several, by their names."""
+
+
+def product(first: Any, *others: Any) -> Any:
+    """Return the matrix product of vectors, matrices or stacks of them, from left to right."""
+    for other in others:
+        rows, columns = "h" * (np.ndim(first) > 1), "j" * (np.ndim(other) > 1)
+        first = np.einsum(f"...{rows}i,...i{columns}->...{rows}{columns}", first, other)
+    return first
+
+
+def norm(vectors: Floats) -> Any:
+    """Return the length of a vector, or of every row along the last axis."""
+    return np.sqrt(np.add.reduce(vectors * vectors, axis=-1))
+
+
+def unit(vectors: Floats) -> Floats:
+    """Return a vector, or every row along the last axis, divided by its length."""
+    return np.asarray(vectors / norm(vectors)[..., None])
+
+
+def angles(one: Floats, two: Floats) -> Floats:
+    """Return the angles between vectors, or rows along the last axis [rad]."""
+    # The arc tangent keeps small angles, which an arc cosine rounds to zero.
+    cosine = np.add.reduce(one * two, axis=-1)
+    return each(math.atan2, norm(np.cross(one, two)), cosine)
+
+
+def each(function: Callable[..., float], *arrays: npt.ArrayLike) -> Floats:
+    """Return a function of single numbers, of the module ``math``, for every element of arrays."""
+    return np.asarray(np.frompyfunc(function, len(arrays), 1)(*arrays), float)

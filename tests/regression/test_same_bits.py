@@ -1,43 +1,81 @@
-"""The same bits from a process that compiles the kernels and from one that finds them compiled."""
+"""The same bits from every process: other instructions, other order of compilation, a restart."""
 
+import json
 import os
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-_RUN = """
-import hashlib, sys
-sys.path.insert(0, {unit!r})
-import test_checkpoint
-from shellcut import opening_test
+from digest_cases import CASES, OPTIONS, digest_of, digests_of, model_of, published, versions
+from shellcut.recording.recorder import Recorder
+from shellcut.simulation.hooks import StopWhen
 
-case = opening_test("quick", angle_deg=20.0, duration=1.3e-3)
-case.simulation.run(case.duration)
-cut = test_checkpoint.cutting()
-cut.run(test_checkpoint.END)
-for sim in (case.simulation, cut):
-    digest = hashlib.sha256(repr(sim.ledger).encode())
-    for array in (sim.state.node.x, sim.state.node.velocity_half, sim.state.cable.work):
-        digest.update(array.tobytes())
-    print(sim.state.step, len(sim.state.split_log), digest.hexdigest())
-"""
+QUICK = ["opening on M1", "through quads", "trouser", "disc"]
+
+
+def elsewhere(names, **environment):
+    """Return the digests from a process of its own."""
+    command = [sys.executable, str(Path(__file__).parent / "digest_cases.py"), *names]
+    environment = {**os.environ, **environment}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return {name: tuple(row) for name, row in json.loads(done.stdout).items()}
+
+
+def of_level_three():
+    """Return the variables by which NumPy uses what every x86-64-v3 processor has."""
+    found = np.show_config(mode="dicts")["SIMD Extensions"]["found"]
+    beyond = [name for name in found if "512" in name or name == "X86_V4"]
+    return {"NPY_DISABLE_CPU_FEATURES": " ".join(beyond)}
+
+
+@pytest.fixture(scope="module")
+def here():
+    return digests_of(QUICK)
+
+
+def test_numpy_without_the_instructions_of_newer_processors(here):
+    assert all(n_split for _, _, n_split in here.values())
+    assert elsewhere(QUICK, **of_level_three()) == here
+
+
+def test_a_run_that_was_stopped_and_resumed(here, tmp_path):
+    case = model_of("through quads", tmp_path).build()
+    sim = case.simulation
+    made = Recorder(sim, tmp_path / "out", until=case.duration, name=case.name, **OPTIONS)
+    with closing(made) as record:
+        sim.run(case.duration, [record, StopWhen(lambda: sim.state.step >= 3000)])
+    assert digest_of("through quads", tmp_path) == here["through quads"]
+
+
+def check_published(found):
+    said, digests = published()
+    assert digests.keys() == CASES.keys()
+    if said != f"Versions: {versions()}.":
+        pytest.skip(f"published for other versions: {said}")
+    assert {name: row[0][:16] for name, row in found.items()} == {n: digests[n] for n in found}, (
+        "if this is meant, write docs/same-bits.md anew: python tests/regression/digest_cases.py"
+    )
+
+
+def test_the_published_digests(here):
+    check_published(here)
+
+
+@pytest.mark.slow
+def test_kernels_of_level_three_and_a_cache_that_is_partly_filled(tmp_path):
+    here = digests_of(CASES)
+    check_published(here)
+    level = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""} | of_level_three()
+    level["NUMBA_CACHE_DIR"] = str(tmp_path)
+    elsewhere(["trouser"], **level)  # fills a part
+    assert elsewhere(CASES, **level) == here
 
 
 @pytest.mark.slow
 def test_compiled_now_or_before(tmp_path):
-    unit = str(Path(__file__).parents[1] / "unit")
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    told = [
-        subprocess.run(
-            [sys.executable, "-c", _RUN.format(unit=unit)],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for _ in range(2)
-    ]
-    assert told[0] == told[1]
-    assert all(int(line.split()[1]) > 0 for line in told[0].splitlines())  # splits happened
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    assert elsewhere(["opening"], **cache) == elsewhere(["opening"], **cache)

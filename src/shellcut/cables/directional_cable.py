@@ -35,11 +35,12 @@ makes the stress of the branches (1 + kappa) sigma and (1 - kappa) sigma.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, SmallInts, Vec3
+from shellcut.arrays import Floats, Held, HeldBy, SmallInts, Vec3, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
@@ -116,9 +117,9 @@ class CableSet:
         self._joint = joint_law(law, tool)
         # Of a cable that is bent back on itself.
         belt = np.pi * self._joint.friction
-        grip = float(np.tanh(0.5 * belt))
+        grip = math.tanh(0.5 * belt)
         if belt and self._edges.radius:
-            grip += 0.5 * belt / -float(np.expm1(-0.5 * belt)) - 1.0
+            grip += 0.5 * belt / -math.expm1(-0.5 * belt) - 1.0
         self._compliance = Compliance.of(law, grip)
         self._known = KnownTopology()
         self._pose: Pose | None = None
@@ -189,7 +190,7 @@ class CableSet:
             stored,
             dissipated,
         )
-        return float(stored @ area), float(dissipated @ area)
+        return float(product(stored, area)), float(product(dissipated, area))
 
     def stored(self, state: State) -> dict[str, float]:
         """Return :meth:`energies` by their entries of the ledger [N·mm]."""

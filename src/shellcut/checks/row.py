@@ -7,16 +7,17 @@ along it. That turn is the one of the row at the edge's ends.
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, product, unit
 from shellcut.mesh.mesh import Mesh
 
 from .sweep import Sweep
 
-ALONG_ROW = np.cos(np.radians(30.0))
+ALONG_ROW = math.cos(math.radians(30.0))
 """Least cosine between the path and a side that runs along it."""
 AT_ROW = 0.5
 """A side farther off than this, in edge lengths, is not the one that the blade follows."""
@@ -61,8 +62,7 @@ class Rows:
     def bulge(self) -> Floats:
         """How far a path through the row's nodes lies off its sides, in edges, shape (n_place,)."""
         sides = np.unique(np.sort(self.ends, axis=1), axis=0)
-        away = np.diff(self._mesh.nodes[sides], axis=1)[:, 0]
-        away /= np.linalg.norm(away, axis=1, keepdims=True)
+        away = unit(np.diff(self._mesh.nodes[sides], axis=1)[:, 0])
         total = np.zeros((self._mesh.n_node, 3))
         np.add.at(total, sides[:, 0], away)
         np.add.at(total, sides[:, 1], -away)
@@ -101,7 +101,7 @@ def row_of(sweep: Sweep, chain: int) -> Ints:
     if len(sides) == 1:
         way = sweep.place[mine][-1] - sweep.place[mine][0]
         tail, head = sides[0]
-        forward = (sweep.mesh.nodes[head] - sweep.mesh.nodes[tail]) @ way >= 0.0
+        forward = product(sweep.mesh.nodes[head] - sweep.mesh.nodes[tail], way) >= 0.0
         return np.asarray(sides[0] if forward else sides[0, ::-1])
     start = sides[0, 0] if sides[0, 0] not in sides[1] else sides[0, 1]
     row = [int(start)]
@@ -114,7 +114,7 @@ def row_of(sweep: Sweep, chain: int) -> Ints:
 
 def _keys(mesh: Mesh, ends: Ints) -> Ints:
     """Return one number per pair of nodes, shape (n,), in whichever order they stand."""
-    return np.asarray(np.sort(ends, axis=1) @ [mesh.n_node, 1])
+    return np.asarray(product(np.sort(ends, axis=1), [mesh.n_node, 1]))
 
 
 def _open_sides(mesh: Mesh, ends: Ints) -> Bools:

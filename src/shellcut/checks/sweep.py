@@ -15,6 +15,7 @@ path is continued through the whole film: straight, and along the circle through
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, each, norm, product, unit
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
@@ -151,7 +152,7 @@ class Sweep:
         swept = [self.place, *(_filled(*line) for line in lines)]
         tree = scipy.spatial.cKDTree(np.concatenate(swept))
         found, ahead = [tree.data], [np.zeros(tree.n)]
-        reach = float(np.linalg.norm(np.ptp(self.mesh.nodes, axis=0)))
+        reach = float(norm(np.ptp(self.mesh.nodes, axis=0)))
         for line, fine in lines:
             edge = fine / _FINE
             for end in _ends(line):
@@ -211,27 +212,30 @@ def _continued(line: Floats, edge: float, s: Floats) -> Iterator[tuple[Floats, F
     is long enough.
     """
     c = line[-1]
-    straight = (c - line[-2]) / np.linalg.norm(c - line[-2])
+    straight = (c - line[-2]) / norm(c - line[-2])
     yield s, c + s[:, None] * straight
     way = np.append(0.0, np.linalg.norm(np.diff(line[::-1], axis=0), axis=1).cumsum())
     apart = min(_BEND * edge, 0.5 * float(way[-1]))
     a, b = (np.array([np.interp(k * apart, way, x[::-1]) for x in line.T]) for k in (2, 1))
     ab, ac = b - a, c - a
     normal = np.cross(ab, ac)
-    size = float(normal @ normal)
-    if size <= (_STRAIGHT * float(ac @ ac)) ** 2:
+    size = float(product(normal, normal))
+    if size <= (_STRAIGHT * float(product(ac, ac))) ** 2:
         return
     arm = (
         c
         - a
-        - (float(ac @ ac) * np.cross(normal, ab) + float(ab @ ab) * np.cross(ac, normal))
+        - (
+            float(product(ac, ac)) * np.cross(normal, ab)
+            + float(product(ab, ab)) * np.cross(ac, normal)
+        )
         / (2.0 * size)
     )
-    radius = float(np.linalg.norm(arm))
+    radius = float(norm(arm))
     s = s[s < 2.0 * np.pi * radius]
     across = np.cross(normal, arm) / np.sqrt(size)
     turn = (s / radius)[:, None]
-    yield s, c - arm + np.cos(turn) * arm + np.sin(turn) * across
+    yield s, c - arm + each(math.cos, turn) * arm + each(math.sin, turn) * across
 
 
 class _Places(NamedTuple):
@@ -258,9 +262,9 @@ class _Search:
         self._tree = scipy.spatial.cKDTree(self._centres)
         self._edge_length = float(np.median(self._size))
         normal = self._normals.mean(axis=0)
-        normal /= max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
-        level = mesh.nodes @ normal
-        flat = np.ptp(level) <= _FLATNESS * np.linalg.norm(np.ptp(mesh.nodes, axis=0))
+        normal /= max(float(norm(normal)), np.finfo(float).tiny)
+        level = product(mesh.nodes, normal)
+        flat = np.ptp(level) <= _FLATNESS * norm(np.ptp(mesh.nodes, axis=0))
         self._plane = (normal, float(level.mean())) if flat else None
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
         self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
@@ -309,13 +313,13 @@ class _Search:
     def _heights(self, x: Floats) -> Floats:
         if self._plane is not None:
             normal, level = self._plane
-            return np.asarray(x @ normal - level)
+            return np.asarray(product(x, normal) - level)
         _, nearest = self._tree.query(x)
         return np.asarray(((x - self._centres[nearest]) * self._normals[nearest]).sum(axis=-1))
 
     def _chain(self, k: int, points: Floats, segment: Ints) -> tuple[_Places, Fate, float]:
         """Return the places of one chain, its fate and its top speed."""
-        x = points @ self._rotation.transpose(0, 2, 1) + self._translation[:, None]
+        x = product(points, self._rotation.transpose(0, 2, 1)) + self._translation[:, None]
         height = self._heights(x)
         above = height >= 0.0
         i, j = np.nonzero(above[:, :-1] != above[:, 1:])  # along the edge
@@ -372,7 +376,7 @@ class _Search:
         # distance that the tool moves along the film after the edge has left it
         normal = self._normals[int(self._tree.query(place[-1])[1])]
         way = np.diff(x[after:, 0], axis=0)
-        way -= (way @ normal)[:, None] * normal
+        way -= product(way, normal)[:, None] * normal
         went_on = float(np.linalg.norm(way, axis=1).sum()) > self._edge_length
         out = through and not withdrawn and went_on
         return Fate(k, first * tick, last * tick, stays=False, passed_out=out)
@@ -399,8 +403,7 @@ class _Search:
         corner = mesh.nodes[mesh.quads[near]]  # (n, near, 4, 3)
         normal = self._normals[near][:, :, None]
         side = np.roll(corner, -1, axis=2) - corner
-        inward = np.cross(normal, side)
-        inward /= np.linalg.norm(inward, axis=-1, keepdims=True)
+        inward = unit(np.cross(normal, side))
         off = ((p[:, None, None] - corner) * inward).sum(axis=-1).min(axis=-1)
         height = ((p[:, None] - self._centres[near]) * normal[:, :, 0]).sum(axis=-1)
         size = self._size[near]
@@ -412,8 +415,7 @@ class _Search:
 
 def _quad_normals(mesh: Mesh) -> Floats:
     corner = mesh.nodes[mesh.quads]
-    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+    return unit(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]))
 
 
 def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:
@@ -429,7 +431,7 @@ def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:
     points, owner = [], []
     for first, e in zip([0, *(last[:-1] + 1).tolist()], last.tolist(), strict=True):
         a, b = ends[first, 0], ends[e, 1]
-        n = int(np.clip(np.ceil(np.linalg.norm(b - a) / spacing), 1, 1000))
+        n = int(np.clip(np.ceil(norm(b - a) / spacing), 1, 1000))
         points.append(a + np.arange(n)[:, None] / n * (b - a))
         owner += [int(segments[first])] * n
     points.append(ends[-1, 1][None])

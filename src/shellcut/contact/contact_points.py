@@ -18,7 +18,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
@@ -96,11 +96,10 @@ def _corners(tool: Tool, surface: Surface, cutting: Bools) -> tuple[Ints, Floats
         np.maximum.at(most, ends, turn)
     corners = tool.vertices[tool.triangles]
     one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
-    sine = np.linalg.norm(np.cross(one, two), axis=2)
-    angles = np.zeros(tool.n_vertex)
-    np.add.at(angles, tool.triangles, np.arctan2(sine, (one * two).sum(axis=2)))
+    around = np.zeros(tool.n_vertex)
+    np.add.at(around, tool.triangles, angles(one, two))
     cuts = np.bincount(np.append(lo[cutting], hi[cutting]), minlength=tool.n_vertex)
-    convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - angles > _PEAKED)
+    convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - around > _PEAKED)
     pushes = np.flatnonzero(convex & (cuts < 2))
     return pushes, most[pushes]
 
@@ -122,8 +121,7 @@ def _along_edges(
     inner &= ~((share == 1.0) & on_cut[surface.hi[rows]][of])
     of, share = of[inner], share[inner, None]
     place = (1.0 - share) * start[of] + share * end[of]
-    normal = surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]]
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = unit(surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]])
     teeth = tool.triangle_body[surface.forward[rows]]
     return place, normal[of], surface.turn[rows][of], teeth[of]
 
@@ -132,11 +130,11 @@ def _vertex_normals(tool: Tool) -> Floats:
     """Return the mean unit normals at the vertices, weighted by angle."""
     corners = tool.vertices[tool.triangles]
     one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
-    sine = np.linalg.norm(np.cross(one, two), axis=2)
-    angle = np.arctan2(sine, (one * two).sum(axis=2))
     normals = np.zeros_like(tool.vertices)
-    np.add.at(normals, tool.triangles, angle[:, :, None] * tool.triangle_normals[:, None, :])
-    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    np.add.at(
+        normals, tool.triangles, angles(one, two)[:, :, None] * tool.triangle_normals[:, None, :]
+    )
+    return unit(normals)
 
 
 def _shares(place: Floats, outward: Floats, reach: float) -> Floats:

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts, unit
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 from shellcut.tool.surface import Surface
@@ -83,7 +83,7 @@ class ToolEdges(NamedTuple):
         inward = -rounding * middle * (taken / deep)[:, None]
         # At a corner the faces beyond may lie so much farther out.
         along = end - start
-        beyond = rounding * along / np.linalg.norm(along, axis=1, keepdims=True)
+        beyond = rounding * unit(along)
         return cls(
             start=np.ascontiguousarray(start + inward - beyond),
             way=np.ascontiguousarray(along + 2.0 * beyond),

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import load
@@ -64,7 +64,7 @@ class FlankPenetration:
             pressing, offset = self._edges.pressing()
             unfelt = float(offset.max(initial=0.0))
             count = state.node.count
-            ends = ends[~np.isin(ends @ (count, 1), pressing @ (count, 1))]
+            ends = ends[~np.isin(product(ends, (count, 1)), product(pressing, (count, 1)))]
         sides, depths = state.node.contact_side[ends], state.node.contact_depth[ends]
         one_side = sides[:, 0] * sides[:, 1] >= 0
         side = np.where(sides[:, 0] != 0, sides[:, 0], sides[:, 1]).astype(np.int64)

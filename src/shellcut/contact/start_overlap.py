@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.motion import Motion
@@ -52,8 +52,8 @@ def check_tool_outside(
     if not problems:
         return
     way = _first_way(motion)
-    reach = float(np.ptp(pose.to_space(tool.vertices) @ way))
-    past = 1.01 * (reach + float(np.ptp(mesh.nodes @ way)))
+    reach = float(np.ptp(product(pose.to_space(tool.vertices), way)))
+    past = 1.01 * (reach + float(np.ptp(product(mesh.nodes, way))))
     fine, coarse = (
         np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
     )
@@ -71,11 +71,11 @@ def _first_way(motion: Motion | None) -> Floats:
     # unit vector of the first advance, along the axis of a screw; 0 of a tool that only turns
     for time in 2.0 ** np.arange(-20, 1) if motion else ():  # from a microsecond to a second
         spin, way = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
-        speed = float(np.linalg.norm(way))
+        speed = float(norm(way))
         if spin.any():
-            axis = spin / np.linalg.norm(spin)
-            way = axis * (axis @ way)
-        if (length := float(np.linalg.norm(way))) > _ROUND_OFF * speed:
+            axis = unit(spin)
+            way = axis * (product(axis, way))
+        if (length := float(norm(way))) > _ROUND_OFF * speed:
             return np.asarray(way / length)
     return np.zeros(3)
 

@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 import scipy
 
+from shellcut.arrays import norm, product
+
 from . import numerals
 from .abaqus_deck import DataLine, Keyword, read_deck
 from .abaqus_model import KINDS, QUADRATIC, Entry, Instance, Model, Scope, Transform
@@ -312,7 +314,7 @@ def _transform(keyword: Keyword) -> Transform:
         line = keyword.data[1]
         a = np.array([line.number(k) for k in range(3)])
         b = np.array([line.number(k) for k in range(3, 6)])
-        length = float(np.linalg.norm(b - a))
+        length = float(norm(b - a))
         if length == 0.0:
             raise line.error("the axis of rotation must have two different points")
         turn = scipy.spatial.transform.Rotation.from_rotvec(
@@ -320,5 +322,5 @@ def _transform(keyword: Keyword) -> Transform:
         )
         rotation = turn.as_matrix()
         # first the translation, then the rotation about the axis from a to b
-        shift = rotation @ (shift - a) + a
+        shift = product(rotation, shift - a) + a
     return rotation, shift

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 
 from .abaqus_deck import DataLine
 from .budget import Budget
@@ -138,7 +138,7 @@ class Model:
         self.notes += gap_note(f"{prefix}element", scope.elements)
         positions = np.array(list(scope.nodes.values()), dtype=np.float64).reshape(-1, 3)
         if transform is not None:
-            positions = positions @ transform[0].T + transform[1]
+            positions = product(positions, transform[0].T) + transform[1]
         self.positions.append(positions)
         for label in scope.nodes:
             if (key, label) in self.rows["node"]:

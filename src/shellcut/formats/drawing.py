@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm
 
 LARGEST_FILE = 50_000_000
 """Largest size of a drawing [bytes]."""
@@ -61,4 +61,4 @@ def n_of_arc(radius: float, angle: float, deviation: float) -> int:
 
 def extent_of(points: Floats) -> float:
     """Return the diagonal of the box around points, shape (n, 2)."""
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return float(norm(np.ptp(points, axis=0)))

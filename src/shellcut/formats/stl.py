@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, unit
 
 from . import numerals
 from .errors import FileError, read_bytes, read_lines
@@ -106,7 +106,7 @@ def write_stl(path: str | Path, vertices: Floats, triangles: Ints, *, header: st
     corners = vertices[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     records = np.zeros(len(triangles), _RECORD)
-    records["normal"] = normals / np.linalg.norm(normals, axis=1)[:, None]
+    records["normal"] = unit(normals)
     records["corners"] = corners
     title = header.encode("ascii", errors="replace")[:_HEADER].ljust(_HEADER)
     Path(path).write_bytes(title + len(triangles).to_bytes(4, "little") + records.tobytes())

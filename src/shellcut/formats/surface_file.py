@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 
 from .errors import FileError, named
 
@@ -68,4 +68,4 @@ def _is_convex(corners: Floats) -> bool:
     ahead = np.roll(corners, -1, axis=0) - corners
     behind = corners - np.roll(corners, 1, axis=0)
     area = np.cross(corners - corners[0], ahead).sum(axis=0)  # twice, along the normal
-    return bool((np.cross(behind, ahead) @ area >= _CONCAVE * (area @ area)).all())
+    return bool((product(np.cross(behind, ahead), area) >= _CONCAVE * product(area, area)).all())

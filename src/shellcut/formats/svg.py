@@ -9,13 +9,14 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
+from math import atan2, hypot
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, each, product
 from shellcut.unit import LENGTH
 
 from .budget import Budget
@@ -164,7 +165,7 @@ class _Reader:
             return
         names = (*place.names, *own)
         self.names |= set(own)
-        matrix = place.matrix @ self._transform(element)
+        matrix = product(place.matrix, self._transform(element))
         inner = _Place(matrix, names, place.level + 1)
         if kind in ("svg", "g", "a", "switch"):
             if kind == "svg" and place.level:
@@ -201,10 +202,11 @@ class _Reader:
             raise FileError(
                 self._path, f"{_said(element)}: x and y must be numbers without a unit"
             ) from None
-        self.read(target, place._replace(matrix=place.matrix @ shift))
+        self.read(target, place._replace(matrix=product(place.matrix, shift)))
 
     def _shape(self, kind: str, element: Any, place: _Place) -> None:
-        stretch = float(np.linalg.norm(place.matrix[:2, :2], 2))
+        (a, b), (c, d) = place.matrix[:2, :2].tolist()
+        stretch = 0.5 * (hypot(a + d, b - c) + hypot(a - d, b + c))
         deviation = self._deviation / max(stretch, 1e-12)
         try:
             with np.errstate(all="ignore"):  # read_drawing reports what is not finite
@@ -221,7 +223,7 @@ class _Reader:
             ) from None
         for local in parts:
             points = np.column_stack([local.real, local.imag, np.ones(len(local))])
-            self.curves.append(Curve((points @ place.matrix.T)[:, :2], _said(element)))
+            self.curves.append(Curve(product(points, place.matrix.T)[:, :2], _said(element)))
 
 
 def _tag(element: Any) -> str:
@@ -276,7 +278,8 @@ def _flattened(part: Any, deviation: float, budget: Budget) -> Floats:
             # chords of a Bezier curve lie within n^-2 of this
             n = int(np.ceil(np.sqrt(degree * (degree - 1) * bend / 8.0 / deviation)))
             sides = np.diff(corners)
-            turns = np.abs(np.angle(sides[1:] * np.conj(sides[:-1])))
+            bends = sides[1:] * np.conj(sides[:-1])
+            turns = np.abs(each(atan2, bends.imag, bends.real))
             n = max(n, int(np.ceil(turns.sum() / LARGEST_TURN)), 1)
         budget.take("points of curves", n, FEWER_POINTS)
         found.append(np.array([piece.point(t) for t in np.linspace(0.0, 1.0, n + 1)[1:]]))

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product, unit
 
 
 @checked
@@ -76,11 +76,10 @@ class Anisotropy:
         normal : ndarray, shape (3,)
             Unit normal of the sheet; where MD is along it, f is the mean of both.
         """
-        md = np.asarray(self.direction, float)
-        md = md / np.linalg.norm(md)
-        md = md - (md @ normal) * normal
-        size = md @ md
-        cosine = (ways @ md) ** 2 / np.einsum("ij,ij->i", ways, ways)
+        md = unit(np.asarray(self.direction, float))
+        md = md - product(md, normal) * normal
+        size = product(md, md)
+        cosine = product(ways, md) ** 2 / np.einsum("ij,ij->i", ways, ways)
         twice = 2.0 * cosine - size
         return np.asarray(0.5 * (self.along + self.across + (self.along - self.across) * twice))
 

@@ -21,7 +21,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.arrays import Bools, Floats, Ints, Vec3, product, unit
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
@@ -133,8 +133,8 @@ class BladeCut:
         segments = self._strips.edges.segments
         for i in np.flatnonzero(edge_of >= 0).tolist():
             node = int(near[i])
-            trace = np.cross(n.t[node], pose.rotation @ segments[edge_of[i], NORMAL])
-            traces[node] = trace / np.linalg.norm(trace)
+            trace = np.cross(n.t[node], product(pose.rotation, segments[edge_of[i], NORMAL]))
+            traces[node] = unit(trace)
         return traces
 
     def saved(self) -> dict[str, Any]:

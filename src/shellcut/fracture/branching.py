@@ -23,6 +23,8 @@ other tip is within this length: before, the force on a tip (:mod:`.tip_force`) 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import scipy
 
@@ -36,7 +38,7 @@ from .tip import Pace, Tip
 SHARE = 0.518
 """Of the speed of Rayleigh waves, from which a crack may branch."""
 
-ANGLE = 0.13 * np.pi
+ANGLE = 0.13 * math.pi
 """Of each branch to the crack [rad]."""
 
 EDGES = 5.0
@@ -160,7 +162,7 @@ def ways(way: Floats, t: Floats) -> tuple[Floats, Floats]:
     way, t : ndarray, shape (3,)
         Unit direction in the sheet and unit director, in space.
     """
-    along, aside = np.cos(ANGLE) * way, np.sin(ANGLE) * np.cross(t, way)
+    along, aside = math.cos(ANGLE) * way, math.sin(ANGLE) * np.cross(t, way)
     return along + aside, along - aside
 
 

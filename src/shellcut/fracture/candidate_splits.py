@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.arrays import Bools, Floats, Ints, SmallInts, product
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
@@ -129,7 +129,7 @@ class _Around(NamedTuple):
         for n in ends.values():
             if origin_edge(state, node, n) not in self.free_edges:
                 edge = state.node.X[n] - state.node.X[node]
-                length += 0.5 * float(np.linalg.norm(edge))
+                length += 0.5 * float(np.linalg.norm(edge, axis=0))
         sides = [np.array(quads) for quads in (minus, plus)]
         mass = [self.quad_mass[e, np.argmax(state.quads[e] == node, axis=1)].sum() for e in sides]
         return Parting(
@@ -154,7 +154,7 @@ def _cosine_of_turn(
         return 1.0
     arrive = reference[node] - reference[back[0]]
     leave = reference[ahead[0]] - reference[node]
-    return float(arrive @ leave / np.sqrt((arrive @ arrive) * (leave @ leave)))
+    return float(product(arrive, leave) / np.sqrt(product(arrive, arrive) * product(leave, leave)))
 
 
 class _Ways(NamedTuple):

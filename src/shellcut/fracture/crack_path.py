@@ -14,9 +14,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import BoundOnce
+from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import KnownTopology, State
 
 from .cut_topology import CutTopology
@@ -49,23 +50,23 @@ class CrackPath(TipPlaces):
         best, found = np.inf, None
         for a, b in boundary_edges(state).tolist():
             A, B = state.node.X[[a, b]]
-            size, n = float(np.linalg.norm(A - B)), state.node.t[a] + state.node.t[b]
-            n /= np.linalg.norm(n)
+            size, n = float(norm(A - B)), state.node.t[a] + state.node.t[b]
+            n = unit(n)
             in_sheet = np.stack([way, A - B, A - start], axis=1)
-            in_sheet -= np.outer(n, n @ in_sheet)
+            in_sheet -= np.outer(n, product(n, in_sheet))
             base, gap = in_sheet[:, :2], in_sheet[:, 2]
-            (ahead, s), *_ = np.linalg.lstsq(base, gap, rcond=None)
-            miss = np.linalg.norm(base @ (ahead, s) - gap)
+            ahead, s = least_squares(base, gap)
+            miss = norm(product(base, (ahead, s)) - gap)
             on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
-            height = abs((A + s * (B - A) - start - ahead * way) @ n)
+            height = abs(product(A + s * (B - A) - start - ahead * way, n))
             if on_it and height < size and -AWAY < ahead < min(best, 1.0):
-                best, unit = ahead, way / np.linalg.norm(way)
+                best, direction = ahead, unit(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:
-                    found = Tip((at_end, at_end), 0.0, -1, unit, 0.0)
+                    found = Tip((at_end, at_end), 0.0, -1, direction, 0.0)
                 else:
                     ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
-                    found = Tip(ends, float(s), -1, unit, 0.0)
+                    found = Tip(ends, float(s), -1, direction, 0.0)
         return found
 
     def segment_from(

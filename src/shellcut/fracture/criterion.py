@@ -26,6 +26,7 @@ nearest to the trace of the blade's mid-plane in the sheet.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias, get_args
@@ -33,7 +34,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
@@ -254,7 +255,7 @@ class SplitCriterion:
             on_rim[rim] = True
             self._blade = BladeCut(tool, float(shell.area.max()), on_rim)
         self._free_edges = free_edges
-        self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
+        self._cos_limit = math.cos(math.radians(fracture.turn_limit_deg))
         self._partings: dict[int, list[Parting]] = {}
         self._weigh = BoundOnce(weigh_partings)
         self._table: PartingTable | None = None
@@ -338,7 +339,7 @@ class SplitCriterion:
             # The crack through the node shall follow the trace, either way along it.
             ways = table.admissible[i]
             if ways:
-                along = np.abs(table.direction[ways] @ trace)
+                along = np.abs(product(table.direction[ways], trace))
                 best = ways[int(np.argmax(along))]
                 found.append(self._split(table, best, blade=True))
         return found
@@ -372,7 +373,7 @@ class SplitCriterion:
         for row, i in enumerate(over):
             ways = table.admissible[row]
             if ways:
-                across = np.abs(table.direction[ways] @ stress.direction[i])
+                across = np.abs(product(table.direction[ways], stress.direction[i]))
                 measure = float(stress.principal[i] / self._strength)
                 found.append(self._split(table, ways[int(np.argmin(across))], measure))
         return found

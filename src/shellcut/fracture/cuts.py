@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -53,9 +53,9 @@ class Cut(NamedTuple):
             (row, chord) for row, chord in zip(self.rows, self.chords, strict=True) if row >= 0
         )
         along = np.array(shape_functions(stop)) - np.array(shape_functions(start))
-        way = along @ state.node.x[state.quads[row]]
-        sign = np.copysign(1.0, self.heading @ heading)
-        return np.asarray(sign * way / np.linalg.norm(way))
+        way = product(along, state.node.x[state.quads[row]])
+        sign = np.copysign(1.0, product(self.heading, heading))
+        return np.asarray(sign * unit(way))
 
 
 class Cuts:
@@ -126,14 +126,14 @@ class Cuts:
             corners = shell.mesh_quads[segment.row].tolist()
             self._cables.follow(state, topology, *rows)
         entry, nodes = np.array(shape_functions(segment.entry)), state.quads[segment.row]
-        places = entry @ state.node.x[nodes], entry @ state.node.X[nodes]
+        places = product(entry, state.node.x[nodes]), product(entry, state.node.X[nodes])
         _write_down(state, places, rows, kind, measure)
         renew_nodes(state, shell, topology, corners)
         if kind != NOTCH:
             self._cables.lay(rows, chords, length)
             state.crack_length += length
         way = np.array(shape_functions(segment.exit)) - entry
-        return Cut(rows, chords, way @ state.node.X[nodes] / length, length, kind)
+        return Cut(rows, chords, product(way, state.node.X[nodes]) / length, length, kind)
 
     def part(self, state: State, node: int, sides: list[Segment], kind: str, measure: float) -> int:
         """Part a node along the sides between two groups of its quads, at its own end of each.
@@ -191,7 +191,7 @@ class Cuts:
         self.topology.tear(*side, start, stop)
         places = [x[side[0]] + start * (x[side[1]] - x[side[0]]) for x in (n.x, n.X)]
         way = n.X[side[1]] - n.X[side[0]]
-        length = abs(stop - start) * float(np.linalg.norm(way))
+        length = abs(stop - start) * float(norm(way))
         _write_down(state, (places[0], places[1]), rows, kind, 0.0)
         renew_nodes(state, self._shell, self.topology, side)
         if kind != NOTCH:
@@ -224,7 +224,7 @@ class Cuts:
 def _length(state: State, segment: Segment) -> float:
     """Return the length of a segment in the reference film [mm]."""
     way = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
-    return float(np.linalg.norm(way @ state.node.X[state.quads[segment.row]]))
+    return float(norm(product(way, state.node.X[state.quads[segment.row]])))
 
 
 def _write_down(

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, product
 from shellcut.state import State
 
 from .cut_topology import CutTopology
@@ -127,7 +127,7 @@ class _Outlines:
         ends = self._state.node.origin[self._state.quads]
         sides = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=2), axis=2)
         keys = [i * n + j for i, j in self._on]
-        touched = np.isin(sides @ np.array([n, 1]), keys).any(axis=1)
+        touched = np.isin(product(sides, np.array([n, 1])), keys).any(axis=1)
         there = ~self._state.quad.dropped[: self._state.n_quad]
         return set(np.flatnonzero(touched & there).tolist())
 

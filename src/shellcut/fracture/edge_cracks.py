@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arrays import norm
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -124,7 +125,7 @@ class EdgeCracks:
             part = c.area[new] / c.area[new].sum()
             c.start_force[new] = part[:, None] * split.force - pull
             return
-        jump = float(np.linalg.norm(split.force - pull.sum(axis=0)))
+        jump = float(norm(split.force - pull.sum(axis=0)))
         state.split_log[-1] = replace(state.split_log[-1], force_jump=jump)
 
     def saved(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, product
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
@@ -104,7 +104,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     corners = f.nodes[k]
     for name in ("X", "x", "t", "velocity_half"):
         column = getattr(n, name)
-        column[node] = f.weight[k] @ column[corners]
+        column[node] = product(f.weight[k], column[corners])
     return node
 
 
@@ -167,11 +167,11 @@ def _look_around(state: State, k: int) -> None:
     rows = np.unique(np.append(n.quads[masters][at], f.row[k]))
     nodes = f.nodes[k]
     X = n.X[nodes]
-    here = f.weight[k] @ X
-    along = np.array(shape_functions((f.inward[k, 0], f.inward[k, 1]))) @ X - here
+    here = product(f.weight[k], X)
+    along = product(shape_functions((f.inward[k, 0], f.inward[k, 1])), X) - here
     across = np.cross(corner_normals(X), along)
     centres = (quad.centre[rows, :, None] * n.X[state.quads[rows]]).sum(axis=1) - here
-    beside = centres @ across
+    beside = product(centres, across)
     beside *= np.sign(beside[np.searchsorted(rows, f.row[k])])
     rows = np.append(f.row[k], rows[(beside > 0.0) & (rows != f.row[k])])[: n.quads.shape[1]]
     n.quads[f.node[k], : rows.size], n.n_quad_at[f.node[k]] = rows, rows.size

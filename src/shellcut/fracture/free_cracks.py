@@ -9,13 +9,13 @@ Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
-from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -197,7 +197,7 @@ class FreeCracks:
         """
         line, before = NotchLine(points), len(state.split_log)
         tip = self._slit(state, line)
-        for start, stop in pairwise(points):
+        for start, stop in itertools.pairwise(points):
             # The line may have more than its first point before the rim.
             tip = tip or self._path.rim_tip(state, start, stop)
             if tip is not None or row_at(state, stop) is not None:
@@ -329,12 +329,12 @@ class FreeCracks:
         if segment.side != FLANK and not cut.is_open(state, end):
             tip = self._path.tip_at(segment, heading, cut.length)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
-        here = np.array(shape_functions(segment.exit)) @ state.node.X[state.quads[segment.row]]
+        here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self._path.size(segment.row)
-        gaps = [np.linalg.norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
+        gaps = [norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
-        joined = min(there, key=lambda tip: float(tip.heading @ came), default=None)
-        if joined is not None and joined.heading @ came < ONCOMING:
+        joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
+        if joined is not None and product(joined.heading, came) < ONCOMING:
             self.tips.remove(joined)
             return None
         if cut.kind != NOTCH and self._drive is None:
@@ -351,10 +351,10 @@ class FreeCracks:
         here = self._path.reference_of(state, tip)
         for other in self.tips:
             between = self._path.between(tip, other)
-            if between is None or other.heading @ tip.heading > ONCOMING:
+            if between is None or product(other.heading, tip.heading) > ONCOMING:
                 continue
             gap = self._path.reference_of(state, other) - here
-            across = np.linalg.norm(gap - (gap @ tip.heading) * tip.heading)
+            across = norm(gap - product(gap, tip.heading) * tip.heading)
             if across < JOIN * self._path.size(tip.quad):
                 self._cuts.tear(state, *between, kind)
                 self.tips.remove(other)
@@ -371,7 +371,7 @@ class FreeCracks:
             if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
             ways = (self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0))
-            for back, ahead in product(*ways):
+            for back, ahead in itertools.product(*ways):
                 cut = self._through(state, back, ahead, "blade")
                 if cut is not None:
                     break
@@ -390,15 +390,15 @@ class FreeCracks:
         """
         at, size = self._path.place_in(state, row, place), np.array([self._path.size(row)])
         then = drive.find(at.x[None], size, state.time, edge, reach)
-        heading = then.rotation[0] @ drive.edges.segments[edge, BACK] * -reach
+        heading = product(then.rotation[0], drive.edges.segments[edge, BACK]) * -reach
         drive.direct(at.t[None], heading[None], at.T[None], size)
         way, lean = then.ways[0, 0], then.lean[0]
         segment = self._path.segment(state, row, place, way, lean)
         if segment is None:
             return []
         gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
-        heading = gap @ state.node.X[state.quads[row]]
-        ends = self._path.oncoming(row, place, heading / np.linalg.norm(heading), self.tips)
+        heading = product(gap, state.node.X[state.quads[row]])
+        ends = self._path.oncoming(row, place, unit(heading), self.tips)
         joined = self._path.segment(state, row, place, way, lean, ends) if ends else None
         return [segment] if joined is None else [joined, segment]
 
@@ -420,7 +420,7 @@ class FreeCracks:
                 at[i] = rows[a] + tip.s * (rows[b] - rows[a])
             else:
                 corners = self._shell.mesh_quads[tip.quad]
-                at[i] = np.array(shape_functions(tip.flank)) @ rows[corners]
+                at[i] = product(shape_functions(tip.flank), rows[corners])
         return at
 
     def saved(self) -> dict[str, Any]:
@@ -435,5 +435,4 @@ class FreeCracks:
 def _heading_of_notch(state: State, node: int) -> Floats:
     """Return the direction in which a notch arrives at its tip."""
     (far, _), *_ = arriving(state, fans_of(state, node))
-    way = state.node.X[node] - state.node.X[far]
-    return np.asarray(way / np.linalg.norm(way))
+    return unit(state.node.X[node] - state.node.X[far])

@@ -41,16 +41,18 @@ a history and cannot be frozen; there the stress decides alone.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, each, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.state import BROKEN, KnownTopology, State
 
 from .anisotropy import Anisotropy
@@ -86,7 +88,7 @@ _FAR = 2.5
 
 # Forward directions that are compared; between them phi is a parabola, exact to 1e-4 degrees.
 _ANGLES = np.radians(np.linspace(-90.0, 90.0, 361))
-_WAYS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+_WAYS = np.stack([each(math.cos, _ANGLES), each(math.sin, _ANGLES)], axis=1)
 
 # A force below this is none.
 _TINY = float(np.finfo(float).tiny)
@@ -171,21 +173,20 @@ class FreeDirection:
             self._ahead[key] = self._look(state, *key, tips)
         ahead = self._ahead[key]
         nodes = state.quads[ahead.row]
-        t = ahead.weights @ state.node.t[nodes]
-        t /= np.linalg.norm(t)
-        moved = ahead.base @ state.node.x[nodes]
+        t = unit(product(ahead.weights, state.node.t[nodes]))
+        moved = product(ahead.base, state.node.x[nodes])
         if not alone:
-            yield _unit(moved[0])
-        ways = _WAYS @ moved
+            yield unit(moved[0])
+        ways = product(_WAYS, moved)
         phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
         if ahead.force is not None or ahead.straight:
             force = _ALONG if ahead.force is None else ahead.force.of(state, moved)
-            released = _WAYS @ force / ahead.factors
+            released = product(_WAYS, force) / ahead.factors
             phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
         angle = _between(phi, int(np.argmax(phi)))
-        yield _unit(np.array([np.cos(angle), np.sin(angle)]) @ moved)
+        yield unit(product(np.array([math.cos(angle), math.sin(angle)]), moved))
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
-            yield _unit(ways[k])
+            yield unit(ways[k])
 
     def _zone(self, state: State, tip: Tip) -> int:
         """Return how far back cables hold the flanks of a tip, in local edge lengths, rounded up.
@@ -205,7 +206,7 @@ class FreeDirection:
         """Gather what lies around a tip."""
         row, entry = self._path.rows_ahead(tip)[0]
         T = self._path.reference_director(row, entry)
-        forward = _unit(tip.heading - (tip.heading @ T) * T)
+        forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._path.reference_of(state, tip), self._path.size(row)
         others = [self._path.reference_of(state, one) for one in tips if one is not tip]
@@ -241,9 +242,9 @@ class FreeDirection:
         film = self._shell.reference
         gap = film.x[film.quads[rows]].mean(axis=1) - place
         squared = np.einsum("ij,ij->i", gap, gap)
-        ahead = (squared < (_FAR * width) ** 2) & (gap @ forward > 0.0)
+        ahead = (squared < (_FAR * width) ** 2) & (product(gap, forward) > 0.0)
         near, squared = rows[ahead], squared[ahead]
-        weight = np.exp(-0.5 * squared / width**2)
+        weight = each(math.exp, -0.5 * squared / width**2)
         weight *= self._shell.area[near] * state.quad.share[near]
         return near, weight / max(float(weight.sum()), _TINY)
 
@@ -251,7 +252,7 @@ class FreeDirection:
         """Return the factors on strength and energy in the directions compared, shape (n_way,)."""
         if self._anisotropy is None:
             return np.ones(len(_WAYS))
-        return self._anisotropy.factors(_WAYS @ base, T)
+        return self._anisotropy.factors(product(_WAYS, base), T)
 
     def _pull(self, state: State, ahead: _Ahead, t: Floats, ways: Floats) -> Floats:
         """Return how much the mean stress ahead pulls across some ways [MPa], shape (n,).
@@ -262,13 +263,12 @@ class FreeDirection:
             return np.zeros(len(ways))
         stress = self._shell.stress(state, ahead.quads, place="mid")
         turn = _turns(corner_normals(state.node.x[state.quads[ahead.quads]]), t)
-        stress = turn @ stress @ turn.transpose(0, 2, 1)
+        stress = product(turn, stress, turn.transpose(0, 2, 1))
         mean = np.einsum("i,ijk->jk", ahead.weight, stress)
-        values, vectors = np.linalg.eigh(mean)
-        pulling = (vectors * np.maximum(values, 0.0)) @ vectors.T
-        across = np.cross(t, ways)
-        across /= np.linalg.norm(across, axis=1)[:, None]
-        return np.asarray(np.linalg.norm(across @ pulling, axis=1))
+        values, vectors = symmetric_eigen(mean)
+        pulling = product(vectors * np.maximum(values, 0.0), vectors.T)
+        across = unit(np.cross(t, ways))
+        return np.asarray(np.linalg.norm(product(across, pulling), axis=1))
 
 
 def _between(phi: Floats, best: int) -> float:
@@ -281,10 +281,6 @@ def _between(phi: Floats, best: int) -> float:
     return float(_ANGLES[best] + shift * (_ANGLES[1] - _ANGLES[0]))
 
 
-def _unit(way: Floats) -> Floats:
-    return np.asarray(way / np.linalg.norm(way))
-
-
 def _turns(start: Floats, end: Floats) -> Floats:
     """Return the least rotations that take unit vectors start : (n, 3) to end, shape (n, 3, 3).
 
@@ -293,5 +289,5 @@ def _turns(start: Floats, end: Floats) -> Floats:
     x, y, z = np.cross(start, end).T
     zero = np.zeros_like(x)
     v = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
-    squared = v @ v / np.maximum(1.0 + start @ end, _FOLDED)[:, None, None]
+    squared = product(v, v) / np.maximum(1.0 + product(start, end), _FOLDED)[:, None, None]
     return np.asarray(np.eye(3) + v + squared)

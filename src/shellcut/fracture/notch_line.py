@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, product
+from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
 
-from .quad_polygon import Point, shape_functions
+from .quad_polygon import Point, shape_functions, shape_slopes
 from .tip import Place
 
 _ON_SIDE = 1e-9
@@ -62,11 +63,11 @@ class NotchLine:
                 target = self._corners[-1] + gap * self._units[-1]
             else:
                 target = self._at(self._way[k] + along + at.size)
-            return (target - here) / np.linalg.norm(target - here), None
+            return (target - here) / norm(target - here), None
         across = self._across = (
             np.cross(at.t, self._units[0]) if self._across is None else (self._across)
         )
-        return np.cross(across, at.t), (at.t @ across) / (across @ across) * across
+        return np.cross(across, at.t), product(at.t, across) / product(across, across) * across
 
     def ends(self, here: Floats, length: float) -> bool:
         """Return whether a tip has come to the end, after a segment of some length [mm]."""
@@ -74,7 +75,7 @@ class NotchLine:
             k, along = self._nearest(here)
             short = self._way[-1] - self._way[k] - along
         else:
-            short = (self._corners[-1] - here) @ self._units[0]
+            short = product(self._corners[-1] - here, self._units[0])
         return bool(short < _ON_SIDE * length)
 
     def _nearest(self, here: Floats) -> tuple[int, float]:
@@ -100,10 +101,10 @@ def row_at(state: State, point: Floats) -> tuple[int, Point] | None:
     point : (3,) [mm].
     """
     corners = state.node.X[state.quads]
-    near = np.argsort(np.linalg.norm(corners.mean(axis=1) - point, axis=1))[:_NEAREST]
+    near = np.argsort(norm(corners.mean(axis=1) - point), kind="stable")[:_NEAREST]
     for row in near.tolist():
         place, height = _place_in(corners[row], point)
-        size = float(np.linalg.norm(corners[row][2] - corners[row][0]))
+        size = float(norm(corners[row][2] - corners[row][0]))
         if max(abs(place[0]), abs(place[1])) < _INSIDE and height < _OFF * size:
             return row, place
     return None
@@ -113,16 +114,10 @@ def _place_in(corners: Floats, point: Floats) -> tuple[Point, float]:
     """Return the parameters of the point of a quad next to another, and their distance [mm]."""
     xi, eta = 0.0, 0.0
     for _ in range(20):  # Newton's method; a convex quad takes four or five
-        miss = point - np.array(shape_functions((xi, eta))) @ corners
-        slopes = 0.25 * np.array(
-            [
-                [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta],
-                [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi],
-            ]
-        )
-        (d_xi, d_eta), *_ = np.linalg.lstsq((slopes @ corners).T, miss, rcond=None)
+        miss = point - product(shape_functions((xi, eta)), corners)
+        d_xi, d_eta = least_squares(product(shape_slopes((xi, eta)), corners).T, miss)
         xi, eta = xi + float(d_xi), eta + float(d_eta)
         if abs(d_xi) + abs(d_eta) < 1e-12 or max(abs(xi), abs(eta)) > _FAR:
             break
-    miss = point - np.array(shape_functions((xi, eta))) @ corners
-    return (xi, eta), float(np.linalg.norm(miss))
+    miss = point - product(shape_functions((xi, eta)), corners)
+    return (xi, eta), float(norm(miss))

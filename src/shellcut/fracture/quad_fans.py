@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut.arrays import Ints
+from shellcut.arrays import Ints, product
 from shellcut.state import State
 
 Edge = tuple[int, int]
@@ -110,7 +110,7 @@ def _edges_of(quads: Ints) -> Ints:
 
 
 def _with_one_quad(pair: Ints, n_node: int) -> Ints:
-    key = np.sort(pair, axis=1) @ np.array([n_node, 1])
+    key = product(np.sort(pair, axis=1), np.array([n_node, 1]))
     _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
     return np.asarray(pair[count[inverse] == 1])
 
@@ -152,7 +152,7 @@ def _flank_pairs(pair: Ints, origin: Ints, n_origin: int) -> Ints:
     """Return which edges with one quad were one edge before, shape (n, 2, 2)."""
     backwards = origin[pair[:, 0]] > origin[pair[:, 1]]
     pair[backwards] = pair[backwards, ::-1]
-    key = origin[pair] @ np.array([n_origin, 1])
+    key = product(origin[pair], np.array([n_origin, 1]))
     order = np.argsort(key, kind="stable")
     key, pair = key[order], pair[order]
     _, first, count = np.unique(key, return_index=True, return_counts=True)

@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product
 
 Point: TypeAlias = tuple[float, float]
 """xi, eta."""
@@ -175,7 +175,7 @@ def film_beside(polygon: Polygon) -> Point:
     size = float(np.hypot(*inward))
     if size < _SAME:
         return centre
-    off = float((centre - mid / n) @ inward) / size
+    off = float(product(centre - mid / n, inward)) / size
     x, y = centre + max(0.0, _CLEAR - off) / size * inward
     return float(x), float(y)
 
@@ -213,7 +213,7 @@ def divide(polygon: Polygon, start: Point, end: Point) -> tuple[Polygon, Polygon
 
 def density(X: Floats) -> tuple[float, float, float]:
     """Return j_0, j_1, j_2 of J = j_0 + j_1 xi + j_2 eta for corner positions X : (4, 3) [mm²]."""
-    p, q, h = (_MODES @ X).tolist()
+    p, q, h = product(_MODES, X).tolist()
     pq, ph, hq = _cross3(p, q), _cross3(p, h), _cross3(h, q)
     size = hypot(*pq)
     return size, _dot3(pq, ph) / size, _dot3(pq, hq) / size
@@ -235,6 +235,13 @@ def shape_functions(point: Point) -> tuple[float, float, float, float]:
     )
 
 
+def shape_slopes(point: Point) -> Floats:
+    """Return the derivatives of the shape functions by xi and eta, shape (2, 4)."""
+    xi, eta = point
+    by_xi = eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta
+    return 0.25 * np.array([by_xi, (xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi)])
+
+
 def film_moments(polygon: Polygon) -> Floats:
     """Return ∫ N_a (1, xi, eta) over a polygon for the four shape functions, shape (4, 3).
 
@@ -252,7 +259,7 @@ def film_moments(polygon: Polygon) -> Floats:
     xi, eta = at[..., 0].ravel(), at[..., 1].ravel()
     N = 0.25 * np.array([(1.0 + x * xi) * (1.0 + y * eta) for x, y in CORNERS])
     one = weights.ravel()
-    return np.asarray(N @ np.stack([one, one * xi, one * eta], axis=1))
+    return np.asarray(product(N, np.stack([one, one * xi, one * eta], axis=1)))
 
 
 def spans(polygon: Polygon) -> Floats:

@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.quad_geometry import corner_normals
@@ -218,9 +218,8 @@ class SegmentCables:
                 c.ends[k, end] = add_flank_point(state, row, place, inward)
         n = state.node
         corners = n.x[state.quads[one.row_minus]]
-        here, far = (np.array(shape_functions(p)) @ corners for p in (one.place_minus, one.far))
-        m = one.way * np.cross(n.t[c.ends[k, 0]], far - here)
-        m /= np.linalg.norm(m)
+        here, far = (product(shape_functions(p), corners) for p in (one.place_minus, one.far))
+        m = unit(one.way * np.cross(n.t[c.ends[k, 0]], far - here))
         c.edge[k] = NOT_MET
         c.length[k] = one.length
         c.area[k] = self._material.thickness * one.length * self._factor(state, one)
@@ -235,7 +234,7 @@ class SegmentCables:
         if self._anisotropy is None:
             return 1.0
         X = state.node.X[state.quads[one.row_minus]]
-        start, stop = (np.array(shape_functions(p)) @ X for p in (one.place_minus, one.far))
+        start, stop = (product(shape_functions(p), X) for p in (one.place_minus, one.far))
         return self._anisotropy.factor(stop - start, corner_normals(X))
 
     def saved(self) -> Floats:

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, norm, product
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
@@ -118,7 +118,7 @@ def _film_around(
     film = shell.reference
     gap = np.linalg.norm(film.x[film.quads].mean(axis=1) - place, axis=1)
     # The far wall of a tube is not around the tip.
-    near = (gap < radius) & (film.t[film.quads].sum(axis=1) @ T > 0.0)
+    near = (gap < radius) & (product(film.t[film.quads].sum(axis=1), T) > 0.0)
     near &= ~state.quad.dropped[: len(near)]
     near[list(ahead)] = True
     rows = np.flatnonzero(near)
@@ -156,7 +156,7 @@ def _edges(state: State, topology: CutTopology, rows: Ints, X: Floats) -> list[_
                 ]
                 outside = []
             for part in parts:
-                ends = np.array([shape_functions(point) for point in part]) @ X[i]
+                ends = product(np.array([shape_functions(point) for point in part]), X[i])
                 found.append(_Edge(ends, i, outside))
     return found
 
@@ -173,7 +173,7 @@ def _own(ends: Floats, place: Floats, reach: float) -> Bools:
         others = ends[here, np.where(at[here, 0], 1, 0)]
         if not here.size or (np.linalg.norm(others - others[0], axis=1) > _SAME * reach).any():
             break
-        own[here], way = True, way + float(np.linalg.norm(others[0] - place))
+        own[here], way = True, way + float(norm(others[0] - place))
         place = others[0]
     return own
 

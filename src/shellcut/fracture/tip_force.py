@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.loads.loads import LoadSet
 from shellcut.loads.sliding_loads import SlidingLoads
 from shellcut.material.shell_material import ShellMaterial
@@ -142,7 +142,7 @@ class TipForce:
         else:
             history = None if self._history is None else self._history.of_state(state)
             changes = self._energy.changes(x, t, moves, history)
-        force = np.asarray(-changes @ self._share)
+        force = np.asarray(product(-changes, self._share))
         if self._loads is not None:
             force += self._loads.works(state, moved)
         return force

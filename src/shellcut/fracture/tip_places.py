@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
 
 from .cut_topology import CutTopology
@@ -24,6 +25,7 @@ from .quad_polygon import (
     is_between,
     on_side,
     shape_functions,
+    shape_slopes,
     side_at,
     side_of,
     span,
@@ -131,7 +133,7 @@ class TipPlaces:
         polygon, found = self.topology.polygon(row), []
         points = polygon.points
         for other in others:
-            if other.heading @ heading > ONCOMING or row in other.behind:
+            if product(other.heading, heading) > ONCOMING or row in other.behind:
                 continue
             place = self._place_at(row, other)
             if place is None or common_side(polygon, entry, place) is not None:
@@ -184,15 +186,15 @@ class TipPlaces:
         (row, place), *_ = ahead
         forward = self.carried_on(row, place, tip.heading)
         at = self.place_in(state, row, place)
-        return at._replace(heading=forward @ state.node.x[state.quads[row]])
+        return at._replace(heading=product(forward, state.node.x[state.quads[row]]))
 
     def place_in(self, state: State, row: int, place: Point) -> Place:
         """Return a place of a row now, its heading still zero."""
         weights, nodes = np.array(shape_functions(place)), state.quads[row]
-        t = weights @ state.node.t[nodes]
+        t = product(weights, state.node.t[nodes])
         return Place(
-            weights @ state.node.x[nodes],
-            t / np.linalg.norm(t),
+            product(weights, state.node.x[nodes]),
+            unit(t),
             self.size(row),
             self.reference_director(row, place),
             np.zeros(3),
@@ -201,14 +203,12 @@ class TipPlaces:
     def way_of(self, state: State, segment: Segment) -> Floats:
         """Return the unit direction of a segment in space, shape (3,)."""
         gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
-        way = gap @ state.node.x[state.quads[segment.row]]
-        return np.asarray(way / np.linalg.norm(way))
+        return unit(product(gap, state.node.x[state.quads[segment.row]]))
 
     def reference_director(self, row: int, place: Point) -> Floats:
         """Return the unit director at a place of a row in the reference film, shape (3,)."""
         film = self._shell.reference
-        T = np.array(shape_functions(place)) @ film.t[film.quads[row]]
-        return np.asarray(T / np.linalg.norm(T))
+        return unit(product(shape_functions(place), film.t[film.quads[row]]))
 
     def carried_on(self, row: int, place: Point, heading: Floats) -> Floats:
         """Return weights of a row's nodes that give, of their positions, a heading, shape (4,).
@@ -217,8 +217,8 @@ class TipPlaces:
         plane of the row ahead, by projection, and moves with that row: as the line of film ahead of
         the tip that lay in its direction.
         """
-        along, gradients = self._parts_of(row, place, heading)
-        return np.asarray(along @ gradients)
+        along, slopes = self._parts_of(row, place, heading)
+        return np.asarray(product(along, slopes))
 
     def _beside(self, row: int, corner: Point, heading: Floats) -> float:
         """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
@@ -229,22 +229,16 @@ class TipPlaces:
         return round(float((along * corner).max() / np.abs(along).max()), 6)
 
     def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
-        """Return a heading in (xi, eta) of a row, shape (2,), and what gives gradients, (2, 4)."""
-        (xi, eta), film = place, self._shell.reference
-        gradients = 0.25 * np.array(
-            [
-                [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta],
-                [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi],
-            ]
-        )
-        along, *_ = np.linalg.lstsq((gradients @ film.x[film.quads[row]]).T, heading, rcond=None)
-        return np.asarray(along), gradients
+        """Return a heading in (xi, eta) of a row, and the slopes of shape functions, (2, 4)."""
+        slopes, film = shape_slopes(place), self._shell.reference
+        along = least_squares(product(slopes, film.x[film.quads[row]]).T, heading)
+        return along, slopes
 
     def reference_of(self, state: State, tip: Tip) -> Floats:
         """Return where a tip lies in the reference film [mm], shape (3,)."""
         if tip.flank is not None:
             X = state.node.X[self._shell.mesh_quads[tip.quad]]
-            return np.asarray(np.array(shape_functions(tip.flank)) @ X)
+            return np.asarray(product(shape_functions(tip.flank), X))
         a, b = state.node.X[list(tip.ends)]
         return np.asarray(a + tip.s * (b - a))
 
@@ -252,4 +246,4 @@ class TipPlaces:
         """Return how near the nearest other tip is in the reference film [mm], inf if none is."""
         here = self.reference_of(state, tip)
         gaps = [self.reference_of(state, one) - here for one in others if one is not tip]
-        return min((float(np.linalg.norm(gap)) for gap in gaps), default=np.inf)
+        return min((float(norm(gap)) for gap in gaps), default=np.inf)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
@@ -94,7 +94,7 @@ class TrialCut:
         if self._anisotropy is None:
             return 1.0, 1.0
         X = state.node.X[state.quads[segment.row]]
-        start, stop = (np.array(shape_functions(p)) @ X for p in (segment.entry, segment.exit))
+        start, stop = (product(shape_functions(p), X) for p in (segment.entry, segment.exit))
         ways = np.stack([tip.heading, stop - start])
         before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
         return before, after

@@ -35,7 +35,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallInts, Vec3
+from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store
@@ -170,10 +170,10 @@ class TrialSums:
         if one.measure[0] == -np.inf:
             return -np.inf
         force, length = one.force[0], float(one.length[0])
-        across, pull = float(force @ one.normal[0]), float(np.linalg.norm(force))
+        across, pull = float(product(force, one.normal[0])), sqrt(product(force, force))
         if across < 0.0:
             along = sqrt(max(pull * pull - across * across, 0.0))
-            opens = force @ _parted_behind(state, segment, trial.pairs) > 0.0
+            opens = product(force, _parted_behind(state, segment, trial.pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
         before, after = self._trial_cut.factors(state, tip, segment)
         return pull / (self._trial_cut.carried * 0.5 * (before * trial.length + after * length))

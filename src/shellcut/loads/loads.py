@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints, Number
+from shellcut.arrays import Floats, Ints, Number, product
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
@@ -185,7 +185,7 @@ class LoadSet:
         for ids, force, factor in self._nodal:
             np.add.at(n.force, ids, factor(now) * force)
             mean = 0.5 * (factor(now) + factor(before)) * force
-            work += dt * float((n.velocity_half[ids] @ mean).sum())
+            work += dt * float(product(n.velocity_half[ids], mean).sum())
         if self._following:
             pushed = np.zeros((n.count, 3))
             for push in self._following:
@@ -199,7 +199,7 @@ class LoadSet:
             m = np.broadcast_to(factor(now) * moment, (ids.size, 3))
             np.add.at(n.director_force, ids, np.cross(m, n.t[ids]))
             mean = 0.5 * (factor(now) + factor(before)) * moment
-            work += dt * float((n.spin_half[ids] @ mean).sum())
+            work += dt * float(product(n.spin_half[ids], mean).sum())
         return work
 
     def _clear(self, state: State) -> None:
@@ -268,7 +268,7 @@ def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:
     chosen = np.zeros(mesh.n_node, np.bool_)
     chosen[choose_nodes(mesh, one.nodes)] = True
     pair = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=2)
-    key = np.sort(pair, axis=2) @ np.array([mesh.n_node, 1])
+    key = product(np.sort(pair, axis=2), np.array([mesh.n_node, 1]))
     _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
     loaded = chosen[pair].all(axis=2) & (count[inverse].reshape(key.shape) == 1)
     if not loaded.any():

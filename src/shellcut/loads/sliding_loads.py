@@ -26,7 +26,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.state import State
 
 from .dead_loads import DeadLoad
@@ -95,10 +95,10 @@ class SlidingLoads:
         x = x - x.mean(axis=(0, 1))
         for one, now, changes in self._dead:
             done = np.einsum("keai,eai->k", changes, x)
-            done += moved @ np.einsum("ea,eai->i", self._q, now)
+            done += product(moved, np.einsum("ea,eai->i", self._q, now))
             found += one.factor(state.time) * done
         for push in self._following:
             mine = push.acts_on(state, self._rows)
             force = push.rows(state, self._rows[mine], push.at(state.time))
-            found += moved @ np.einsum("ea,eai->i", self._q[mine], force)
+            found += product(moved, np.einsum("ea,eai->i", self._q[mine], force))
         return found

@@ -25,6 +25,7 @@ normals of a mesh lean by at most that (half the largest fold between two quads,
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -38,7 +39,7 @@ from shellcut.state import KnownTopology, State
 _AXES = "xyz"
 
 # A director within 30° of an axis counts as along it, see above.
-_ALONG = float(np.cos(np.radians(30.0)))
+_ALONG = math.cos(math.radians(30.0))
 _NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
 Rate = Callable[[float], float]
 NodeChoice = str | Sequence[int] | Ints

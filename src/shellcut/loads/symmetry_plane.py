@@ -18,17 +18,18 @@ mirrored, the film would have a fold of more than 60°, which a mesh of the whol
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from shellcut.arrays import Bools
+from shellcut.arrays import Bools, unit
 from shellcut.mesh.mesh import Mesh
 
 from .supports import Support, choose_nodes
 
-_LARGEST_LEAN = float(np.sin(np.radians(30.0)))
+_LARGEST_LEAN = math.sin(math.radians(30.0))
 
 # Fraction of their size by which a node's quads may reach across the plane: coordinates in text
 # files have seven digits.
@@ -57,7 +58,7 @@ def put_directors_into_planes(mesh: Mesh, supports: Sequence[Support]) -> Mesh:
     nodes = leaning.any(axis=1)
     directors = mesh.directors.copy()
     inside = np.where(leaning[nodes], 0.0, directors[nodes])
-    directors[nodes] = inside / np.linalg.norm(inside, axis=1, keepdims=True)
+    directors[nodes] = unit(inside)
     return replace(mesh, directors=directors)
 
 

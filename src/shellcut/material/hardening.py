@@ -251,7 +251,7 @@ class Swift(Hardening):
     @property
     def first_yield(self) -> float:
         """σ_y(0) [MPa]."""
-        return float(self.strength * self.start**self.exponent)
+        return self.strength * math.pow(self.start, self.exponent)
 
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""

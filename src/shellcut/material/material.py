@@ -6,9 +6,8 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-import numpy as np
-
 from shellcut.arrays import Floats
+from shellcut.numerics.small_matrices import inverse
 
 from .point_law import PointLaw
 
@@ -51,7 +50,7 @@ class Material(ABC):
 
         Young's modulus; if there is no single one, the larger of the two directions'.
         """
-        compliance = np.linalg.inv(self.plane_stress())
+        compliance = inverse(self.plane_stress())
         return float(1.0 / min(compliance[0, 0], compliance[1, 1]))
 
     @property

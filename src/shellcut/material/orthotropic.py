@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Number, Vector
+from shellcut.arrays import Floats, Number, Vector, product
 from shellcut.numerics.lane_functions import larger, square_root
+from shellcut.numerics.small_matrices import inverse
 
 from .elastic import linear_stress
 from .material import Material, density_problems, refuse
@@ -23,7 +24,7 @@ def turned_moduli(moduli: Floats, angle_deg: float) -> Floats:
     For strains (E_11, E_22, 2 E_12): Cᵗ = RᵀCR with the R of :func:`strain_turn`.
     """
     R = strain_turn(angle_deg)
-    return np.asarray(R.T @ moduli @ R)
+    return np.asarray(product(R.T, moduli, R))
 
 
 def strain_turn(angle_deg: float) -> Floats:
@@ -133,7 +134,7 @@ class Orthotropic(Material):
 
     def plane_stress(self) -> Floats:
         """Return C, shape (3, 3) [MPa], in the film's axes."""
-        return turned_moduli(np.asarray(np.linalg.inv(self.compliance())), self.angle_deg)
+        return turned_moduli(np.asarray(inverse(self.compliance())), self.angle_deg)
 
     def parameters(self) -> Floats:
         """Return the upper triangle of C [MPa] and :meth:`thickness_slope`, shape (9,)."""
@@ -152,5 +153,5 @@ class Orthotropic(Material):
         """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12), in the film's axes."""
         through = self.poisson if self.poisson_through is None else self.poisson_through
         by_stress = through * np.array([1.0 / self.young_along, 1.0 / self.young_across, 0.0])
-        in_axes = by_stress @ np.linalg.inv(self.compliance())
-        return np.asarray(in_axes @ strain_turn(self.angle_deg))
+        in_axes = product(by_stress, inverse(self.compliance()))
+        return np.asarray(product(in_axes, strain_turn(self.angle_deg)))

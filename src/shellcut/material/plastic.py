@@ -35,11 +35,12 @@ from typing import Any
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Number, Vector
+from shellcut.arrays import Floats, Number, Vector, product
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above, exponential
 from shellcut.numerics.lane_functions import zero_like
 from shellcut.numerics.processor import seldom
+from shellcut.numerics.small_matrices import inverse
 
 from .elastic import Elastic
 from .elastic_part import WithElasticPart
@@ -331,8 +332,8 @@ class Plastic(WithElasticPart):
         """Return P of σ_eq² = T · P T in the film's axes, shape (3, 3)."""
         P = hill_matrix(self.r_values or (1.0, 1.0, 1.0))
         # Stresses turn by the transposed inverse of the strains' matrix.
-        R = np.linalg.inv(strain_turn(self.angle_deg)).T
-        return np.asarray(R.T @ P @ R)
+        R = inverse(strain_turn(self.angle_deg)).T
+        return np.asarray(product(R.T, P, R))
 
     def parameters(self) -> Floats:
         """Return the parameters of :attr:`law`; the first is where those of the rate begin."""
@@ -342,10 +343,10 @@ class Plastic(WithElasticPart):
             rows = [
                 *self.elastic.thickness_slope(),
                 *V.ravel(),
-                *(np.linalg.inv(V).T * mu).ravel(),
+                *(inverse(V).T * mu).ravel(),
                 *mu,
-                *(self.kinematic * np.linalg.inv(P)).ravel(),
-                *np.linalg.inv(V).ravel(),
+                *(self.kinematic * inverse(P)).ravel(),
+                *inverse(V).ravel(),
                 self.kinematic,
             ]
         else:

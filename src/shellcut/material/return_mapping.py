@@ -61,11 +61,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number
+from shellcut.arrays import Floats, Number, product
 from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_exponentials import any_above, exponential
 from shellcut.numerics.lane_functions import larger, square_root, where_above, zero_like
 from shellcut.numerics.processor import not_inlined, seldom
+from shellcut.numerics.small_matrices import symmetric_eigen
 
 _TURNS = 80
 # Relative spacing of doubles.
@@ -344,6 +345,7 @@ def modes_of(moduli: Floats, flow: Floats) -> tuple[Floats, Floats]:
     flow : ndarray, shape (3, 3)
         P, positive definite.
     """
-    factor = np.linalg.cholesky(moduli)
-    mu, turn = np.linalg.eigh(factor.T @ flow @ factor)
-    return np.asarray(factor @ turn), np.asarray(mu)
+    size, axes = symmetric_eigen(moduli)
+    factor = axes * np.sqrt(size)
+    mu, turn = symmetric_eigen(product(factor.T, flow, factor))
+    return np.asarray(product(factor, turn)), mu

@@ -32,9 +32,12 @@ is right along and across the film's direction.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, each, product
+from shellcut.numerics.small_matrices import inverse
 
 # Of one material, where τ is a parabola: exactly what the integrals give, to the last digit.
 _PARABOLA = 5.0 / 6.0
@@ -67,19 +70,20 @@ def shear_factors(thickness: Floats, plane: Floats, shear: Floats) -> Floats:
     for column, both in enumerate(_ON_PLANE):
         C = plane[:, both][:, :, both]
         A, B, D = (_between(C, bottom, top, power) for power in (1, 2, 3))
-        neutral = np.linalg.solve(A.sum(0), B.sum(0))
-        flow = np.linalg.inv(D.sum(0) - B.sum(0) @ neutral)
-        S = A @ neutral - B
+        neutral = product(inverse(A.sum(0)), B.sum(0))
+        flow = inverse(D.sum(0) - product(B.sum(0), neutral))
+        S = product(A, neutral) - B
         below = (np.cumsum(S, axis=0) - S)[:, None]
         C, low = C[:, None], bottom[:, None]
-        S = below + _between(C, low, z, 1) @ neutral - _between(C, low, z, 2)
-        f[..., column] = (S @ flow)[..., column]
-    energy = np.swapaxes(f, 2, 3) @ np.linalg.solve(shear[:, None], f)
+        S = below + product(_between(C, low, z, 1), neutral) - _between(C, low, z, 2)
+        f[..., column] = product(S, flow)[..., column]
+    energy = product(np.swapaxes(f, 2, 3), inverse(shear)[:, None], f)
     compliance = np.einsum("lp,lpij->ij", 0.5 * thickness[:, None] * weight, energy)
     whole = np.einsum("l,lij->ij", thickness, shear)
-    return np.asarray(np.linalg.inv(whole @ compliance))
+    return np.asarray(inverse(product(whole, compliance)))
 
 
 def _between(C: Floats, low: Floats, high: Floats, power: int) -> Floats:
     """Return ∫ C z^(power - 1) dz between two heights."""
-    return np.asarray(C * ((high**power - low**power) / power)[..., None, None])
+    rise = each(math.pow, high, power) - each(math.pow, low, power)
+    return np.asarray(C * (rise / power)[..., None, None])

@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product
 
 from .elastic import Elastic
 from .material import Material, refuse
@@ -242,7 +242,7 @@ class ShellMaterial:
 
     def transverse_shear(self, moduli: Floats) -> Floats:
         """Return the effective ones of transverse shear moduli G, the symmetric part of K G."""
-        effective = self.shear_factors @ moduli
+        effective = product(self.shear_factors, moduli)
         return np.asarray(0.5 * (effective + effective.T))
 
     def thickness_points(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, norm
 
 from .quad_geometry import (
     QuadSides,
@@ -21,7 +21,6 @@ from .quad_geometry import (
     corner_vectors,
     edge_lengths,
     mean_directors,
-    norm,
     quad_vectors,
     scaled_jacobian,
     unit,

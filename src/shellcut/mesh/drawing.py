@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
 from shellcut.formats.errors import FileError
@@ -204,7 +204,7 @@ def _loops(path: Path, curves: list[Curve], reach: float) -> list[Floats]:
     for number, curve in enumerate(curves):
         if extent_of(curve.points) <= reach:
             _log.warning("%s: %s is shorter than %.3g mm and is left out", path, curve.where, reach)
-        elif np.linalg.norm(curve.points[0] - curve.points[-1]) <= reach:
+        elif norm(curve.points[0] - curve.points[-1]) <= reach:
             loops.append((number, _cleaned(curve.points, reach)))
         else:
             open_ones.append((number, curve))
@@ -281,9 +281,9 @@ def _cleaned(points: Floats, reach: float) -> Floats:
     # without the repeated last point, and without points closer than `reach` to the one before
     kept = [0]
     for k in range(1, len(points)):
-        if np.linalg.norm(points[k] - points[kept[-1]]) > reach:
+        if norm(points[k] - points[kept[-1]]) > reach:
             kept.append(k)
-    while len(kept) > 1 and np.linalg.norm(points[kept[-1]] - points[0]) <= reach:
+    while len(kept) > 1 and norm(points[kept[-1]] - points[0]) <= reach:
         kept.pop()
     return points[kept]
 

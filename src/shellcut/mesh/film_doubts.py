@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, angles, norm, product
 from shellcut.numerics.connected_parts import connected_parts
 
 from .checks import place, some
-from .quad_geometry import corner_vectors, norm
+from .quad_geometry import corner_vectors
 
 if TYPE_CHECKING:
     from .mesh import Mesh
@@ -106,7 +106,7 @@ def _angles(mesh: Mesh) -> Floats:
     total = np.zeros(mesh.n_node)
     for a in range(4):
         p, q = corner_vectors(mesh.nodes, mesh.quads, a)
-        angle = np.arctan2(norm(np.cross(p, q)), np.einsum("ij,ij->i", p, q))
+        angle = angles(p, q)
         total += np.bincount(mesh.quads[:, a], weights=angle, minlength=mesh.n_node)
     return np.asarray(np.degrees(total))
 
@@ -141,9 +141,9 @@ def _holes(mesh: Mesh, rim: _Rim) -> Iterator[str]:
         spokes = points - points.mean(axis=0)
         vector = 0.5 * np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
         around = areas[np.isin(mesh.quads, members).any(axis=1)].mean()
-        size = float(np.linalg.norm(vector) / around)
+        size = float(norm(vector) / around)
         place = f"{len(members)} edges around {_point(points.mean(axis=0))} mm"
-        if vector @ mesh.directors[members].sum(axis=0) > 0.0:
+        if product(vector, mesh.directors[members].sum(axis=0)) > 0.0:
             yield f"quads overlap within a loop of {place}: is a corner of one wrong there?"
         elif size < _MOST_LOST + 0.5 and frozenset(members.tolist()) not in named:
             n = max(1, round(size))
@@ -174,13 +174,13 @@ def _notches(mesh: Mesh, rim: _Rim) -> Iterator[str]:
 
 def _off_plane(mesh: Mesh) -> Iterator[str]:
     normal = mesh.directors.mean(axis=0)
-    length = float(np.linalg.norm(normal))
+    length = float(norm(normal))
     if length < 0.5:  # closed or strongly curved
         return
-    height = mesh.nodes @ (normal / length)
+    height = product(mesh.nodes, normal / length)
     for axis in np.eye(3):  # unlike the mean normal, these do not tilt with one wrong node
-        if abs(axis @ normal) > 0.9 * length:
-            height = mesh.nodes @ axis
+        if abs(product(axis, normal)) > 0.9 * length:
+            height = product(mesh.nodes, axis)
     away = np.abs(height - np.median(height)) > _FLAT * float(np.ptp(mesh.nodes, axis=0).max())
     n = int(away.sum())
     if 0 < n <= min(_FEW, mesh.n_node // _MANY):

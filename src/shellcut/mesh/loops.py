@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, product
 
 from .checks import MeshError
 
@@ -33,7 +33,7 @@ class Meeting(NamedTuple):
 def area_of(polygon: Floats) -> float:
     """Return the area within a polygon, shape (n, 2)."""
     x, y = (polygon - polygon[0]).T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    return 0.5 * abs(float(product(x, np.roll(y, -1)) - product(y, np.roll(x, -1))))
 
 
 def levels(loops: Sequence[Floats]) -> Ints:

@@ -22,10 +22,10 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm
 
 from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place, some
-from .quad_geometry import QuadSides, corner_vectors, edge_lengths, norm, scaled_jacobian
+from .quad_geometry import QuadSides, corner_vectors, edge_lengths, scaled_jacobian
 
 __all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
 

@@ -12,14 +12,14 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from math import isfinite
+from math import atan2, isfinite
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, each
 
 from .film_size import check_film_size
 from .loops import area_of, levels, meetings
@@ -149,7 +149,7 @@ def _divided(points: Floats, size: float) -> Floats:
     length = np.hypot(*sides.T)
     before = np.roll(sides, 1, axis=0)
     cross = before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0]
-    turn = np.arctan2(np.abs(cross), (before * sides).sum(axis=1))
+    turn = each(atan2, np.abs(cross), (before * sides).sum(axis=1))
     corners = np.flatnonzero(np.degrees(turn) > CORNER_DEG)
     start = corners if len(corners) else np.array([0])
     arc = np.concatenate([[0.0], np.cumsum(length)])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, angles, norm
 
 _FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
 
@@ -39,12 +39,6 @@ class QuadSides:
         return self.quads[start], self.quads[start + 1], turning_alike
 
 
-def norm(vectors: Floats) -> Floats:
-    """Return the length of every row."""
-    length: Floats = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    return length
-
-
 def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:
     """Return the edge vectors p and q of corner ``a`` of every quad."""
     at = X[quads[:, a]]
@@ -67,9 +61,7 @@ def edge_lengths(X: Floats, quads: Ints) -> Floats:
 
 def angles_deg(one: Floats, two: Floats) -> Floats:
     """Return the angles between vectors of two lists, of any length."""
-    # the arc tangent keeps small angles, which an arc cosine rounds to zero
-    sine, cosine = norm(np.cross(one, two)), np.einsum("ij,ij->i", one, two)
-    return np.asarray(np.degrees(np.arctan2(sine, cosine)))
+    return np.degrees(angles(one, two))
 
 
 def unit(vectors: Floats) -> Floats:
@@ -114,4 +106,4 @@ def corner_normals(corners: Floats) -> Floats:
     normal = np.cross(
         corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
     )
-    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+    return np.asarray(normal / norm(normal)[..., None])

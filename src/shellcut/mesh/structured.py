@@ -21,14 +21,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import ceil, isfinite, pi, sqrt
+from math import ceil, cos, isfinite, pi, sin, sqrt
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, each
 
 from .film_size import MOST_QUADS, check_film_size
 from .mesh import Mesh, MeshError
@@ -275,7 +275,7 @@ def cylinder(
     n_column = n_around if closed else n_around + 1
     angle = np.radians(arc_deg) * ((2 * np.arange(n_column) - n_around) / (2 * n_around))
     y = length * ((2 * np.arange(n_along + 1) - n_along) / (2 * n_along))
-    radial = np.stack([np.sin(angle), np.zeros(n_column), np.cos(angle)], axis=1)
+    radial = np.stack([each(sin, angle), np.zeros(n_column), each(cos, angle)], axis=1)
     directors = np.tile(radial, (n_along + 1, 1))
     nodes = radius * directors
     nodes[:, 1] = np.repeat(y, n_column)
@@ -305,13 +305,13 @@ def _core(n_side: int, n_free: int) -> tuple[Floats, Ints]:
     w, b1, b2, b3, b4 = _core_shape(n_side, n_free)
 
     def place(u: Floats, v: Floats) -> Floats:
-        result: Floats = w * u * (1.0 + b1 * v**2 + b2 * u**4 + b3 * u**2 * v**2 + b4 * v**4)
-        return result
+        p, q = u * u, v * v
+        return np.asarray(w * u * (1.0 + b1 * q + b2 * p * p + b3 * p * q + b4 * q * q))
 
     u, v = (a.ravel() for a in np.meshgrid(t, t, indexing="ij"))
     x, y = place(u, v), place(v, u)
     turn = 0.25 * pi / n_side if n_side % 2 else 0.0
-    c, s = np.cos(turn), np.sin(turn)
+    c, s = cos(turn), sin(turn)
     grid = np.arange((n_side + 1) ** 2).reshape(n_side + 1, n_side + 1)
     return np.stack([c * x - s * y, s * x + c * y], axis=1), grid
 
@@ -327,9 +327,9 @@ def _circle(n: int) -> Floats:
     k = np.arange(n)
     if n % 4:
         angle = 2.0 * pi * k / n
-        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return np.stack([each(cos, angle), each(sin, angle)], axis=1)
     angle = 2.0 * pi * np.arange(n // 4) / n
-    x, y = np.cos(angle), np.sin(angle)
+    x, y = each(cos, angle), each(sin, angle)
     return np.stack([np.concatenate([x, -y, -x, y]), np.concatenate([y, x, -y, -x])], axis=1)
 
 

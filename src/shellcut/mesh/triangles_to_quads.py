@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ class QuadSplit:
     def middles(self, lines: Ints) -> Ints:
         """Return the midpoints of those lines, shape (n_line, 2), that are edges of the mesh."""
         ordered = np.sort(lines, axis=1)
-        key = ordered @ np.array([self.n_node, 1])
-        keys = self.edge_ends @ np.array([self.n_node, 1])
+        key = product(ordered, np.array([self.n_node, 1]))
+        keys = product(self.edge_ends, np.array([self.n_node, 1]))
         found: Ints = np.flatnonzero(np.isin(keys, key)) + self.n_node
         return found
 

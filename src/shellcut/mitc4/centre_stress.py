@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import inline, kernel
@@ -165,7 +165,7 @@ class CentreStress:
             ]
         )
         strains = np.stack([e[..., 0, 0], e[..., 1, 1], 2.0 * e[..., 0, 1]], axis=-1)
-        s = strains @ self._law[place]
+        s = product(strains, self._law[place])
         S, dS = s[..., [0, 2, 2, 1]].reshape(*s.shape[:2], 2, 2)
         area, old = (np.cross(base[:, 0], base[:, 1]) for base in (g, G))
         grown = np.cross(dg[:, 0], g[:, 1]) + np.cross(g[:, 0], dg[:, 1])

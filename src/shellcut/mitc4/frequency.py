@@ -41,16 +41,17 @@ quad, all as changes since the evaluation. A test finds no more than 0.6 of this
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import sqrt
+from math import cos, sin, sqrt
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3, each, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, sub
 
 from .eigenvalue_bound import bound_largest_eigenvalues
@@ -235,15 +236,15 @@ def growth_rates(material: ShellMaterial) -> tuple[float, float]:
     membrane, bending = np.zeros((3, 3)), np.zeros((3, 3))
     for z, weight, layer in zip(*material.thickness_points(), strict=True):
         membrane += weight / h * layer.plane_stress()
-        bending += 12.0 * weight * z * z / h**3 * layer.plane_stress()
+        bending += 12.0 * weight * z * z / (h * h * h) * layer.plane_stress()
     # The largest modulus as a quadratic form of tensors: shear counts twice in them.
     unit = np.diag([1.0, 1.0, np.sqrt(2.0)])
-    largest = max(np.linalg.eigvalsh(unit @ C @ unit)[-1] for C in (membrane, bending))
+    largest = max(symmetric_eigen(product(unit, C, unit))[0][-1] for C in (membrane, bending))
     if not material.is_symmetric:
         largest *= 2.0  # stretching and bending may both be at their maximum
     # Trace of the acoustic tensor along (c, s): C_11 c² + C_22 s² + C_33 + 2 (C_13 + C_23) c s.
     angle = np.linspace(0.0, np.pi, 181)
-    c, s = np.cos(angle), np.sin(angle)
+    c, s = each(cos, angle), each(sin, angle)
     C = membrane
     trace = C[0, 0] * c * c + C[1, 1] * s * s + C[2, 2] + 2.0 * (C[0, 2] + C[1, 2]) * c * s
     ratio = float(largest / (0.5 * trace.min()))

@@ -110,7 +110,7 @@ class Places:
         self._grow(state.strain.shape[0] - self.blocks.quad.shape[0])
         self.blocks = replace(self.blocks, slot=slot.copy())
         self._count_copies(rows.size)
-        for row in rows[np.argsort(slot[rows])].tolist():
+        for row in rows[np.argsort(slot[rows], kind="stable")].tolist():
             b, lane = divmod(int(slot[row]), self.blocks.width)
             self.blocks.quad[b, lane:] = row
             self._fill(state, row)

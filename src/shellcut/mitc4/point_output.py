@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3, product, unit
 from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
@@ -70,7 +70,7 @@ class PointOutput:
             column = np.array(
                 [law.history.index(name) if name in law.history else 0 for law in laws]
             )
-            self._history_share[name] = has * weight / (has @ weight), column
+            self._history_share[name] = has * weight / (product(has, weight)), column
 
     def take(self, blocks: QuadBlocks, points: PointTables) -> None:
         """Take over the tables of the shell, after a cut has made them anew."""
@@ -157,8 +157,7 @@ def _lamina(x: Floats, quads: Ints) -> Floats:
     e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
     a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
     e2 = np.cross(np.cross(e1, a2), e1)
-    axes = np.stack([e1, e2], axis=1)
-    return np.asarray(axes / np.linalg.norm(axes, axis=2, keepdims=True))
+    return unit(np.stack([e1, e2], axis=1))
 
 
 @kernel

@@ -32,9 +32,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats
+from shellcut.arrays import Bools, Floats, product, unit
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.small_matrices import inverse
 
 from .element import GAUSS, N_STRAIN, FlatModuli
 
@@ -174,7 +175,7 @@ def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     H = np.zeros((len(X), N_STRAIN, N_STRAIN))
     for q, point in enumerate(GAUSS):
         B = strain_map(*point)
-        H += B.T @ point_stiffness(X, T, material, q) @ B
+        H += product(B.T, point_stiffness(X, T, material, q), B)
     return _upper(H)
 
 
@@ -192,10 +193,10 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
         P = np.zeros((5, 8))
         P[:3, :3], P[:3, 3:6], P[3:, 6:] = np.eye(3), z * np.eye(3), np.eye(2)
         Q, _ = cartesian_map(G1, G2, T0)
-        q_p = Q @ P
+        q_p = product(Q, P)
         if material.has_axes:
-            q_p = turn @ q_p
-        h += volume[:, None, None] * (q_p.transpose(0, 2, 1) @ C @ q_p)
+            q_p = product(turn, q_p)
+        h += volume[:, None, None] * (product(q_p.transpose(0, 2, 1), C, q_p))
     return h
 
 
@@ -281,11 +282,10 @@ def frame_components(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats
 
     ê_1 is normal to G_2 and G_3, hence along G^1, so ê_2 · G^1 = ê_3 · G^1 = 0.
     """
-    e3 = G3 / np.linalg.norm(G3, axis=1, keepdims=True)
-    e1 = _cross(G2, e3)
-    e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
+    e3 = unit(G3)
+    e1 = unit(_cross(G2, e3))
     e2 = _cross(e3, e1)
-    contra = np.linalg.inv(np.stack([G1, G2, G3], axis=2))  # rows G^1, G^2, G^3
+    contra = inverse(np.stack([G1, G2, G3], axis=2))  # rows G^1, G^2, G^3
     return (
         np.einsum("eki,eni->enk", contra, np.stack([e1, e2, e3], axis=1)),
         np.stack([e1, e2], axis=1),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce
@@ -145,7 +145,7 @@ class MITC4Shell:
     def added_inertia_factor(self) -> float:
         """Scaled over true rotary inertia of the whole film."""
         true = self.mass.sum() * self.material.thickness**2 / 12.0
-        return float((self.mass.sum(axis=1) @ self._gyration(slice(None))) / true)
+        return float(product(self.mass.sum(axis=1), self._gyration(slice(None))) / true)
 
     def quad_inertia(self, quads: Ints) -> Floats:
         """Return the share of each corner in the rotary inertia of quads [t·mm²], shape (n, 4)."""

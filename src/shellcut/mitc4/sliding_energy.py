@@ -18,8 +18,9 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.small_matrices import inverse
 
 from .element import GAUSS, N_STRAIN
 from .section import point_stiffness, strain_map
@@ -120,7 +121,7 @@ def slid(X: Floats, T: Floats, slides: Floats) -> tuple[Floats, Floats]:
     turn = np.einsum("apb,ebi->eapi", _AT_CORNERS, T)
     metric = np.einsum("eapi,eaqi->eapq", base, base)
     covariant = np.einsum("eapi,keai->keap", base, slides)
-    by = np.einsum("eapq,keaq->keap", np.linalg.inv(metric), covariant)
+    by = np.einsum("eapq,keaq->keap", inverse(metric), covariant)
     return np.einsum("keap,eapi->keai", by, base), np.einsum("keap,eapi->keai", by, turn)
 
 
@@ -129,5 +130,5 @@ def _stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     H = np.zeros((len(X), N_STRAIN, N_STRAIN))
     for q, point in enumerate(GAUSS):
         B = strain_map(*point)
-        H += B.T @ point_stiffness(X, T, material, q) @ B
+        H += product(B.T, point_stiffness(X, T, material, q), B)
     return H

@@ -11,12 +11,14 @@ quad turns, and its axes with it: they find the same strain of the film in other
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, each, product
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.small_matrices import inverse, pseudo_inverse
 from shellcut.state import State
 
 from .element import GAUSS
@@ -76,7 +78,7 @@ class SlidingHistory(NamedTuple):
         for row in rows:
             on = np.isin(quads[near], quads[row]).any(axis=1)
             slopes.append(_slope(places, on * held))
-        weights = np.einsum("eq,kenr->keqnr", q @ _AT_GAUSS.T, np.stack(slopes, axis=1))
+        weights = np.einsum("eq,kenr->keqnr", product(q, _AT_GAUSS.T), np.stack(slopes, axis=1))
         n_each = shell.points.rule.place.size // len(layers)
         strains = tuple(one.material.law.turning for one in layers for _ in range(n_each))
         own = np.searchsorted(near, rows)
@@ -84,10 +86,11 @@ class SlidingHistory(NamedTuple):
         spin = []
         for far, before, step in slide_ends(X[own], T[own], slides):
             ends = [_angles(*end, shell.material, base) for end in (far, before)]
+            turn = ends[0] - ends[1]
             # Without the jump of an angle at half a turn.
-            spin.append(np.angle(np.exp(1j * (ends[0] - ends[1]))) / step)
+            spin.append((turn - 2.0 * np.pi * np.round(turn / (2.0 * np.pi))) / step)
         angle = _angles(X, T, shell.material, base)
-        turn = strain_turns(np.cos(angle), -np.sin(angle))
+        turn = strain_turns(each(math.cos, angle), -each(math.sin, angle))
         return cls(shell.blocks.slot[near], own, weights, turn, np.array(spin), strains)
 
     def of_state(self, state: State) -> tuple[Floats, Floats]:
@@ -108,11 +111,11 @@ class SlidingHistory(NamedTuple):
                 part = level[:, :, height, k : k + 3]
                 part[...] = np.einsum("eqij,eqj->eqi", self.turn, part)
         changes = np.einsum("keqnr,nrhj->keqhj", self.weights, level)
-        back, history = np.linalg.inv(self.turn[self.own]), near[self.own]
+        back, history = inverse(self.turn[self.own]), near[self.own]
         for height, strains in enumerate(self.strains):
             for k in strains:
                 part = changes[..., height, k : k + 3]
-                spun = history[:, :, height, k : k + 3] @ _SPIN.T
+                spun = product(history[:, :, height, k : k + 3], _SPIN.T)
                 part[...] = np.einsum("eqij,keqj->keqi", back, part)
                 part += self.spin[..., None] * spun
         shape = len(history), -1, near.shape[-1]
@@ -129,7 +132,7 @@ def _slope(places: Floats, weight: Floats) -> Floats:
         return np.zeros((2, *w.shape))
     off = places - np.einsum("eq,eqk->k", w, places) / w.sum()
     spread = np.einsum("eq,eqi,eqj->ij", w, off, off)
-    return np.asarray(np.einsum("ij,eqj,eq->ieq", np.linalg.pinv(spread, rcond=_FLAT), off, w))
+    return np.asarray(np.einsum("ij,eqj,eq->ieq", pseudo_inverse(spread, _FLAT), off, w))
 
 
 def _angles(X: Floats, T: Floats, material: ShellMaterial, base: Floats) -> Floats:
@@ -141,5 +144,5 @@ def _angles(X: Floats, T: Floats, material: ShellMaterial, base: Floats) -> Floa
         if material.has_axes:
             along = material.direction_at(np.einsum("a,eac->ec", n, X))
             way = np.einsum("in,nij->nj", axes_in_frame(A1, A2, T0, along), frame)
-        angles.append(np.arctan2(way @ base[1], way @ base[0]))
+        angles.append(each(math.atan2, product(way, base[1]), product(way, base[0])))
     return np.stack(angles, axis=1)

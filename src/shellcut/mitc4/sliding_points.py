@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.material.law_dispatch import HistoryStep, PointLaws, point_stress
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import kernel
@@ -142,7 +142,7 @@ def _maps(X: Floats, T: Floats, material: ShellMaterial, rule: PointRule) -> _Ma
             G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
             Q, _ = cartesian_map(G1, G2, T0)
             lifted = np.concatenate([B[:3] + z * B[3:6], B[6:]])
-            maps.append((Q if turn is None else turn @ Q) @ lifted)
+            maps.append(product(Q if turn is None else product(turn, Q), lifted))
             volumes.append(weight * np.einsum("ei,ei->e", np.cross(G1, G2), T0))
     return _Maps(np.stack(maps, axis=1), np.stack(volumes, axis=1), reference_products(X, T))
 

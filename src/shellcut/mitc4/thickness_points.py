@@ -24,7 +24,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number, Vector
+from shellcut.arrays import Floats, Number, Vector, product
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
@@ -110,7 +110,7 @@ def build_rule(material: ShellMaterial) -> PointRule:
         place * weight,
         PointLaws(tuple(laws), np.array([laws.index(layer.law) for layer in layers]), parameters),
         shear,
-        weight @ shear,
+        product(weight, shear),
         max(len(law.history) for law in laws),
     )
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
 from shellcut.fracture.criterion import Fracture
@@ -175,9 +175,7 @@ def blade_before(
         along = _up_the_edge(blade)
         _check_edge_left(blade, slice_ratio * way * along[2], _EDGE_LEFT * law.opening_u)
         direction += slice_ratio * along
-    motion = StraightMotion(
-        direction.tolist(), speed=speed * float(np.linalg.norm(direction)), ramp=_RAMP
-    )
+    motion = StraightMotion(direction.tolist(), speed=speed * float(norm(direction)), ramp=_RAMP)
     duration = way / speed + 0.5 * _RAMP
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
 
@@ -187,8 +185,7 @@ def _up_the_edge(blade: Tool) -> Floats:
     ends = blade.vertices[blade.edges.ravel()]
     if not len(ends):
         raise ValueError("slice_ratio is of a cutting edge, and this tool has none")
-    along = ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()]
-    return np.asarray(along / np.linalg.norm(along))
+    return unit(ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()])
 
 
 def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
@@ -234,7 +231,7 @@ def _line_of(mesh: Mesh, lane: float) -> Ints:
     """Return the nodes on y = ``lane`` in the order of x, shape (n,)."""
     off = ON_ROW * float(np.median(mesh.edge_lengths()))
     on_line = mesh.nodes_where(lambda x, y, z: np.abs(y - lane) < off)
-    return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0])])
+    return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0], kind="stable")])
 
 
 def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:

@@ -38,5 +38,5 @@ def by_first_appearance(labels: Ints) -> Ints:
     """
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
     rank = np.empty(first.size, dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(first.size)
+    rank[np.argsort(first, kind="stable")] = np.arange(first.size)
     return np.asarray(rank[inverse])

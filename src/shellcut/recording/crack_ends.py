@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, unit
 from shellcut.fracture.quad_fans import arriving, fans_of
 from shellcut.state import local_edge_length
 
@@ -74,7 +74,7 @@ class CrackEnds(NamedTuple):
         nodes = np.union1d(rim, film[np.bincount(origin)[origin] > 1])
         return cls(
             place,
-            t / np.linalg.norm(t, axis=1)[:, None],
+            unit(t),
             np.zeros(n_tip, np.bool_),  # a crack that has reached the rim has no end there
             lambda i: free.tips[i].heading,
             np.concatenate([n.X[nodes], n.X[flanks], place]),
@@ -100,5 +100,5 @@ def directors_at(sim: Simulation, nodes: Ints) -> Floats:
     if tied.any():
         k = point[nodes[tied]]
         own = np.einsum("ka,kac->kc", f.weight[k], directors[sim.shell.mesh_quads[f.row[k]]])
-        t[tied] = own / np.linalg.norm(own, axis=1)[:, None]
+        t[tied] = unit(own)
     return np.asarray(t)

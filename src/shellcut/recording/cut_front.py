@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, each, norm, product, unit
 from shellcut.state import JOINTED, NOT_MET
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
@@ -92,7 +92,7 @@ class CutFront:
         self._chain = np.zeros(0, np.int64) if tool is None else tool.edge_chain
         self._n_chain = 0 if tool is None else tool.n_chain
         self._rim = sim.mesh.boundary_nodes()
-        self._extent = float(np.linalg.norm(np.ptp(sim.mesh.nodes, axis=0)))
+        self._extent = float(norm(np.ptp(sim.mesh.nodes, axis=0)))
         self._look = _LOOK_AHEAD * until
         self._seen = (-1, -1, -1)
         self._rows = np.zeros((self._n_chain, 4))
@@ -166,17 +166,19 @@ class CutFront:
         first, second, curvature = self._course(sim, tip, ends)
         others = ends.own != tip
         gap = ends.obstacle[others] - ends.place[tip]
-        a, b = gap @ first, gap @ second
+        a, b = product(gap, first), product(gap, second)
         if abs(curvature) * self._extent <= _STRAIGHT:
             way, beside = a, np.abs(b)
         else:
             # Work from the centre of the circle, which lies on the side of the turn.
             radius = 1.0 / abs(curvature)
             b = np.copysign(1.0, curvature) * b
-            way = radius * np.mod(np.arctan2(a, radius - b), 2.0 * np.pi)
+            way = radius * np.mod(each(math.atan2, a, radius - b), 2.0 * np.pi)
             beside = np.abs(np.hypot(a, radius - b) - radius)
         size = ends.size[others]
-        through = np.abs(gap @ np.cross(first, second))  # the far side of a tube is no obstacle
+        through = np.abs(
+            product(gap, np.cross(first, second))
+        )  # the far side of a tube is no obstacle
         met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))
 
@@ -185,27 +187,26 @@ class CutFront:
         motion = sim.motion
         assert motion is not None
         director, here = ends.director[tip], ends.place[tip]
-        local = sim.pose.rotation.T @ (here - sim.pose.translation)
+        local = product(sim.pose.rotation.T, here - sim.pose.translation)
         places = []
         for k in (1, 2):
             then = pose_at(motion, sim.state.time + k * self._look)
-            places.append(then.rotation @ local + then.translation - here)
-        first, second = (p - (p @ director) * director for p in places)
-        length = float(np.linalg.norm(first))
-        if length <= _ALONG * np.linalg.norm(places[0]) or length == 0.0:
+            places.append(product(then.rotation, local) + then.translation - here)
+        first, second = (p - product(p, director) * director for p in places)
+        length = float(norm(first))
+        if length <= _ALONG * norm(places[0]) or length == 0.0:
             along = ends.heading(tip)
-            along = along - (along @ director) * director
-            along /= np.linalg.norm(along)
+            along = unit(along - product(along, director) * director)
             return along, np.cross(director, along), 0.0
         chord = first / length
         left = np.cross(director, chord)
         onward = second - first
-        if np.linalg.norm(onward) <= _ALONG * length:  # the tool comes to rest
+        if norm(onward) <= _ALONG * length:  # the tool comes to rest
             return chord, left, 0.0
         # Circle through three points: curvature = 4 area / product of the sides; the tangent at
         # the first point is the chord turned back by half the arc.
-        sides = length * float(np.linalg.norm(second) * np.linalg.norm(onward))
-        curvature = 2.0 * length * float(second @ left) / sides
+        sides = length * float(norm(second) * norm(onward))
+        curvature = 2.0 * length * float(product(second, left)) / sides
         sine = 0.5 * curvature * length
         ahead = math.sqrt(max(1.0 - sine * sine, 0.0)) * chord - sine * left
         return ahead, np.cross(director, ahead), curvature

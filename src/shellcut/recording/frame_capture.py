@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, unit
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.quad_fans import open_edge_copies
 from shellcut.frame import Frame
@@ -115,7 +115,7 @@ def _cut_film(state: State, drawn: DrawnFilm) -> dict[str, Any]:
     return {
         "points": drawn.at_points(n.x),
         "reference": drawn.at_points(n.X),
-        "director": t / np.linalg.norm(t, axis=1)[:, None],
+        "director": unit(t),
         "velocity": drawn.at_points(n.velocity_half),
         "quads": drawn.polygons,
         "held": drawn.all_at_points(n.supported),

@@ -15,6 +15,7 @@ from shellcut.results.steady_window import steady_figures
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
+from .run_digest import run_digest
 from .unfelt_penetration import Unfelt
 
 if TYPE_CHECKING:
@@ -82,6 +83,8 @@ def run_summary(
     finite |= steady_figures(history, coordinate, r.columns[0])
     if sim.cracks is not None:
         finite["crack_path"] = "edges" if sim.cracks.free is None else "free"
+    if sim.between_steps:
+        finite["digest"] = run_digest(sim.saved(), history)
     return finite | {"resistance": r.meaning, "options": _options(sim)}
 
 

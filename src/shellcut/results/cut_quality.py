@@ -41,7 +41,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.frame import Frame, is_corner
 from shellcut.numerics.connected_parts import connected_parts
 
@@ -246,7 +246,7 @@ def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
         way = _way(ends[mine], lengths[mine], is_tip)
         line = frame.reference[node[way]]
         tips = [
-            _Tip(line[i], _unit(line[i] - line[j])) for i, j in ((0, 1), (-1, -2)) if is_tip[way[i]]
+            _Tip(line[i], unit(line[i] - line[j])) for i, j in ((0, 1), (-1, -2)) if is_tip[way[i]]
         ]
         length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
         yield _Crack(line, length, bool(way[0] == way[-1]), tips)
@@ -384,8 +384,8 @@ class _Surface:
             quads,
             line,
             float(self.area[quads].sum()),
-            float(_angles(before.sum(axis=0), now.sum(axis=0))),
-            float(_angles(before, now).max()),
+            float(np.degrees(angles(before.sum(axis=0), now.sum(axis=0)))),
+            float(np.degrees(angles(before, now)).max()),
         )
 
 
@@ -414,12 +414,6 @@ def _area_vectors(points: Floats, quads: Ints) -> Floats:
     return np.asarray(whole)
 
 
-def _angles(a: Floats, b: Floats) -> Floats:
-    # From sine and cosine: the arc cosine alone loses half the digits at small angles.
-    sine = np.linalg.norm(np.cross(a, b), axis=-1)
-    return np.asarray(np.degrees(np.arctan2(sine, (a * b).sum(axis=-1))))
-
-
 def _inside(points: Floats, polygon: Floats) -> Bools:
     """Return which points (n, 2) lie inside a closed polygon (m, 2): odd crossings to the right."""
     x, y = points.T[:, :, None]
@@ -428,7 +422,3 @@ def _inside(points: Floats, polygon: Floats) -> Bools:
     rise = np.where(y1 == y0, 1.0, y1 - y0)
     right = x < x0 + (y - y0) * (x1 - x0) / rise
     return np.asarray((spans & right).sum(axis=1) % 2 == 1)
-
-
-def _unit(v: Floats) -> Floats:
-    return np.asarray(v / np.linalg.norm(v))

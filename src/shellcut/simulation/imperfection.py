@@ -25,11 +25,12 @@ round-off, and w has none of the symmetries of film, tool and motion.
 
 from __future__ import annotations
 
+import math
 from itertools import chain
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, each, norm, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.state import State
@@ -70,20 +71,23 @@ class Imperfection:
         longest = np.sqrt(mesh.quad_areas().sum())
         lengths = np.maximum(longest * np.linspace(1.0, _SHORTEST, _N_WAVE), shortest)
         multiples = (number - 1) * _N_WAVE + np.arange(1.0, _N_WAVE + 1.0)
-        height, turn, self._phase = np.outer(_ROOT ** -np.arange(1.0, 4.0), multiples) % 1.0
+        steps = [math.pow(_ROOT, -k) for k in (1, 2, 3)]
+        height, turn, self._phase = np.outer(steps, multiples) % 1.0
         along, round_ = 2.0 * height - 1.0, 2.0 * np.pi * turn
         across = np.sqrt(1.0 - along**2)
-        units = np.stack([across * np.cos(round_), across * np.sin(round_), along], axis=1)
+        units = np.stack(
+            [across * each(math.cos, round_), across * each(math.sin, round_), along], axis=1
+        )
         self._origin, axes = _frame(mesh, tool, pose)
-        self._waves = units @ axes / lengths[:, None]
+        self._waves = product(units, axes) / lengths[:, None]
 
     def displace(self, state: State) -> None:
         """Add the shape to the positions of a film at rest."""
         if not self.number:
             return
         n = state.node
-        turns = (n.X[: n.count] - self._origin) @ self._waves.T + self._phase
-        w = self.amplitude * np.cos(2.0 * np.pi * turns).mean(axis=1)
+        turns = product(n.X[: n.count] - self._origin, self._waves.T) + self._phase
+        w = self.amplitude * each(math.cos, 2.0 * np.pi * turns).mean(axis=1)
         n.x[: n.count] += w[:, None] * n.t[: n.count]
 
 
@@ -103,17 +107,17 @@ def number_of_shape(given: int | None, *, cuts: bool) -> int:
 def _frame(mesh: Mesh, tool: Tool | None, pose: Pose) -> tuple[Floats, Floats]:
     """Return the film's centroid, shape (3,) [mm], and orthonormal axes, one a row, (3, 3)."""
     areas = mesh.quad_areas()
-    origin = areas @ mesh.nodes[mesh.quads].mean(axis=1) / areas.sum()
+    origin = product(areas, mesh.nodes[mesh.quads].mean(axis=1)) / areas.sum()
     places, centre = mesh.nodes, origin
     if tool is not None:
         places = pose.to_space(tool.vertices)
         a, b, c = np.moveaxis(places[tool.triangles], 1, 0)
         areas_of_tool = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        centre = areas_of_tool @ (a + b + c) / (3.0 * areas_of_tool.sum())
+        centre = product(areas_of_tool, a + b + c) / (3.0 * areas_of_tool.sum())
     size, axes = float(np.sqrt(areas.sum())), np.zeros((0, 3))
     for way in chain([mesh.directors.mean(axis=0)], (np.vstack([centre, places]) - origin) / size):
-        across = way - axes.T @ (axes @ way)
-        if (length := float(np.linalg.norm(across))) > _SEEN:
+        across = way - product(axes.T, product(axes, way))
+        if (length := float(norm(across))) > _SEEN:
             axes = np.vstack([axes, across / length])
         if len(axes) == 2:
             break

@@ -22,7 +22,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, Numbers, Vec3
+from shellcut.arrays import Bools, Floats, Ints, Numbers, Vec3, angles, unit
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import dot, sub
 
@@ -358,8 +358,7 @@ def _planes(tool: Tool) -> Floats:
     # (n_triangle, 4, 4): see TriangleSurface.
     corners = tool.vertices[tool.triangles]
     along = np.roll(corners, -1, axis=1) - corners
-    inward = np.cross(tool.triangle_normals[:, None], along)
-    inward /= np.linalg.norm(inward, axis=2, keepdims=True)
+    inward = unit(np.cross(tool.triangle_normals[:, None], along))
     planes = np.empty((tool.n_triangle, 4, 4))
     planes[:, 0, :3], planes[:, 1:, :3] = tool.triangle_normals, inward
     planes[:, 0, 3] = (tool.triangle_normals * corners[:, 0]).sum(axis=1)
@@ -374,8 +373,7 @@ def _pseudo_normals(tool: Tool) -> Floats:
     corners = tool.vertices[triangles]
     to_next = np.roll(corners, -1, axis=1) - corners
     to_last = np.roll(corners, 1, axis=1) - corners
-    sine = np.linalg.norm(np.cross(to_next, to_last), axis=2)
-    angle = np.arctan2(sine, (to_next * to_last).sum(axis=2))
+    angle = angles(to_next, to_last)
     at_vertex = np.zeros_like(tool.vertices)
     np.add.at(at_vertex, triangles, angle[:, :, None] * normals[:, None, :])
 

@@ -26,7 +26,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3, unit
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, dot, norm, sub
@@ -88,8 +88,7 @@ class CuttingEdges(NamedTuple):
         ``beside`` [mm] of its mid-plane, lies in the box of that tooth.
         """
         start, vector, normal, back = (self.segments[:, part] for part in range(4))
-        unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
-        widened, deepest = _STRIP_SLOPE * deep * unit, deep * back
+        widened, deepest = _STRIP_SLOPE * deep * unit(vector), deep * back
         end = start + vector
         corners = np.stack([start, end, start - widened + deepest, end + widened + deepest], axis=1)
         aside = beside * np.abs(normal)[:, None]

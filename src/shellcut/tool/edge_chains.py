@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 
 
 def chains_of(segments: Ints) -> tuple[Ints, Ints]:
@@ -63,7 +63,7 @@ def chains_facing_back(body: Ints, chain: Ints, normal: Floats) -> npt.NDArray[n
     for c in range(reverse.size):
         mean = normal[chain == c].sum(axis=0)
         first = facing.setdefault(int(body[chain == c][0]), mean)
-        reverse[c] = float(mean @ first) < 0.0
+        reverse[c] = float(product(mean, first)) < 0.0
     return reverse
 
 

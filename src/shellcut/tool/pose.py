@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Floats, Vec3
+from shellcut.arrays import Floats, Vec3, product
 from shellcut.numerics.jit import inline
 
 
@@ -49,11 +49,11 @@ class Pose(NamedTuple):
 
     def to_space(self, points: Floats) -> Floats:
         """Return points of the body frame in space, shape (n, 3), [mm]."""
-        return np.asarray(points @ self.rotation.T + self.translation)
+        return np.asarray(product(points, self.rotation.T) + self.translation)
 
     def to_body(self, points: Floats) -> Floats:
         """Return points of space in the body frame, shape (n, 3), [mm]."""
-        return np.asarray((points - self.translation) @ self.rotation)
+        return np.asarray(product(points - self.translation, self.rotation))
 
 
 @inline

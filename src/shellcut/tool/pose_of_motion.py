@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import isfinite
 
-import numpy as np
-
 from .motion import Motion, ScrewMotion, StraightMotion
 from .pose import Pose
 from .table_motion import TableMotion
@@ -46,7 +44,7 @@ def pose_at(motion: Motion, time: float) -> Pose:
         R.shape == (3, 3)
         and r.shape == (3,)
         and isfinite(r.sum())
-        and abs(np.vdot(R, R) - 3.0) < _LEFT_OVER
+        and abs((R * R).sum() - 3.0) < _LEFT_OVER
     ):
         raise ValueError(
             f"the pose of {type(motion).__name__} at {time:.6g} s must be a rotation, shape "

@@ -7,7 +7,7 @@ from math import cos, isfinite, radians, sin
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, each, product
 
 from .tool import Tool, ToolError
 
@@ -59,7 +59,7 @@ def round_bar(
         raise ToolError(problems, what="round bar")
     corners, triangles = _upright(0.5 * diameter, height, n_around)
     c, s = cos(radians(tilt_deg)), sin(radians(tilt_deg))
-    leaning = corners @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
+    leaning = product(corners, np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T)
     return Tool.from_triangles(
         leaning - [0.5 * diameter / c, 0.0, 0.0],
         triangles,
@@ -77,7 +77,7 @@ def round_bar(
 def _upright(radius: float, height: float, n: int) -> tuple[Floats, Ints]:
     """Return corners (n_vertex, 3) and triangles (n_triangle, 3) of a bar along z."""
     angle = 2.0 * np.pi * np.arange(n) / n
-    ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    ring = radius * np.stack([each(cos, angle), each(sin, angle)], axis=1)
     levels = np.linspace(-0.5 * height, 0.5 * height, max(2, round(3.0 * height / radius)) + 1)
     rows = [np.column_stack([ring, np.full(n, z)]) for z in levels]
     ends = np.array([[0.0, 0.0, levels[0]], [0.0, 0.0, levels[-1]]])

@@ -22,12 +22,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import asin, cos, isfinite, tan
 
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, each, norm, unit
 
 from .tool import Tool, ToolError
 
@@ -117,7 +117,7 @@ def _check(tool: Tool, radius: float) -> None:
     problems = []
     if not (isfinite(radius) and radius >= 0.0):
         problems.append(f"edge_radius must be a length in mm, 0 for a sharp edge, got {radius!r}")
-    elif 0.0 < radius < _LEAST * (size := float(np.linalg.norm(np.ptp(tool.vertices, axis=0)))):
+    elif 0.0 < radius < _LEAST * (size := float(norm(np.ptp(tool.vertices, axis=0)))):
         problems.append(
             f"edge_radius must be at least {_LEAST * size:.2g} mm in a tool of {size:.4g} mm, so "
             f"that the facets of the round can be told apart, got {radius:g} mm; for a sharp edge "
@@ -134,15 +134,15 @@ def _check(tool: Tool, radius: float) -> None:
 def _half_angles(tool: Tool) -> Floats:
     """Return half the angle between the flanks at each segment, shape (n_edge,) [rad]."""
     forward = -np.einsum("ic,ic->i", tool.triangle_normals[tool.edge_flank_plus], tool.edge_back)
-    return np.asarray(np.arcsin(np.clip(forward, -1.0, 1.0)))
+    return each(asin, np.clip(forward, -1.0, 1.0))
 
 
 def _levels(sharpest: float, half_angle: float) -> list[float]:
     """Return the depths over z_T at which facets that turn by equal angles end, the last one 1."""
     n = int(np.ceil((0.5 * np.pi - sharpest) / _FACET))
     turns = (0.5 * np.pi - half_angle) * np.arange(1, n + 1) / n
-    whole = 1.0 - np.cos(turns[-1])
-    levels: list[float] = ((1.0 - np.cos(turns)) / whole).tolist()
+    whole = 1.0 - cos(turns[-1])
+    levels: list[float] = ((1.0 - each(cos, turns)) / whole).tolist()
     return levels
 
 
@@ -161,7 +161,7 @@ class _Wedge:
         """Collect the edges of a body."""
         rows = np.flatnonzero(tool.edge_body == body)
         own = np.column_stack(
-            [tool.edge_normal, tool.edge_back, np.tan(_half_angles(tool))[:, None]]
+            [tool.edge_normal, tool.edge_back, each(tan, _half_angles(tool))[:, None]]
         )
         at_vertex = np.zeros((tool.n_vertex, 7))
         np.add.at(at_vertex, tool.edges.ravel(), np.repeat(own, 2, axis=0))
@@ -169,7 +169,7 @@ class _Wedge:
         at_vertex /= np.maximum(count, 1)[:, None]
         frames = at_vertex[tool.edges[rows]]
         for part in (slice(0, 3), slice(3, 6)):
-            frames[..., part] /= np.linalg.norm(frames[..., part], axis=-1, keepdims=True)
+            frames[..., part] = unit(frames[..., part])
         ends = tool.vertices[tool.edges[rows]]
         return cls(
             start=ends[:, 0],

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut.arrays import Floats, Vec3
+from shellcut.arrays import Floats, Vec3, norm, product, unit
 
 from .motion import Motion, ScrewMotion, StraightMotion
 from .pose_of_motion import pose_at
@@ -134,9 +134,9 @@ def _of_screw(motion: ScrewMotion) -> Axis:
     direction = _unit(axis)
     advance = _unit(-axis if motion.advance is None else np.array(motion.advance, float))
     along = np.array(advance)
-    aside = along - (along @ np.array(direction)) * np.array(direction)
+    aside = along - product(along, np.array(direction)) * np.array(direction)
     drift = motion.pitch / (2.0 * np.pi) * aside
-    if np.linalg.norm(aside) <= _SAME_DIRECTION:
+    if norm(aside) <= _SAME_DIRECTION:
         drift = np.zeros(3)
     x, y, z = (float(c) for c in motion.axis_point)
     return Axis(direction, (x, y, z), advance, _triple(drift))
@@ -145,11 +145,11 @@ def _of_screw(motion: ScrewMotion) -> Axis:
 def _axis(seen: Instants) -> Axis | None:
     turn = np.linalg.norm(seen.spin, axis=1)
     total = seen.spin.sum(axis=0)
-    if not np.linalg.norm(total) > 0.0:
+    if not norm(total) > 0.0:
         return None
-    direction = total / np.linalg.norm(total)
+    direction = unit(total)
     # One radian of the coordinate is one radian about the axis.
-    if np.abs(seen.spin @ direction - 1.0).max() > _SAME_RATE:
+    if np.abs(product(seen.spin, direction) - 1.0).max() > _SAME_RATE:
         return None
     if np.abs(np.cross(seen.spin, direction)).max() > _SAME_DIRECTION:
         return None
@@ -161,9 +161,9 @@ def _axis(seen: Instants) -> Axis | None:
     round_off = _ROUND_OFF * np.linalg.norm(seen.origin, axis=1).max()
     if wander > _SAME_PLACE * way + round_off:
         return None
-    if np.linalg.norm(middle) <= _SAME_DIRECTION * way + round_off:
+    if norm(middle) <= _SAME_DIRECTION * way + round_off:
         middle = np.zeros(3)
-    ahead = float((seen.shift @ direction).sum())
+    ahead = float(product(seen.shift, direction).sum())
     return Axis(
         _triple(direction), _triple(middle), _triple(direction if ahead > 0.0 else -direction)
     )
@@ -171,10 +171,10 @@ def _axis(seen: Instants) -> Axis | None:
 
 def _line(seen: Instants) -> Line | None:
     total = seen.shift.sum(axis=0)
-    if not np.linalg.norm(total) > 0.0:
+    if not norm(total) > 0.0:
         return None
-    direction = total / np.linalg.norm(total)
-    if np.abs(seen.shift @ direction - 1.0).max() > _SAME_RATE:
+    direction = unit(total)
+    if np.abs(product(seen.shift, direction) - 1.0).max() > _SAME_RATE:
         return None
     if np.abs(np.cross(seen.shift, direction)).max() > _SAME_DIRECTION:
         return None
@@ -185,7 +185,7 @@ def _line(seen: Instants) -> Line | None:
 
 
 def _unit(v: Floats) -> Vec3:
-    return _triple(v / np.linalg.norm(v))
+    return _triple(unit(v))
 
 
 def _triple(v: Floats) -> Vec3:

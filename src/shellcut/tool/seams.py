@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm, product
 
 from .surface import merge_vertices
 
@@ -55,7 +55,7 @@ def closed_seams(
 
 def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
     sides = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
-    key = np.sort(sides, axis=1) @ np.array([len(vertices), 1])
+    key = product(np.sort(sides, axis=1), np.array([len(vertices), 1]))
     _, first, uses = np.unique(key, return_index=True, return_counts=True)
     alone = first[uses == 1]
     if not len(alone):
@@ -71,7 +71,7 @@ def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
         a, b, c = np.roll(triangles[t], -corner).tolist()
         near = tree.query_ball_point(
             0.5 * (vertices[a] + vertices[b]),
-            0.5 * float(np.linalg.norm(vertices[b] - vertices[a])) + reach,
+            0.5 * float(norm(vertices[b] - vertices[a])) + reach,
         )
         between = _between(vertices, (a, b), [int(v) for v in rim[near] if v != c], reach)
         if between:
@@ -91,7 +91,7 @@ def _between(vertices: Floats, edge: Edge, candidates: list[int], reach: float) 
     if not len(others):
         return []
     away = vertices[others] - start
-    share = away @ along / (along @ along)
+    share = product(away, along) / (product(along, along))
     off = np.linalg.norm(away - share[:, None] * along, axis=1)
     fits = (share > 0.0) & (share < 1.0) & (off <= reach)
-    return [int(v) for v in others[fits][np.argsort(share[fits])]]
+    return [int(v) for v in others[fits][np.argsort(share[fits], kind="stable")]]

@@ -23,12 +23,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import atan, ceil, degrees, isfinite, pi, radians, sin, sqrt, tan
+from math import atan, ceil, cos, degrees, isfinite, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, each
 
 from .rounded_edge import with_edge_radius
 from .tool import Tool, ToolError
@@ -188,7 +188,7 @@ def _around_the_axis(straight: Floats, radius: float, phases: Floats) -> Floats:
     angle = phases[:, None] + s / radius
     out = radius + n
     return np.stack(
-        [out * np.cos(angle), out * np.sin(angle), np.broadcast_to(z, angle.shape)], axis=-1
+        [out * each(cos, angle), out * each(sin, angle), np.broadcast_to(z, angle.shape)], axis=-1
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts, angles, norm, product, unit
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 MERGE_TOLERANCE = 1e-7
@@ -73,12 +73,10 @@ class Surface:
         turn = np.zeros(self.keys.size)
         rows = np.flatnonzero(self.manifold)
         first, second = self.normals[self.forward[rows]], self.normals[self.backward[rows]]
-        sine = np.linalg.norm(np.cross(first, second), axis=1)
-        cosine = np.einsum("ij,ij->i", first, second)
         centre = self.vertices[self.triangles[self.backward[rows]]].mean(axis=1)
         outward = np.einsum("ij,ij->i", centre - self.vertices[self.lo[rows]], first)
         outward *= np.where(self.body_volumes()[self.body[self.forward[rows]]] < 0.0, -1.0, 1.0)
-        turn[rows] = np.where(outward > 0.0, -1.0, 1.0) * np.arctan2(sine, cosine)
+        turn[rows] = np.where(outward > 0.0, -1.0, 1.0) * angles(first, second)
         return turn
 
     def body_volumes(self) -> Floats:
@@ -183,7 +181,7 @@ class Surface:
                 f"{counted(flat, 'given cutting edge')} flat or concave, without a wedge behind: "
                 + self._pairs(segments[flat])
             )
-        key = np.sort(segments, axis=1) @ np.array([self.vertices.shape[0], 1])
+        key = product(np.sort(segments, axis=1), np.array([self.vertices.shape[0], 1]))
         if np.unique(key).size < key.size:
             problems.append(f"{key.size - np.unique(key).size} of the given cutting edges repeat")
         return problems
@@ -204,9 +202,9 @@ class Surface:
 
     def mid_planes(self, segments: Ints, plus: Ints, minus: Ints) -> tuple[Floats, Floats]:
         """Return normals and backs of the planes that bisect the faces, shape (n, 3) each."""
-        normal = unit_rows(self.normals[plus] - self.normals[minus])
-        along = unit_rows(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
-        return normal, unit_rows(np.cross(normal, along))
+        normal = unit(self.normals[plus] - self.normals[minus])
+        along = unit(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
+        return normal, unit(np.cross(normal, along))
 
     def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
         """Return +1, -1 or 0 per triangle: its side of the nearest cutting edge."""
@@ -237,7 +235,7 @@ class Surface:
         for label in np.unique(rim):
             members = rows[rim == label]
             points = self.vertices[np.unique([self.lo[members], self.hi[members]])]
-            size = float(np.linalg.norm(np.ptp(points, axis=0)))
+            size = float(norm(np.ptp(points, axis=0)))
             found.append((size, len(members), points.mean(axis=0)))
         found.sort(key=lambda hole: -hole[0])
         told = [
@@ -279,7 +277,7 @@ def merge_vertices(
         By default :data:`MERGE_TOLERANCE` of the diagonal.
     """
     if tolerance is None:
-        tolerance = MERGE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+        tolerance = MERGE_TOLERANCE * float(norm(np.ptp(vertices, axis=0)))
     pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
     place = by_first_appearance(connected_parts(pairs[:, 0], pairs[:, 1], vertices.shape[0]))
     _, first = np.unique(place, return_index=True)
@@ -311,12 +309,6 @@ def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
     a, b, c = (vertices[triangles[:, k]] - vertices.mean(axis=0) for k in range(3))
     volumes: Floats = np.einsum("ij,ij->i", a, np.cross(b, c))
     return volumes
-
-
-def unit_rows(rows: Floats) -> Floats:
-    """Return the rows scaled to length 1."""
-    unit: Floats = rows / np.linalg.norm(rows, axis=1)[:, None]
-    return unit
 
 
 def _next_corner(half_edges: Ints) -> Ints:

@@ -20,6 +20,7 @@ from shellcut.arguments import checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.formats.errors import FileError
 from shellcut.formats.motion_csv import read_motion_csv
+from shellcut.numerics.small_matrices import inverse
 
 from .motion import turned
 from .pose import Pose
@@ -274,9 +275,9 @@ def _rotation_cubics(times: Floats, start: scipy.spatial.transform.Rotation) -> 
         np.repeat(start[:-1].as_quat(), 3, axis=0)
     ).inv()
     phi = (back * at_thirds).as_rotvec().reshape(-1, 3, 3)
-    fit = np.linalg.inv(np.column_stack([thirds**3, thirds**2, thirds]))
+    fit = inverse(np.column_stack([thirds * thirds * thirds, thirds * thirds, thirds]))
     scaled = np.einsum("kj,ijc->ick", fit, phi)
-    powers = step[:, None] ** np.array([3.0, 2.0, 1.0])
+    powers = np.stack([step * step * step, step * step, step], axis=1)
     cubics: Floats = (scaled / powers[:, None, :]).reshape(-1, 9)
     return cubics
 

@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts, angles, product
 from shellcut.formats.stl import write_stl
 
 from .edge_chains import chains_facing_back, chains_of, reverse_chains
@@ -266,8 +266,7 @@ class Tool:
                 self.triangle_normals[side[rows]]
                 for side in (self.edge_flank_plus, self.edge_flank_minus)
             )
-            sine = np.linalg.norm(np.cross(first, second), axis=1)
-            turn = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", first, second)))
+            turn = np.degrees(angles(first, second))
             ends = self.vertices[self.edges[rows]]
             lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
             found.append(
@@ -278,7 +277,7 @@ class Tool:
                     length=float(lengths.sum()),
                     start=ends[0, 0],
                     end=ends[-1, 1],
-                    centre=(lengths @ ends.mean(axis=1)) / lengths.sum(),
+                    centre=product(lengths, ends.mean(axis=1)) / lengths.sum(),
                     closed=bool(self.edges[rows[0], 0] == self.edges[rows[-1], 1]),
                     turn_deg=(float(turn.min()), float(turn.max())),
                 )

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product, unit
 from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError
 from shellcut.formats.length_unit import unit_in_mm
@@ -129,7 +129,7 @@ def read_tool(
         factor, note = unit_in_mm(unit, extent, "the tool", stated=file.unit_mm)
     except ValueError as problem:
         raise FileError(path, str(problem)) from None
-    vertices, triangles = (factor * file.vertices) @ turn.T + move, file.triangles
+    vertices, triangles = product(factor * file.vertices, turn.T) + move, file.triangles
     if file.chord_deviation is not None:
         reach = factor * file.chord_deviation
         merge = _WELD * reach if merge is None else merge
@@ -205,9 +205,9 @@ def _turn_to_z(axis: str | Sequence[float]) -> Floats:
         direction = np.asarray(axis, dtype=np.float64)
         if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
             raise ValueError(f"axis must be a direction of three numbers, got {axis!r}")
-        direction = direction / np.linalg.norm(direction)
+        direction = unit(direction)
     x, y, cosine = direction.tolist()
     if cosine < -1.0 + 1e-12:  # the opposite: half a turn about x
         return np.diag([1.0, -1.0, -1.0])
     w = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])  # of direction x z
-    return np.asarray(np.eye(3) + w + w @ w / (1.0 + cosine))
+    return np.asarray(np.eye(3) + w + product(w, w) / (1.0 + cosine))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm
 from shellcut.frame import Frame
 
 from ._panel import round_limits
@@ -33,10 +33,6 @@ class Field:
     are."""
 
 
-def _norm(vectors: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(vectors, axis=1))
-
-
 def _stress(name: str) -> Field:
     which, _, face = name.partition(", ")
     label = f"{which} stress" + (f", {face}" if face else "")
@@ -47,9 +43,9 @@ def _stress(name: str) -> Field:
 _OF_ALL = (
     *map(_stress, STRESSES),
     Field("thickness", "thickness", "mm", "quad", lambda frame: frame.quad_thickness),
-    Field("displacement", "displacement", "mm", "node", lambda f: _norm(f.displacement), 1),
+    Field("displacement", "displacement", "mm", "node", lambda f: norm(f.displacement), 1),
     Field("displacement z", "displacement in z", "mm", "node", lambda f: f.displacement[:, 2]),
-    Field("speed", "speed", "mm/s", "node", lambda frame: _norm(frame.velocity), 1),
+    Field("speed", "speed", "mm/s", "node", lambda frame: norm(frame.velocity), 1),
 )
 
 

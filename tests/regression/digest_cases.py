@@ -1,0 +1,134 @@
+"""Ten short runs whose digests are in docs/same-bits.md; without names, write its table anew.
+
+``python tests/regression/digest_cases.py [NAME ...]`` prints the digests of some of them as JSON.
+"""
+
+import json
+import platform
+import sys
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+
+PAGE = Path(__file__).parents[2] / "docs" / "same-bits.md"
+
+_SHORT = {"membrane.length": "12 mm", "membrane.width": "6.4 mm", "travel": "4 mm"}
+_TORN = {"membrane.length": "14 mm", "travel": "4 mm"}
+CASES = {
+    "opening": ("opening", {"mesh": "quick", "motion.angle_deg": 12.0, "duration": "0.8 ms"}),
+    "opening on M1": ("opening", {"motion.angle_deg": 3.0, "duration": "0.2 ms"}),
+    "guillotine": ("guillotine", _SHORT),
+    "through quads": ("guillotine", {**_SHORT, "path": "free"}),
+    "slicing": (
+        "guillotine",
+        {
+            **_SHORT,
+            "edge_angle_deg": 70.0,
+            "slice_ratio": 0.5,
+            "tool.height": "9 mm",
+            "friction": 0.2,
+            "joint": "slip",
+            "joint_friction": 0.2,
+        },
+    ),
+    "yielding": ("guillotine", {**_SHORT, "preset": "aluminium_foil", "travel": "3 mm"}),
+    "oscillating": ("oscillating", {"size": "1 mm", "travel": "12 mm"}),
+    "trouser": ("trouser", _TORN),
+    "orthotropic trouser": (
+        "trouser",
+        {
+            "membrane.length": "14 mm",
+            "travel": "4 mm",
+            "young_across": "1200 MPa",
+            "shear": "500 MPa",
+        },
+    ),
+    "disc": ("disc.toml", {}),
+}
+"""Model, or the file below, and the keys that differ from it."""
+
+DISC = """model = "free"
+threads = 2
+[membrane]
+radius = "8 mm"
+n_side = 8
+clamp = "rim"
+[tool]
+kind = "blade"
+edge_angle_deg = 60
+length = "3 mm"
+shift = [-3.0, 0.0, 3.1]
+[motion]
+direction = [1, 0, -0.3]
+speed = "6 m/s"
+ramp = "0.1 ms"
+duration = "0.9 ms"
+[contact]
+self_contact = true
+"""
+
+
+OPTIONS = {"n_frame": 2, "n_snapshot": 0, "curves": False, "progress": False}
+
+
+def model_of(name, folder):
+    """Read the model of a case; its file, if it has one, is written to the folder."""
+    from shellcut import read_model
+
+    model, keys = CASES[name]
+    if model.endswith(".toml"):
+        (folder / model).write_text(DISC)
+        model = folder / model
+    return read_model(model, keys)
+
+
+def digest_of(name, folder):
+    """Run a case, or go on with the one in the folder; return digest, steps, number of splits."""
+    case, out = model_of(name, folder).build(), folder / "out"
+    case.run(out, resume=out.exists(), **OPTIONS)
+    summary = json.loads((out / "summary.json").read_text())
+    return summary["digest"], summary["n_step"], len(case.simulation.state.split_log)
+
+
+def digests_of(names):
+    """Return the digest, steps and splits of some cases by name."""
+    found = {}
+    for name in names:
+        with tempfile.TemporaryDirectory() as folder:
+            found[name] = digest_of(name, Path(folder))
+    return found
+
+
+def versions():
+    """Return what the digests depend on beside the inputs, as one text."""
+    names = ("shellcut", "numpy", "scipy", "numba", "llvmlite")
+    libraries = ", ".join(f"{name} {version(name)}" for name in names)
+    return f"{libraries}, {' '.join(platform.libc_ver())}, {platform.machine()}"
+
+
+def published():
+    """Return the versions on the page, and its digests by name."""
+    rows = [row.split(" | ") for row in PAGE.read_text(encoding="utf-8").splitlines()]
+    said = next(row[0] for row in rows if row[0].startswith("Versions: "))
+    return said, {
+        row[0].strip("| "): row[-1].strip("` |") for row in rows if len(row) == 5 and "`" in row[-1]
+    }
+
+
+def _write_page():
+    rows = ["| case | `shellcut run` | steps | splits | digest |", "|---|---|--:|--:|---|"]
+    for name, (digest, n_step, n_split) in digests_of(CASES).items():
+        model, keys = CASES[name]
+        settings = " ".join(f"--set {key}={json.dumps(value)}" for key, value in keys.items())
+        command = f"{model} {settings}".strip()
+        rows.append(f"| {name} | `{command}` | {n_step:,} | {n_split} | `{digest[:16]}` |")
+    head, _ = PAGE.read_text(encoding="utf-8").split("\nVersions: ")
+    table = "\n".join(rows)
+    PAGE.write_text(f"{head}\nVersions: {versions()}.\n\n{table}\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:]:
+        print(json.dumps(digests_of(sys.argv[1:])))
+    else:
+        _write_page()

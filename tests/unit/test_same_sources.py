@@ -1,0 +1,133 @@
+"""On the way to the state nothing is called whose bits depend on the processor.
+
+BLAS and LAPACK add in the order that suits a processor, NumPy has approximations of its own of
+exp, log, arctan2 and the like for AVX-512, and its unstable sorts leave equal keys in an order of
+the instruction set. :mod:`shellcut.arrays` says what takes their place.
+"""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import shellcut
+
+PACKAGE = Path(shellcut.__file__).parent
+
+BESIDE = {
+    "command_line": "starts runs",
+    "files": "no numbers",
+    "report": "reads results",
+    "results": "reads results",
+    "scene_page": "draws results",
+    "statics": "states at rest of their own, by SciPy's solvers; no run begins with them",
+    "study": "plans runs and reads results",
+    "tensile": "reads tensile tests",
+    "view": "draws results",
+    "checks/hold.py": "a doubt about supports",
+    "checks/path.py": "a doubt about the path",
+    "checks/plausible.py": "doubts about units",
+    "material/material_point.py": "stress of a point by itself, of no film",
+    "material/nominal_stress.py": "curves of tensile tests",
+    "numerics/lane_exponentials.py": "the plain forms that only tests of kernels call",
+}
+"""Rooms and files that are not on the way, with what they are for."""
+
+EXPECTED = {
+    "tool/rounded_depth.py": ["@", "@"],  # sparse matrices, by SciPy's own loops
+    "tool/table_motion.py": ["CubicSpline", "RotationSpline"],  # see docs/same-bits.md
+    "unit.py": ["one ** power"],  # of fractions
+}
+"""What is left in a file."""
+
+OF_BLAS = {"matmul", "dot", "vdot", "inner", "tensordot", "polyfit", "cov", "corrcoef"}
+OF_NUMPY = {
+    *("exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "float_power", "cbrt"),
+    *("sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "angle", "sinc"),
+    *("sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh", "logaddexp", "geomspace"),
+}
+SORTS = {"argsort", "argpartition", "partition"}
+OF_SCIPY = {"CubicSpline", "RotationSpline", "PchipInterpolator", "make_interp_spline"}
+OF_SCIPY |= {"RBFInterpolator", "least_squares", "minimize"}
+
+
+def is_compiled(node):
+    marks = " ".join(map(ast.unparse, node.decorator_list))
+    return "kernel" in marks or "inline" in marks
+
+
+def exposed(tree):
+    """Yield what is called, or read, in plain Python."""
+    todo = [tree]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, ast.FunctionDef) and is_compiled(node):
+            continue
+        todo += ast.iter_child_nodes(node)
+        if isinstance(node, (ast.BinOp, ast.AugAssign)):
+            if isinstance(node.op, ast.MatMult):
+                yield "@"
+            power = node.right if isinstance(node, ast.BinOp) else node.value
+            if isinstance(node.op, ast.Pow) and not is_plain_power(node, power):
+                yield ast.unparse(node)
+        elif isinstance(node, ast.Call):
+            name = ast.unparse(node.func)
+            given = {keyword.arg for keyword in node.keywords}
+            of, _, last = name.rpartition(".")
+            if (last == "argsort" or (of == "np" and last in SORTS)) and not any(
+                k.arg == "kind" and ast.unparse(k.value) == "'stable'" for k in node.keywords
+            ):
+                yield last
+            elif name == "np.linalg.norm" and "axis" in given and len(node.args) == 1:
+                continue  # a plain sum
+            elif of in ("np.linalg", "scipy.linalg"):
+                yield name
+            elif last == "einsum" and "optimize" in given:
+                yield "einsum by BLAS"
+            elif (of == "np" and last in OF_BLAS | OF_NUMPY) or (of and last == "dot"):
+                yield name
+            elif name.startswith("scipy.") and last in OF_SCIPY:
+                yield last
+
+
+def is_plain_power(node, power):
+    """Whether it is a square, or of numbers in the source or of Python's own."""
+    if ast.unparse(power) in ("2", "0.5"):
+        return True
+    return isinstance(node, ast.BinOp) and isinstance(node.left, ast.Constant)
+
+
+SOURCES = {
+    str(path.relative_to(PACKAGE)): path
+    for path in sorted(PACKAGE.rglob("*.py"))
+    if not BESIDE.keys() & {path.relative_to(PACKAGE).parts[0], str(path.relative_to(PACKAGE))}
+}
+
+
+def test_no_source_on_the_way_depends_on_the_processor():
+    found = {
+        name: sorted(exposed(ast.parse(path.read_text(encoding="utf-8"))))
+        for name, path in SOURCES.items()
+    }
+    assert {name: calls for name, calls in found.items() if calls} == EXPECTED
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a @ b", ["@"]),
+        ("np.linalg.norm(x)", ["np.linalg.norm"]),
+        ("np.linalg.norm(x, axis=1)", []),
+        ("np.linalg.norm(x, 2, axis=1)", ["np.linalg.norm"]),
+        ("np.linalg.inv(A)", ["np.linalg.inv"]),
+        ("x.dot(y)", ["x.dot"]),
+        ("np.einsum('i,i->', x, y, optimize=True)", ["einsum by BLAS"]),
+        ("np.exp(x) + np.sqrt(x) + np.hypot(x, y)", ["np.exp"]),
+        ("x**2 + x**3", ["x ** 3"]),
+        ("x.argsort()", ["argsort"]),
+        ("np.argsort(x, kind='stable')", []),
+        ("@kernel\ndef f(x):\n    return np.exp(x) ** 3", []),
+    ],
+)
+def test_it_sees_what_depends(text, said):
+    assert list(exposed(ast.parse(text))) == said
