@@ -42,8 +42,8 @@ def test_numpy_without_the_instructions_of_newer_processors(here):
     assert elsewhere(QUICK, **of_level_three()) == here
 
 
-def test_a_run_that_was_stopped_and_resumed(here, tmp_path):
-    case = model_of("through quads", tmp_path).build()
+def test_a_run_on_two_threads_that_was_stopped_and_resumed_on_one(here, tmp_path):
+    case = model_of("through quads", tmp_path).with_threads(2).build()
     sim = case.simulation
     made = Recorder(sim, tmp_path / "out", until=case.duration, name=case.name, **OPTIONS)
     with closing(made) as record:
