@@ -59,14 +59,14 @@ def bend(
         at_minus, at_plus = to_body(minus, pose), to_body(plus, pose)
         way = way_around(c, at_minus, at_plus, edges, cables.edge, cables.joint_body)
         ell_minus, ell_plus, arc = way.minus, way.plus, way.arc
-        if ell_minus >= tables.law.short_branch:
+        if ell_minus >= tables.law[8]:
             keep_direction(cables.branch, c, 0, turn(way.pull_minus, pose))
-        if ell_plus >= tables.law.short_branch:
+        if ell_plus >= tables.law[8]:
             keep_direction(cables.branch, c, 1, turn(way.pull_plus, pose))
         moved_minus = sub(minus, to_space(at_minus, before))
         moved_plus = sub(plus, to_space(at_plus, before))
     else:
-        ell_minus, ell_plus = _branch_lengths(c, p, minus, plus, tables.law.short_branch, cables)
+        ell_minus, ell_plus = _branch_lengths(c, p, minus, plus, tables.law[8], cables)
     kappa = eta = 0.0
     slack: float = cables.joint_slack[c]
     if belt > 0.0:

@@ -17,7 +17,7 @@ from shellcut.numerics.jit import kernel
 from shellcut.numerics.vec3 import load, norm, sub
 from shellcut.state import BROKEN, JOINTED
 
-from .cohesive_law import CohesiveLaw, LawTable, envelope, unloading_slope
+from .cohesive_law import CohesiveLaw, envelope, unloading_slope
 
 
 class HeldCables(NamedTuple):
@@ -55,7 +55,7 @@ def cable_stiffness(
     count: int,
     x: Floats,
     cables: HeldCables,
-    law: LawTable,
+    law: Floats,
     within: Compliance,
     node: Ints,
     stiffness: Floats,

@@ -7,8 +7,6 @@ from typing import Annotated, NamedTuple
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.tool.cutting_edge import CuttingEdges
 
-from .cohesive_law import LawTable
-
 
 class CableNodes(NamedTuple):
     """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
@@ -67,7 +65,8 @@ class CableTables(NamedTuple):
     """Number of cables; the rows beyond are in reserve."""
     directional: bool
     """Whether the cables may meet the edges."""
-    law: LawTable
+    law: Annotated[Floats, "(n_parameter,)"]
+    """Of :meth:`CohesiveLaw.parameters`."""
     joint: JointLaw
     edges: CuttingEdges
     nodes: CableNodes

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Literal, NamedTuple, TypeAlias, get_args
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -41,24 +41,6 @@ _START_OPENING = 1.0 / 80.0
 # Over opening_u: friction around the edge sets in over this way. Its stiffness at the start,
 # sigma A / stick, is below that of a new cable.
 _STICK = 1.0 / 400.0
-
-
-class LawTable(NamedTuple):
-    """A cohesive law as kernels take it."""
-
-    strength: float
-    """Stresses [MPa] and lengths [mm] as of :class:`CohesiveLaw`."""
-    plateau: float
-    opening_a: float
-    opening_p: float
-    opening_u: float
-    steepest: float
-    """Largest slope of secant unloading [MPa/mm], infinite without an onset."""
-    elastic: float
-    """Slope of elastic unloading [MPa/mm], 0 if it is secant."""
-    onset: float
-    short_branch: float
-    start_opening: float
 
 
 @checked
@@ -186,19 +168,23 @@ class CohesiveLaw:
         """Way of a cable around the edge over which friction sets in [mm]."""
         return _STICK * self.opening_u
 
-    def parameters(self) -> LawTable:
+    def parameters(self) -> Floats:
         """Return the law as kernels take it, see :func:`envelope` and :func:`traction`."""
-        return LawTable(
-            float(self.strength),
-            float(self.plateau),
-            float(self.opening_a),
-            float(self.opening_p),
-            float(self.opening_u),
-            steepest=float(self.strength / self.onset if self.onset > 0 else math.inf),
-            elastic=float(self.unloading_stiffness if self.unloading == "elastic" else 0.0),
-            onset=float(self.onset),
-            short_branch=float(self.short_branch),
-            start_opening=float(self.start_opening),
+        cap = self.strength / self.onset if self.onset > 0 else math.inf
+        elastic = self.unloading_stiffness if self.unloading == "elastic" else 0.0
+        return np.array(
+            [
+                self.strength,
+                self.plateau,
+                self.opening_a,
+                self.opening_p,
+                self.opening_u,
+                cap,
+                elastic,
+                self.onset,
+                self.short_branch,
+                self.start_opening,
+            ]
         )
 
     def traction(self, opening: float, opening_max: float | None = None) -> float:
@@ -214,31 +200,31 @@ class CohesiveLaw:
 
 
 @inline
-def envelope(opening: float, law: LawTable) -> float:
+def envelope(opening: float, law: Floats) -> float:
     """Return the stress of first loading [MPa]. [Frangi2010] Fig. 4."""
     if opening <= 0.0:
-        return law.strength
-    if opening < law.opening_a:
-        return float(law.strength - (law.strength - law.plateau) * opening / law.opening_a)
-    if opening < law.opening_p:
-        return law.plateau
-    if opening < law.opening_u:
-        return float(law.plateau * (law.opening_u - opening) / (law.opening_u - law.opening_p))
+        return float(law[0])
+    if opening < law[2]:
+        return float(law[0] - (law[0] - law[1]) * opening / law[2])
+    if opening < law[3]:
+        return float(law[1])
+    if opening < law[4]:
+        return float(law[1] * (law[4] - opening) / (law[4] - law[3]))
     return 0.0
 
 
 @inline
-def unloading_slope(peak: float, opening_max: float, law: LawTable) -> float:
+def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
     """Return the slope of unloading [MPa/mm] from the point (opening_max, peak)."""
-    if law.elastic > 0.0:
-        return law.elastic
-    if peak < law.steepest * opening_max:
+    if law[6] > 0.0:
+        return float(law[6])
+    if peak < law[5] * opening_max:
         return peak / opening_max
-    return law.steepest
+    return float(law[5])
 
 
 @inline
-def traction(opening: float, opening_max: float, law: LawTable) -> float:
+def traction(opening: float, opening_max: float, law: Floats) -> float:
     """Return the stress [MPa]; ``opening_max`` >= ``opening`` is the largest so far."""
     if opening >= opening_max:
         return envelope(opening, law)
@@ -250,23 +236,23 @@ def traction(opening: float, opening_max: float, law: LawTable) -> float:
 
 
 @inline
-def area_below(opening: float, law: LawTable) -> float:
+def area_below(opening: float, law: Floats) -> float:
     """Return the integral of the envelope from 0 to ``opening`` [N/mm]."""
     if opening <= 0.0:
         return 0.0
-    la, lp, lu = law.opening_a, law.opening_p, law.opening_u
+    la, lp, lu = law[2], law[3], law[4]
     a = min(opening, la)
-    area = law.strength * a - 0.5 * (law.strength - law.plateau) * a * a / la
+    area = law[0] * a - 0.5 * (law[0] - law[1]) * a * a / la
     if opening > la:
-        area += law.plateau * (min(opening, lp) - la)
+        area += law[1] * (min(opening, lp) - la)
     if opening > lp:
         left = lu - min(opening, lu)
-        area += 0.5 * law.plateau * ((lu - lp) - left * left / (lu - lp))
+        area += 0.5 * law[1] * ((lu - lp) - left * left / (lu - lp))
     return float(area)
 
 
 @inline
-def energies(opening: float, opening_max: float, law: LawTable) -> tuple[float, float]:
+def energies(opening: float, opening_max: float, law: Floats) -> tuple[float, float]:
     """Return the stored (recoverable) and the dissipated energy per area [N/mm]."""
     peak = envelope(opening_max, law)
     dissipated = area_below(opening_max, law)
@@ -279,7 +265,7 @@ def energies(opening: float, opening_max: float, law: LawTable) -> tuple[float, 
 
 @kernel
 def _energies(
-    opening: Floats, opening_max: Floats, law: LawTable, stored: Floats, dissipated: Floats
+    opening: Floats, opening_max: Floats, law: Floats, stored: Floats, dissipated: Floats
 ) -> None:
     """Write stored (recoverable) and dissipated energy per area, all arrays of shape (n,)."""
     for c in range(opening.shape[0]):

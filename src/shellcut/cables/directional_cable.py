@@ -54,7 +54,7 @@ from shellcut.tool.touch import Booking, Touch
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
-from .cohesive_law import CohesiveLaw, LawTable, energies, envelope, traction
+from .cohesive_law import CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
 from .meeting import find_joint
 
@@ -279,7 +279,7 @@ def _add_cable_forces(
     couple = sums[5:]
     law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
     status, opening_max = cables.status, cables.opening_max
-    start_opening = law.start_opening
+    start_opening = law[9]
     work = 0.0
     start_work = 0.0
     friction_work = 0.0
@@ -302,7 +302,7 @@ def _add_cable_forces(
         if jointed:
             ell, joint = bend(c, minus, plus, pose, before, tables)
         else:
-            ell = _straight_length(c, minus, plus, law.onset, cables)
+            ell = _straight_length(c, minus, plus, law[7], cables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell
@@ -378,7 +378,7 @@ def _energies(
     status: SmallInts,
     opening: Floats,
     opening_max: Floats,
-    law: LawTable,
+    law: Floats,
     fracture_energy: float,
     stored: Floats,
     dissipated: Floats,

@@ -91,7 +91,7 @@ def find_joint(
     if edges.radius > 0.0:
         way = way_around(c, minus, plus, edges, cables.edge, cables.joint_body)
         to_minus, to_plus = way.minus, way.plus
-    straight = norm(combine(1.0, sub(x_plus, x_minus), tables.law.onset, m)) - tables.law.onset
+    straight = norm(combine(1.0, sub(x_plus, x_minus), tables.law[7], m)) - tables.law[7]
     cables.joint_slack[c] = to_minus + to_plus - straight
     cables.transport[c] = 0.5 * (to_minus - to_plus)
     return True
