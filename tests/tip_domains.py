@@ -3,6 +3,7 @@
 import numpy as np
 
 from shellcut.fracture.cut_topology import CutTopology
+from shellcut.fracture.film_edges import FilmEdges
 from shellcut.fracture.tip_domain import TipDomain
 from shellcut.fracture.tip_force import TipForce
 
@@ -17,7 +18,14 @@ def domain_in(state, shell, place, reach, topology=None, base=BASE):
     at = [int(np.linalg.norm(corners - place, axis=2).min(axis=1).argmin())]
     no_tips = np.zeros((0, 3))
     return TipDomain.of(
-        state, shell, topology, np.array(place), base, (0.5 * reach, reach), at, no_tips
+        state,
+        shell,
+        FilmEdges(shell, topology),
+        np.array(place),
+        base,
+        (0.5 * reach, reach),
+        at,
+        no_tips,
     )
 
 

@@ -2,7 +2,8 @@
 
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
 towards the other until they meet and the strip comes off. [Brau2014] has w ~ x^(8/11) for an
-elastic ridge, x being the way to where the strip ends; a straight fold gives 2/3.
+elastic ridge, x being the way to where the strip ends; a fold in a sheet that stays flat gives 2/3.
+The law is that of a sheet wide beside the strip, and of a process zone short beside the fold.
 """
 
 import functools
@@ -13,6 +14,7 @@ import pytest
 import shellcut as sc
 from shellcut.mesh.structured import rectangle
 from shellcut.state.pieces import Pieces
+from tip_domains import BASE, force_on
 
 LAW = sc.CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.1, opening_p=0.4, opening_u=0.6, onset=0.005
@@ -21,10 +23,13 @@ SHORT = sc.CohesiveLaw(
     strength=14.0, plateau=11.2, opening_a=0.05, opening_p=0.2, opening_u=0.3, onset=0.0025
 )
 THICKNESS, SPEED, RISE = 0.07, 2000.0, 3e-4
-FILM = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=THICKNESS)
 
 
-def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW):
+def film(thickness):
+    return sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=thickness)
+
+
+def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW, thickness=THICKNESS):
     """A flap of some breadth in a sheet; its end goes straight up, and along as it likes."""
     mesh = rectangle(length, breadth + 2.0 * margin, size=size)
     X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
@@ -35,7 +40,7 @@ def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW):
     end = np.flatnonzero(at_start & flap).tolist()
     sim = sc.Simulation(
         sc.Mesh.from_arrays(X, mesh.quads),
-        FILM,
+        film(thickness),
         supports=[
             sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz"),
             sc.Support(end, translation="yz", rotation="", velocity=rate),
@@ -90,35 +95,109 @@ def test_two_tears_that_converge_pinch_the_strip_off():
 
 @functools.cache
 def narrowed(size):
-    """Return whether a strip of 6 mm came off, its last breadth [mm] and m of w ~ x^m."""
+    """Return whether a strip of 6 mm came off, and its last breadth [mm]."""
     sim = pulled_up(size, breadth=6.0, notch=5.0, length=26.0, law=SHORT)
     upper, lower = torn_off(sim, 1.5e-2)
-    x, w = breadths(upper, lower, 6.0)
-    left = max(upper[:, 0].max(), lower[:, 0].max()) - x
-    decade = (w > 0.5) & (w < 5.0)
-    power = np.polyfit(np.log(left[decade]), np.log(w[decade]), 1)[0]
-    return len(Pieces.of(sim.state).mass) == 2, w[-1], power
+    return len(Pieces.of(sim.state).mass) == 2, breadths(upper, lower, 6.0)[1][-1]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [0.5, 0.3])
 def test_a_strip_narrows_until_its_tears_meet(size):
-    is_off, breadth, _ = narrowed(size)
+    is_off, breadth = narrowed(size)
     assert is_off
     # Measured 0.08 and 0.07 mm.
     assert breadth < 0.25
 
 
+def power(x, breadth, low, high, end):
+    """Return m of w ~ (end - x)^m where w is between two breadths."""
+    decade = (breadth > low) & (breadth < high)
+    return np.polyfit(np.log(end - x[decade]), np.log(breadth[decade]), 1)[0]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "size",
-    [
-        pytest.param(
-            0.5, marks=pytest.mark.xfail(reason="m = 0.83: the process zone is two edges long")
-        ),
-        0.3,
-    ],
+    ("size", "breadth", "margin", "length", "low"),
+    [(0.5, 12.0, 6.0, 44.0, 1.0), (0.3, 7.8, 5.1, 32.0, 0.6)],
 )
-def test_a_strip_narrows_by_a_power_law(size):
-    # Around the 8/11 of [Brau2014]; measured 0.74 on 0.3 mm, 0.69 on 0.2 mm.
-    assert 0.70 < narrowed(size)[2] < 0.80
+def test_a_strip_narrows_by_a_power_law(size, breadth, margin, length, low):
+    """Over a decade from two edges on, in a sheet that is wide beside the strip.
+
+    In a film of 0.14 mm the fold, sqrt(D w / 2 G h), is 0.7 mm at w = 1 mm and 2.3 at 10.
+    """
+    sim = pulled_up(size, breadth, 6.0, length, margin, SHORT, thickness=0.14)
+    upper, lower = torn_off(sim, 3e-2)
+    assert len(Pieces.of(sim.state).mass) == 2
+    x, w = breadths(upper, lower, 7.0)
+    m = power(x, w, low, 10.0 * low, max(upper[-1, 0], lower[-1, 0]))
+    # Around the 8/11 of [Brau2014]; measured 0.757 and 0.775.
+    assert 0.70 < m < 0.80
+
+
+@functools.cache
+def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0):
+    """Return a flap that hangs upright by F = 2 G h, its energy less the load's, and F."""
+    load = 2.0 * SHORT.fracture_energy * THICKNESS
+    mesh = rectangle(length, width, size=size)
+    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
+    x, y = X[:, 0], np.abs(X[:, 1])
+    at_start = x < 1e-9
+    rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
+    end = np.flatnonzero(at_start & (y < 0.5 * breadth - 0.5 * size)).tolist()
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads),
+        film(THICKNESS),
+        supports=[sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz")],
+        loads=[sc.NodalForce(end, (0.0, 0.0, load / len(end)))],
+        law=sc.CohesiveLaw(strength=1e4),
+        fracture=sc.Fracture(path="free"),
+    )
+    for side in (-0.5, 0.5):
+        sim.notch((-1.0, side * breadth, 0.0), (notch, side * breadth, 0.0))
+    # Round a quarter of a circle, then straight up.
+    node, sheet, radius = sim.state.node, sim.shell.reference, 0.8
+    middle = sheet.x[sheet.quads].mean(axis=1)
+    flap = (np.abs(middle[:, 1]) < 0.5 * breadth) & (middle[:, 0] < notch)
+    ids = np.unique(sim.state.quads[flap])
+    s = np.maximum(notch - node.X[ids, 0], 0.0)
+    angle = np.minimum(s / radius, 0.5 * np.pi)
+    moved = np.zeros((node.count, 3))
+    moved[ids, 0] = s - radius * np.sin(angle)
+    moved[ids, 2] = radius * (1.0 - np.cos(angle)) + s - radius * angle
+    node.t[ids] = np.stack([np.sin(angle), 0.0 * angle, np.cos(angle)], axis=1)
+    sim.relax(moved, tolerance=1e-3)
+    stored = sim.shell.add_forces(sim.state).strain_energy
+    return sim, stored - load * node.x[end, 2].mean(), load
+
+
+def force_on_a_tip(sim, reach):
+    """Return the force on the tip on the left [N], along the notch and inward."""
+    place = next(
+        at
+        for tip in sim.cracks.free.tips
+        if (at := sim.cracks.free._path.reference_of(sim.state, tip))[1] > 0.0
+    )
+    along, aside = force_on(sim, place, reach).of(sim.state, BASE)
+    return along, -aside
+
+
+def test_the_force_on_the_tips_of_a_fold_is_what_their_energy_gives():
+    """What is released where the flap gets longer, or narrower, by a little."""
+    sim, _, load = fold_at_rest(0.5, 6.0)
+    along, inward = force_on_a_tip(sim, 4.0)
+    # Discretisation and rest, to 1e-3 of the load; measured 0.98.
+    assert along == pytest.approx(0.5 * load, rel=0.05)
+    wide, narrow = (fold_at_rest(0.5, breadth)[1] for breadth in (8.0, 4.0))
+    # The sheet is lifted beyond the reach, too; measured 1.07, with a reach of 2 mm 1.12.
+    assert inward == pytest.approx((wide - narrow) / 4.0, rel=0.1)
+
+
+@pytest.mark.slow
+def test_the_force_on_the_tips_of_a_fold_follows_the_power_law():
+    """Each tear leans by tan a = J_y / J_x, and -dw/dx = 2 tan a ~ w^(1 - 1/m)."""
+    w = np.array([2.0, 4.0, 8.0])
+    J = np.array([force_on_a_tip(fold_at_rest(0.25, b, b + 12.0)[0], 2.0) for b in w])
+    falls = np.polyfit(np.log(w), np.log(J[:, 1] / J[:, 0]), 1)[0]
+    # Measured 0.735; 8/11 = 0.727 by [Brau2014].
+    assert 1.0 / (1.0 - falls) == pytest.approx(8.0 / 11.0, abs=0.03)

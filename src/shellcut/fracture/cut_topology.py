@@ -81,6 +81,12 @@ class CutTopology:
         """Return the rows that hold a part of their quad only, ascending."""
         return sorted(self._polygons)
 
+    def opened_rows(self) -> list[int]:
+        """Return the rows that are cut or touch a broken or torn side, ascending."""
+        nodes = {node for side in (*self._broken, *self._torn) for node in side}
+        rows = {row for node in nodes for row, _ in self.corners_at(node)}
+        return sorted(rows.union(self._polygons))
+
     def cut(self, row: int, start: Point, end: Point) -> int:
         """Cut a row along a chord: it keeps what lies to the right, a new row takes the left.
 

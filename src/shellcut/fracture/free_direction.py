@@ -9,16 +9,19 @@ it, the measure of both,
 
 is 1 when the crack runs: a crack of length a under a stress p in a large sheet has
 J = pi a p² h / E, and phi = 1 with R = G h is the rule p² (pi a + E G / sigma_F²) = E G, good for
-short and long cracks ([ElHaddad1979]). R is what the crack takes up now, which is less than G h
-until its process zone has grown. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is 1,
-so R follows: the energy has to make up for what the stress leaves open,
+short and long cracks ([ElHaddad1979]). R is what the crack takes up now: less than G h until its
+process zone has grown, never more. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is
+1. So stress counts by no more than what the energy leaves open of G h, and the energy by what the
+stress then leaves open:
 
-    phi(e) = (1 - s) J(e) / max J + (p(e) / sigma_F)²,    s = max (p / sigma_F)² <= 1.
+    phi(e) = (1 - s) J(e) / max J + s (p(e) / max p)²,
+    s = min(max (p / sigma_F)², 1 - max J / (G h)), 0 at least.
 
-**The crack takes the direction where phi is largest.** Far from strength, s = 0, it runs along J:
-so does a tear out of the plane, where the energy does not depend on the stress ahead. Under even
-tension, s = 1, it runs across the largest principal stress. Nothing else enters. Where strength and
-energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
+**The crack takes the direction where phi is largest.** Where J reaches G h, as in a steady tear, it
+runs along J; so it does where stress is far from strength, at the start of a tear out of the plane.
+A short crack under even tension runs across the largest principal stress. Nothing else enters.
+Where strength and energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over
+f(e).
 
 p is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far as it
 pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
@@ -28,15 +31,16 @@ rotation that takes one normal to the other: the mean of tensors in planes that 
 other would lose the part across the lean. Film that does not hang together with the tip's counts
 for neither J nor p.
 
-All film goes along that is no farther from the tip than the cables hold, so that J is what goes
-into all of the process zone. Over that length film bends that is torn out of its plane, more on one
-flank than on the other. A smaller domain misses that and turns J aside; what its cables give would
-make up for the part of J along the crack only, for a line that moves sideways keeps its length.
+All film goes along that is no farther from the tip than the cables hold, measured along the crack,
+so that J is what goes into all of the process zone. Over that length film bends that is torn out of
+its plane, more on one flank than on the other. A smaller domain misses that and turns J aside; what
+its cables give would make up for the part of J along the crack only, for a line that moves sideways
+keeps its length.
 Where another edge of the film or another tip is nearer than ``LEAST`` no domain is left to tell
 where energy is released, and J is taken to lie along the crack.
 
-What a film would give back is not known if its law keeps
-a history and cannot be frozen; there the stress decides alone.
+What a film would give back is not known if its law keeps a history and cannot be frozen; there the
+stress decides alone.
 """
 
 from __future__ import annotations
@@ -58,6 +62,7 @@ from shellcut.state import BROKEN, KnownTopology, State
 from .anisotropy import Anisotropy
 from .crack_path import CrackPath
 from .cut_topology import CutTopology
+from .film_edges import GAP, FilmEdges
 from .quad_polygon import shape_functions
 from .tip import Tip
 from .tip_domain import TipDomain
@@ -69,10 +74,6 @@ AVERAGE = 2.5
 FALL = 2
 """Local edge lengths over which the film around a tip comes to stay, and least radius within which
 all of it goes along."""
-
-_GAP = 1.5
-"""Local edge lengths: cables that are farther apart, by their distance from a tip, do not belong to
-one process zone."""
 
 LEAST = 1.5
 """Local edge lengths between a tip and what does not go along with it, below which no domain shows
@@ -142,10 +143,13 @@ class FreeDirection:
         anisotropy: Anisotropy | None = None,
         loads: LoadSet | None = None,
     ) -> None:
-        self._shell, self._topology, self._path = shell, topology, path
+        self._shell, self._path = shell, path
         self._strength = law.strength
+        self._tearing = law.fracture_energy * shell.material.thickness
         self._anisotropy, self._loads = anisotropy, loads
         self._known = KnownTopology()
+        self._edges = FilmEdges(shell, topology)
+        self._behind: dict[Tip, tuple[Ints, Floats]] = {}
         self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
     def ways(
@@ -167,6 +171,8 @@ class FreeDirection:
         """
         if not self._known.is_of(state):
             self._ahead.clear()
+            self._behind.clear()
+            self._edges.find()
             self._known.take(state)
         key = tip, self._zone(state, tip)
         if key not in self._ahead:
@@ -180,9 +186,12 @@ class FreeDirection:
         ways = product(_WAYS, moved)
         phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
         if ahead.force is not None or ahead.straight:
-            force = _ALONG if ahead.force is None else ahead.force.of(state, moved)
-            released = product(_WAYS, force) / ahead.factors
-            phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
+            force = self._tearing * _ALONG if ahead.force is None else ahead.force.of(state, moved)
+            released = product(_WAYS, force) / (ahead.factors * self._tearing)
+            most = float(phi.max())
+            s = min(most, max(1.0 - released.max(), 0.0))
+            phi *= s / max(most, _TINY)
+            phi += (1.0 - s) * released / max(np.abs(released).max(), _TINY)
         angle = _between(phi, int(np.argmax(phi)))
         yield unit(product(np.array([math.cos(angle), math.sin(angle)]), moved))
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
@@ -191,15 +200,16 @@ class FreeDirection:
     def _zone(self, state: State, tip: Tip) -> int:
         """Return how far back cables hold the flanks of a tip, in local edge lengths, rounded up.
 
-        At least ``FALL``.
+        Along the crack, and at least ``FALL``.
         """
-        row, _ = self._path.rows_ahead(tip)[0]
-        c, place = state.cable, self._path.reference_of(state, tip)
-        holds = c.status[: state.n_cable] != BROKEN
-        ends = state.node.X[c.ends[: state.n_cable][holds, 0]]
-        gaps = np.sort(np.linalg.norm(ends - place, axis=1)) / self._path.size(row)
-        apart = np.diff(gaps, prepend=0.0) > _GAP
-        zone = gaps[: np.argmax(apart)] if apart.any() else gaps
+        if tip not in self._behind:
+            row, _ = self._path.rows_ahead(tip)[0]
+            place = self._path.reference_of(state, tip)
+            self._behind[tip] = self._edges.cables_behind(state, place, self._path.size(row))
+        cables, back = self._behind[tip]
+        back = back[state.cable.status[cables] != BROKEN]
+        apart = np.diff(back, prepend=0.0) > GAP
+        zone = back[: np.argmax(apart)] if apart.any() else back
         return int(np.ceil(zone.max(initial=FALL)))
 
     def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
@@ -213,7 +223,7 @@ class FreeDirection:
         domain = TipDomain.of(
             state,
             self._shell,
-            self._topology,
+            self._edges,
             place,
             base,
             (zone * size, (zone + FALL) * size),

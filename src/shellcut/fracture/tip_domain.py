@@ -8,10 +8,8 @@ nearest of these, and r and R the radii within which all film goes along and bey
 
     q = min(1, 2 b / (b + d), (R - d) / (R - r)).
 
- The crack's own flanks slide as the film on
-both sides of them does: b counts through them, so q has no jump there, which would stretch the
-cables. The flanks of a crack are its own as far back as no other edge of the film touches them: not
-the rim at which it began, nor the other branch, nor its own way where it has come across that.
+The crack's own flanks (:meth:`.FilmEdges.way_back`) slide as the film on both sides of them does: b
+counts through them, so q has no jump there, which would stretch the cables.
 
 Of a copy the corners beyond an edge that stays lie outside the film: there b counts as negative, so
 that q vanishes on that edge.
@@ -24,18 +22,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, norm, product
+from shellcut.arrays import Floats, Ints, product
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .cut_topology import CutTopology
-from .quad_polygon import FLANK, beyond, on_side, shape_functions
+from .film_edges import SAME, FilmEdges
 
 AROUND = 1.6
 """Radius within which film is looked for, over R."""
-
-# Of the reach: ends of edges that are nearer are one place, far above round-off.
-_SAME = 1e-5
 
 
 class TipDomain(NamedTuple):
@@ -53,7 +47,7 @@ class TipDomain(NamedTuple):
         cls,
         state: State,
         shell: MITC4Shell,
-        topology: CutTopology,
+        film: FilmEdges,
         place: Floats,
         base: Floats,
         radii: tuple[float, float],
@@ -64,7 +58,7 @@ class TipDomain(NamedTuple):
 
         Parameters
         ----------
-        state, shell, topology : State, MITC4Shell, CutTopology
+        state, shell, film : State, MITC4Shell, FilmEdges
             The film as it is cut.
         place : ndarray, shape (3,)
             Of the tip in the reference film [mm].
@@ -80,35 +74,27 @@ class TipDomain(NamedTuple):
         whole, reach = radii
         rows = _film_around(state, shell, place, np.cross(*base), AROUND * reach, ahead)
         X = shell.reference.x[shell.reference.quads[rows]]
-        edges = _edges(state, topology, rows, X)
-        ends = np.array([edge.ends for edge in edges]).reshape(-1, 2, 3)
-        stays = ~_own(ends, place, reach)
+        own = np.zeros(len(film.row), np.bool_)
+        for flanks, _, stop in film.way_back(place):
+            own[flanks] = True
+            if stop >= reach:
+                break
+        here = np.isin(film.row, rows) & ~own
         nodes = state.quads[rows]
-        in_sheet = np.abs(base).max(axis=0) > _SAME
+        in_sheet = np.abs(base).max(axis=0) > SAME
         held = (state.node.support[nodes, :3] & in_sheet).any(axis=2)
         points = np.concatenate([tips, X[held]])
-        still = np.concatenate([ends[stays], np.repeat(points[:, None], 2, axis=1)])
+        still = np.concatenate([film.ends[here], np.repeat(points[:, None], 2, axis=1)])
         d = np.linalg.norm(X - place, axis=2)
         b = np.full_like(d, reach)
         b[d < reach] = _distance(X[d < reach], still, reach)
-        for edge, stay in zip(edges, stays.tolist(), strict=True):
-            if stay and edge.beyond:
-                b[edge.i, edge.beyond] = -b[edge.i, edge.beyond]
+        outside = np.zeros(b.shape, np.bool_)
+        np.logical_or.at(outside, np.searchsorted(rows, film.row[here]), film.beyond[here])
+        b[outside] *= -1.0
         far = np.clip((reach - d) / (reach - whole), 0.0, 1.0)
-        q = np.minimum(far, 2.0 * b / np.maximum(d + np.maximum(b, 0.0), _SAME * reach))
+        q = np.minimum(far, 2.0 * b / np.maximum(d + np.maximum(b, 0.0), SAME * reach))
         q[far == 0.0] = 0.0
         return cls(rows, q, float(_distance(place, still, reach)))
-
-
-class _Edge(NamedTuple):
-    """An edge of the film."""
-
-    ends: Floats
-    """In the reference [mm], shape (2, 3)."""
-    i: int
-    """Which of the rows has it."""
-    beyond: list[int]
-    """Corners of that row outside the film because of it."""
 
 
 def _film_around(
@@ -129,53 +115,6 @@ def _film_around(
         reached[at[found]] = True
         found = np.asarray(reached[at].any(axis=1))
     return rows[found]
-
-
-def _edges(state: State, topology: CutTopology, rows: Ints, X: Floats) -> list[_Edge]:
-    """Return the edges of the film in some rows: flanks, rims and sides that are broken or torn.
-
-    A side within the film has its two nodes in common with a row beyond it.
-    """
-    nodes = state.quads[rows]
-    pairs = np.sort(np.stack([nodes, np.roll(nodes, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-    _, at, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-    alone = (count[at.reshape(-1)] == 1).reshape(-1, 4)
-    found = []
-    for i, row in enumerate(rows.tolist()):
-        polygon = topology.polygon(row)
-        points = polygon.points
-        for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
-            if side == FLANK:
-                parts, outside = [(a, b)], beyond(a, b)
-            elif alone[i, side]:
-                parts, outside = [(a, b)], []
-            else:
-                parts = [
-                    (on_side(side, start), on_side(side, stop))
-                    for start, stop in topology.open_parts(row, side)
-                ]
-                outside = []
-            for part in parts:
-                ends = product(np.array([shape_functions(point) for point in part]), X[i])
-                found.append(_Edge(ends, i, outside))
-    return found
-
-
-def _own(ends: Floats, place: Floats, reach: float) -> Bools:
-    """Return which edges are flanks of the crack that ends at a place, shape (n,).
-
-    ends : (n, 2, 3). From the tip on back along the only way there is, as far as the reach.
-    """
-    own, way = np.zeros(len(ends), np.bool_), 0.0
-    while way < reach:
-        at = np.linalg.norm(ends - place, axis=2) < _SAME * reach
-        here = np.flatnonzero(at.any(axis=1) & ~own)
-        others = ends[here, np.where(at[here, 0], 1, 0)]
-        if not here.size or (np.linalg.norm(others - others[0], axis=1) > _SAME * reach).any():
-            break
-        own[here], way = True, way + float(norm(others[0] - place))
-        place = others[0]
-    return own
 
 
 def _distance(X: Floats, ends: Floats, most: float) -> Floats:

@@ -29,6 +29,7 @@ mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 
@@ -181,7 +182,7 @@ def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
 
 def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Floats:
     """Return h at the Gauss point ``q`` of any quads, shape (n_quad, 8, 8)."""
-    n, A1, A2, T0, T1, T2 = list(gauss_geometry(X, T))[q]
+    n, A1, A2, T0, T1, T2 = next(islice(gauss_geometry(X, T), q, None))
     h = np.zeros((len(X), 8, 8))
     turn = turn_into_axes(A1, A2, T0, material.direction_at(np.einsum("a,eac->ec", n, X)))
     for z, weight, layer in zip(*material.thickness_points(), strict=True):

@@ -71,10 +71,14 @@ class SlidingEnergy(NamedTuple):
         material : ShellMaterial
             Whose law is linear.
         """
-        H = _stiffness(X, T, material)
+        ends = list(slide_ends(X, T, slides))
+        places = [(X, T), *(place for far, near, _ in ends for place in (far, near))]
+        every_X, every_T = (np.concatenate(part) for part in zip(*places, strict=True))
+        every = _stiffness(every_X, every_T, material)
+        H, *slid_to = every.reshape(len(places), len(X), N_STRAIN, N_STRAIN)
         changes, forces = [], []
-        for far, near, step in slide_ends(X, T, slides):
-            changes.append((_stiffness(*far, material) - _stiffness(*near, material)) / step)
+        for k, (far, near, step) in enumerate(ends):
+            changes.append((slid_to[2 * k] - slid_to[2 * k + 1]) / step)
             products = (reference_products(*far) - reference_products(*near)) / step
             forces.append(np.einsum("eij,ej->ei", H, products))
         return cls(reference_products(X, T), H, np.array(changes), np.array(forces))

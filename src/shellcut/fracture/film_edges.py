@@ -1,0 +1,130 @@
+"""The edges of a film that is cut: rims, flanks of cracks, and sides that are broken or torn.
+
+From a tip the crack's own flanks lead back (:meth:`FilmEdges.way_back`), as far as no other edge of
+the film touches them: not the rim at which it began, nor the other branch, nor its own way where it
+has come across that. How far back cables hold along this way is the length of its process zone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints, norm, product
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import BROKEN, State
+
+from .cut_topology import CutTopology
+from .quad_polygon import CORNERS, FLANK, Point, beyond, on_side
+
+SAME = 1e-5
+"""Of a length of several edges: ends of edges that are nearer are one place, far above
+round-off."""
+
+GAP = 1.5
+"""Local edge lengths: cables that are farther apart along the crack do not belong to one process
+zone."""
+
+# Of the local edge length: cables at the Gauss points of a segment lie so near to it or nearer.
+_BESIDE = 0.05
+
+_XI, _ETA = np.array(CORNERS).T
+
+
+class FilmEdges:
+    """The edges of the film, as long as its topology stays.
+
+    Parameters
+    ----------
+    shell : MITC4Shell
+        Gives the reference film.
+    topology : CutTopology
+        How it is cut.
+    """
+
+    def __init__(self, shell: MITC4Shell, topology: CutTopology) -> None:
+        self._shell, self._topology = shell, topology
+        mesh = shell.mesh_quads  # nothing is cut yet
+        pairs = np.sort(np.stack([mesh, np.roll(mesh, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+        _, at, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+        self._rim = (count[at.reshape(-1)] == 1).reshape(-1, 4)
+        self._same = SAME * float(np.sqrt(shell.area.min()))
+        self.find()
+
+    def find(self) -> None:
+        """Find the edges of the film as it is cut now."""
+        topology, film = self._topology, self._shell.reference
+        looked_at = topology.opened_rows()
+        whole = self._rim.copy()
+        whole[[row for row in looked_at if row < len(whole)]] = False
+        row, first = np.nonzero(whole)
+        corners = np.stack([first, (first + 1) % 4], axis=1)
+        rows: list[int] = []
+        places: list[tuple[Point, Point]] = []
+        outside: list[list[int]] = []
+        for cut in looked_at:
+            polygon, rim = topology.polygon(cut), self._rim[topology.parent(cut)]
+            points = polygon.points
+            for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
+                parts = [(a, b)]
+                if side != FLANK and not rim[side]:
+                    opened = topology.open_parts(cut, side)
+                    parts = [(on_side(side, start), on_side(side, stop)) for start, stop in opened]
+                rows += [cut] * len(parts)
+                places += parts
+                outside += [beyond(*part) if side == FLANK else [] for part in parts]
+        xi, eta = np.array(places).reshape(-1, 2, 2, 1).transpose(2, 0, 1, 3)
+        weights = 0.25 * (1.0 + _XI * xi) * (1.0 + _ETA * eta)
+        self.row: Ints = np.concatenate([row, np.array(rows, np.int64)])
+        """Of which row each is an edge, shape (n,)."""
+        X = film.x[film.quads[self.row]]
+        n = len(row)
+        at_corners = np.take_along_axis(X[:n], corners[:, :, None], axis=1)
+        self.ends: Floats = np.concatenate([at_corners, product(weights, X[n:])])
+        """In the reference film [mm], shape (n, 2, 3)."""
+        self.beyond: Bools = np.zeros((len(self.row), 4), np.bool_)
+        """Which corners of that row lie outside the film because of it, shape (n, 4)."""
+        for i, found in enumerate(outside, start=n):
+            self.beyond[i, found] = True
+
+    def way_back(self, place: Floats) -> Iterator[tuple[Ints, Floats, float]]:
+        """Yield the edges of the flanks of the crack that ends at a place, from there on back.
+
+        Those between two places of the way, the two places, shape (2, 3), and how far from the tip
+        the way has then come [mm].
+        """
+        own, way = np.zeros(len(self.row), np.bool_), 0.0
+        while True:
+            at = np.linalg.norm(self.ends - place, axis=2) < self._same
+            here = np.flatnonzero(at.any(axis=1) & ~own)
+            others = self.ends[here, np.where(at[here, 0], 1, 0)]
+            if not here.size or (np.linalg.norm(others - others[0], axis=1) > self._same).any():
+                return
+            own[here], way = True, way + float(norm(others[0] - place))
+            yield here, np.stack([place, others[0]]), way
+            place = others[0]
+
+    def cables_behind(self, state: State, place: Floats, size: float) -> tuple[Ints, Floats]:
+        """Return the cables that hold the flanks of the crack that ends at a place.
+
+        As far back as they hold, and how far that is in local edge lengths, shape (n,) each,
+        ascending.
+
+        size : local edge length [mm].
+        """
+        c = state.cable
+        held = np.flatnonzero(c.status[: state.n_cable] != BROKEN)
+        X, back = state.node.X[c.ends[held, 0]], np.full(len(held), np.inf)
+        last = 0.0
+        for _, (start, stop), way in self.way_back(place):
+            length = float(norm(stop - start))
+            along = np.clip(product(X - start, stop - start) / length**2, 0.0, 1.0)
+            gap = X - start - along[:, None] * (stop - start)
+            on = np.linalg.norm(gap, axis=1) < _BESIDE * size
+            back[on] = np.minimum(back[on], way + (along[on] - 1.0) * length)
+            last = back[on].max(initial=last)
+            if way - last > GAP * size:
+                break
+        order = np.argsort(back, kind="stable")[: np.isfinite(back).sum()]
+        return held[order], back[order] / size
