@@ -113,7 +113,7 @@ def ways_of(sim, apart=1.5):
 def test_cracks_that_pass_turn_to_each_others_flanks(size, moved):
     """They shun each other's ends a little and hook behind them ([Fender2010])."""
     sim = passing(size, moved)
-    while sim.state.time < 1.5e-3 and len(sim.cracks.free.tips) == 2:
+    while sim.state.time < 2.5e-3 and len(sim.cracks.free.tips) == 2:
         sim.step()
     left, right = ways_of(sim)
     tips = [sim.cracks.free._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.free.tips]
