@@ -167,6 +167,7 @@ class EdgeContact(PressTerm):
             "n_search": self.n_search,
             "pairs": self.tables.pairs._asdict(),
             "memory": self.tables.memory._asdict(),
+            "carriers": self.carriers._asdict(),
         }
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
@@ -181,6 +182,7 @@ class EdgeContact(PressTerm):
         pairs = EdgePairs(**{name: rows.copy() for name, rows in saved["pairs"].items()})
         memory = EdgeMemory(**{name: rows.copy() for name, rows in saved["memory"].items()})
         self._lay_out(state, pairs, memory)
+        self._take_carriers(saved["carriers"])
 
     def _renew(self, state: State, pose: Pose) -> tuple[float, float]:
         """List the pairs anew; return the work and the energy of edges that have gone [N·mm]."""
@@ -217,7 +219,8 @@ class EdgeContact(PressTerm):
     def _lay_out(self, state: State, pairs: EdgePairs, memory: EdgeMemory) -> None:
         """Build the kernels' tables, valid until the list is made anew."""
         contact = self._contact
-        self.carriers = Carriers.of(pairs.node[:, [0, 1, 0, 0]])
+        carriers = Carriers.of(pairs.node[:, [0, 1, 0, 0]])
+        self.carriers = carriers._replace(body=memory.body)
         self.tables = EdgeTables(
             edges=self._edges,
             radius=self._radius,

@@ -272,7 +272,7 @@ def _put_on_ends(
     _put_on(i, 1, scale(part, f_b), body, pose, held, wrench)
     memory.drift[i], memory.press_place[i] = s - memory.press_place[i], s
     along = norm(found.out)
-    carriers.body[i], carriers.stiffness[i] = body, k
+    carriers.stiffness[i] = k
     carriers.weight[i, 0], carriers.weight[i, 1] = 1.0 - s, s
     carriers.pressure[i] = part * k * max(by * along - found.from_a - found.from_b, 0.0)
     store(carriers.normal, i, scale(1.0 / along, found.out))

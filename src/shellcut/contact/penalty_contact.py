@@ -156,10 +156,11 @@ class PenaltyContact(PressTerm):
         return self.near.within(state, self._pose) if self._pose else self.near.ids
 
     def saved(self) -> dict[str, Any]:
-        """Return the list of near nodes, their last look-ups, and the last forces."""
+        """Return the list of near nodes, what is known of them, and the last forces."""
         return {
             "near": self.near.saved(),
             "lookups": self.lookups._asdict(),
+            "carriers": self.carriers._asdict(),
             "touch": self.touch._asdict(),
             "deepest": self.deepest,
         }
@@ -173,6 +174,7 @@ class PenaltyContact(PressTerm):
         self.touch.take(saved["touch"])
         self.deepest = saved["deepest"]
         self._collect(state)
+        self._take_carriers(saved["carriers"])
 
     def _take_list(self, state: State) -> None:
         """Switch to the new list: nodes that left it are outside, the others keep their look-up."""
@@ -193,7 +195,8 @@ class PenaltyContact(PressTerm):
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
-        self.carriers = Carriers.of(np.repeat(self.near.ids[:, None], 4, axis=1))
+        carriers = Carriers.of(np.repeat(self.near.ids[:, None], 4, axis=1))
+        self.carriers = carriers._replace(normal=self.lookups.out)
         tables = ContactTables(
             tool=ContactTool(
                 grid=self.grid.arrays,
@@ -414,7 +417,6 @@ def _add_contact_forces(
         work += 0.5 * dt * dot(add(old, f), moved)
         carriers.body[i] = tool.triangle_body[triangle]
         carriers.stiffness[i], carriers.pressure[i] = stiffness, magnitude
-        store(carriers.normal, i, outward)
         _put_on(n, f, carriers.body[i], pose, nodes, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return deepest

@@ -164,7 +164,7 @@ class PointContact(PressTerm):
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._springs = PointSprings(**{k: v.copy() for k, v in saved["springs"].items()})
-        self.carriers = Carriers(**{k: v.copy() for k, v in saved["carriers"].items()})
+        self._take_carriers(saved["carriers"])
         self._pairs = PointPairs(**{k: v.copy() for k, v in saved["pairs"].items()})
         self._x_listed = saved["x_listed"].copy()
         self._walked, self._look_at = saved["walked"], saved["look_at"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from shellcut.arrays import Floats, Ints
@@ -76,3 +77,8 @@ class PressTerm:
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
         return {"contact_stored": float(self.touch.sums[STORED])}
+
+    def _take_carriers(self, saved: Mapping[str, Any]) -> None:
+        """Take over ``_asdict()`` of other carriers, in place."""
+        for name, rows in saved.items():
+            getattr(self.carriers, name)[:] = rows
