@@ -9,7 +9,7 @@ from runs import run
 from shellcut import opening_test
 from shellcut.models.opening import steady_work_per_radian
 
-TORQUE_M1 = 139.3  # N*mm
+TORQUE_M1 = 139.4  # N*mm
 
 
 def check_opening(mesh, tmp_path):
@@ -17,11 +17,11 @@ def check_opening(mesh, tmp_path):
     assert case.simulation.fracture.path == "free"
     summary, history = run(case, tmp_path)
     late = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
-    work, angle = history["cohesive_work"][late], np.radians(history["angle"][late])
-    rate = (work[-1] - work[0]) / (angle[-1] - angle[0])
-    assert rate == pytest.approx(steady_work_per_radian(), rel=0.01)
-    # Measured 1.006, 1.017 and 1.010 of it.
-    assert history["torque"][late].mean() == pytest.approx(TORQUE_M1, rel=0.02)
+    angle = np.ptp(np.radians(history["angle"][late]))
+    cables, torque = (np.ptp(history[sums][late]) for sums in ("cohesive_work", "torque_integral"))
+    assert cables / angle == pytest.approx(steady_work_per_radian(), rel=0.01)
+    # By the rows, of which the mean is up to 0.3 % larger, 1.006, 1.017 and 1.010 of it.
+    assert torque / angle == pytest.approx(TORQUE_M1, rel=0.02)
     assert summary["imbalance_rel"] < 3e-3
 
 
