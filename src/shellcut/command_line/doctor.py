@@ -154,7 +154,8 @@ def _cache_folders() -> list[Path]:
     kernels = [
         k.stats for room in rooms for k in vars(room).values() if isinstance(k, CPUDispatcher)
     ]
-    return sorted({Path(stats.cache_path) for stats in kernels if stats.cache_path})
+    paths = {stats.cache_path for stats in kernels} - {None, os.devnull}
+    return sorted(map(Path, paths))
 
 
 def _files() -> Iterator[Finding]:
