@@ -44,14 +44,21 @@ SHORT = {
 """A run of each model that is short, and calls all of its kernels."""
 BRIEF = {**QUICK, "motion.angle_deg": 25.0, "motion.duration": "1.6 ms"}
 RUBBED = {"friction": 0.2, "self_contact": True, "self_friction": 0.2}
+SOME = {"motion.travel": "3 mm"}
+VOCE = {
+    "material.yield_stress": 10.0,
+    "material.saturation_gain": 5.0,
+    "material.saturation_strain": 0.1,
+}
 WITH_OPTIONS = {
     "through quads": ("guillotine", {"fracture.path": "free", "motion.travel": "6 mm"}),
     "opening through quads": ("opening", {**BRIEF, "fracture.path": "free"}),
     "friction": ("guillotine", {f"contact.{key}": value for key, value in RUBBED.items()}),
     "ldpe, opening": ("opening", {**BRIEF, "material": "ldpe"}),
     "ldpe, through quads": (FREE, {"material": "ldpe"}),
+    "Voce": ("guillotine", VOCE | SOME),
     **{
-        name: ("guillotine", {"material": name, "motion.travel": "3 mm"})
+        name: ("guillotine", {"material": name, **SOME})
         for name in ("ldpe", "pet", "aluminium_foil", "foil_ldpe")
     },
 }

@@ -21,6 +21,8 @@ import numba
 import numpy as np
 from numba.core.registry import CPUDispatcher
 
+from shellcut.numerics.kernel_cache import LEVELS
+from shellcut.numerics.source_digest import PACKAGE
 from shellcut.numerics.threads import Workers, available_cores
 from shellcut.view import why_not_pyvista
 
@@ -120,6 +122,8 @@ def _compiler() -> Iterator[Finding]:
         return
     if not right:
         yield Finding("PROBLEM", "compiler", "Numba computes wrongly", "reinstall numba", True)
+    if brought := [level for level in LEVELS if (PACKAGE / "compiled" / level).is_dir()]:
+        yield Finding("ok", "release", f"brings compiled code for {', '.join(brought)}")
     yield _cache()
 
 
@@ -128,7 +132,7 @@ def _cache() -> Finding:
     folders = _cache_folders()
     remedy = "set NUMBA_CACHE_DIR to a folder you can write to"
     if not folders:
-        value = "no folder can be written: every run compiles again"
+        value = "no folder can be written: every run compiles what no release brings"
         return Finding("note", "compiled code", value, remedy)
     for folder in folders:
         try:
@@ -154,8 +158,8 @@ def _cache_folders() -> list[Path]:
     kernels = [
         k.stats for room in rooms for k in vars(room).values() if isinstance(k, CPUDispatcher)
     ]
-    paths = {stats.cache_path for stats in kernels} - {None, os.devnull}
-    return sorted(map(Path, paths))
+    paths = {stats.cache_path for stats in kernels}
+    return sorted(Path(path) for path in paths if path and path != os.devnull)
 
 
 def _files() -> Iterator[Finding]:

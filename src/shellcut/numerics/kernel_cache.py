@@ -26,7 +26,7 @@ import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from llvmlite import binding
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
@@ -106,7 +106,7 @@ class _Nowhere:
 
 
 class _Implementation(CompileResultCacheImpl):
-    _locator_classes = (*CompileResultCacheImpl._locator_classes, _Nowhere)
+    _locator_classes: ClassVar[Any] = [*CompileResultCacheImpl._locator_classes, _Nowhere]
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
         """Return what is stored: machine code, and of LLVM's code that it defines the function.
