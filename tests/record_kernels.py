@@ -1,4 +1,4 @@
-"""Write ``src/shellcut/models/kernels.json``: the kernels that the ready models call.
+"""Write ``src/shellcut/models/kernels.json``: the kernels that the models call.
 
 Each model runs in a process of its own, so that the kernels are its own.
 """
@@ -15,13 +15,54 @@ from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.signature_text import written
 
 TARGET = Path(shellcut.__file__).parent / "models" / "kernels.json"
+FREE = """model = "free"
+[membrane]
+length = 6.0
+width = 4.0
+size = 0.5
+clamp = ["bottom", "top"]
+notch = 1.0
+[tool]
+kind = "blade"
+length = 6.0
+height = 3.0
+shift = [-0.05, 0.0, 0.0]
+[motion]
+direction = [1, 0.1, 0]
+speed = "6 m/s"
+ramp = "0.1 ms"
+duration = "0.5 ms"
+"""
+QUICK = {"membrane.mesh": "quick"}
 SHORT = {
-    "opening": {"membrane.mesh": "quick"},
-    "guillotine": {},
-    "oscillating": {},
-    "trouser": {},
+    "opening": ("opening", QUICK),
+    "guillotine": ("guillotine", {}),
+    "oscillating": ("oscillating", {}),
+    "trouser": ("trouser", {}),
+    "free": (FREE, {}),
 }
-"""What makes a run of a model short, and calls all of its kernels."""
+"""A run of each model that is short, and calls all of its kernels."""
+BRIEF = {**QUICK, "motion.angle_deg": 25.0, "motion.duration": "1.6 ms"}
+RUBBED = {"friction": 0.2, "self_contact": True, "self_friction": 0.2}
+SOME = {"motion.travel": "3 mm"}
+VOCE = {
+    "material.yield_stress": 10.0,
+    "material.saturation_gain": 5.0,
+    "material.saturation_strain": 0.1,
+}
+WITH_OPTIONS = {
+    "through quads": ("guillotine", {"fracture.path": "free", "motion.travel": "6 mm"}),
+    "opening through quads": ("opening", {**BRIEF, "fracture.path": "free"}),
+    "friction": ("guillotine", {f"contact.{key}": value for key, value in RUBBED.items()}),
+    "ldpe, opening": ("opening", {**BRIEF, "material": "ldpe"}),
+    "ldpe, through quads": (FREE, {"material": "ldpe"}),
+    "Voce": ("guillotine", VOCE | SOME),
+    **{
+        name: ("guillotine", {"material": name, **SOME})
+        for name in ("ldpe", "pet", "aluminium_foil", "foil_ldpe")
+    },
+}
+"""Runs with options of which a release brings the kernels, too."""
 
 
 def called():
@@ -58,15 +99,19 @@ def _kernels():
                 yield f"{name}:{inside}", thing
 
 
-def run(model):
-    """Run a ready model and return its kernels."""
+def run(name):
+    """Carry out one of the runs and return its kernels."""
+    model, settings = (SHORT | WITH_OPTIONS)[name]
     with tempfile.TemporaryDirectory() as folder:
-        shellcut.read_model(model, SHORT[model]).build().run(folder)
+        if model == FREE:
+            model = Path(folder) / "free.toml"
+            model.write_text(FREE)
+        shellcut.read_model(model, settings).build().run(Path(folder) / "out", progress=False)
     return called()
 
 
 def main():
-    """Record all models, or print the kernels of the one that is named."""
+    """Record all models, or print the kernels of the run that is named."""
     if sys.argv[1:]:
         print(json.dumps(run(sys.argv[1])))
         return

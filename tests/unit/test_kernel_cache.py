@@ -1,8 +1,9 @@
 """Machine code kept on disk: of these very sources, and whole, or compiled anew."""
 
-import importlib
+import importlib.util
 import json
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,8 @@ import numba
 import pytest
 
 import shellcut
+
+TESTS = Path(__file__).parents[1]
 
 _OF_A_VERSION = """
 from typing import NamedTuple
@@ -101,18 +104,6 @@ def test_a_damaged_file_is_compiled_anew(tmp_path, version, damage, kind):
         assert version("of_a_version").misses == (0, 0)
 
 
-def test_a_kernel_runs_where_nothing_can_be_stored(tmp_path, version, monkeypatch):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "file" / "cache"))
-    (tmp_path / "file").write_text("a file where the folder should be")
-    locators = numba.core.caching.CacheImpl._locator_classes
-    told = [
-        one for one in locators if "UserProvided" in one.__name__
-    ]  # _UserProvided in Numba 0.61
-    monkeypatch.setattr("numba.core.caching.CacheImpl._locator_classes", told)
-    (tmp_path / "of_a_version.py").write_text(_OF_A_VERSION.format(name="Bars"))
-    assert version("of_a_version").found == (2.0, 2.0)
-
-
 def test_an_edit_of_what_a_kernel_calls_changes_its_result(tmp_path, version):
     (tmp_path / "of_a_version.py").write_text(
         "from shellcut.numerics.jit import kernel\n"
@@ -146,28 +137,113 @@ print(json.dumps({"energy": stored[0] + dissipated[0], "loaded": hits}))
 """
 
 
-def test_an_upgraded_package_computes_by_its_own_sources(tmp_path):
-    """The cable's kernel stands in another file than the law of which it holds a copy."""
-    site = tmp_path / "site"
-    shutil.copytree(Path(shellcut.__file__).parent, site / "shellcut")
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(site),
-        "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
-    }
+ENERGY = 0.5 * (18.0 + 12.0) * 0.5 + 12.0 * 0.5
 
-    def run():
-        command = [sys.executable, "-c", _PULLED_CABLE]
-        out = subprocess.run(
-            command, cwd=tmp_path, env=environment, check=True, capture_output=True, text=True
-        )
-        return json.loads(out.stdout)
 
-    assert run() == {"energy": pytest.approx(0.5 * (18.0 + 12.0) * 0.5 + 12.0 * 0.5), "loaded": 0}
+@pytest.fixture
+def site(tmp_path):
+    """Return a folder with a copy of the package."""
+    return _copy(Path(shellcut.__file__).parent, tmp_path / "site")
+
+
+def _copy(package, site):
+    leave = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(package, site / "shellcut", ignore=leave)
+    return site
+
+
+def pulled(site, **more):
+    """Return the energy of a pulled cable, and how many kernels were loaded, of a new process."""
+    given = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_C")}
+    environment = given | {"PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"} | more
+    command = [sys.executable, "-c", _PULLED_CABLE]
+    out = subprocess.run(
+        command, cwd=site, env=environment, check=True, capture_output=True, text=True
+    )
+    said = json.loads(out.stdout)
+    return said["energy"], said["loaded"]
+
+
+def edited(site):
+    """Double the plateau's part of the law's energy."""
     law = site / "shellcut" / "cables" / "cohesive_law.py"
     text = law.read_text()
     assert text.count("area += law[1] *") == 1
     law.write_text(text.replace("area += law[1] *", "area += 2.0 * law[1] *"))
-    doubled = pytest.approx(0.5 * (18.0 + 12.0) * 0.5 + 2.0 * 12.0 * 0.5)
-    assert run() == {"energy": doubled, "loaded": 0}
-    assert run() == {"energy": doubled, "loaded": 1}
+
+
+def test_an_upgraded_package_computes_by_its_own_sources(site):
+    """The cable's kernel stands in another file than the law of which it holds a copy."""
+    cache = str(site / "cache")
+    assert pulled(site, NUMBA_CACHE_DIR=cache) == (pytest.approx(ENERGY), 0)
+    edited(site)
+    doubled = pytest.approx(ENERGY + 12.0 * 0.5)
+    assert pulled(site, NUMBA_CACHE_DIR=cache) == (doubled, 0)
+    assert pulled(site, NUMBA_CACHE_DIR=cache) == (doubled, 1)
+
+
+# ---------------------------------------------------------------- what a release brings
+
+
+def _release():
+    """Return the module that builds releases."""
+    spec = importlib.util.spec_from_file_location("release", TESTS.parent / ".ci" / "release.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def release(tmp_path_factory):
+    """Return a package with machine code for all processors of a level."""
+    level = "x86-64-v3"
+    if platform.machine() not in ("x86_64", "AMD64"):
+        pytest.skip("releases bring machine code for x86-64 only")
+    site = _copy(Path(shellcut.__file__).parent, tmp_path_factory.mktemp("release"))
+    pulled(site, NUMBA_CPU_NAME=level, NUMBA_CPU_FEATURES="")
+    assert _release().gathered(site / "shellcut", level) > 0
+    return site / "shellcut"
+
+
+@pytest.fixture
+def released(release, tmp_path):
+    """Return a folder with a copy of it."""
+    return _copy(release, tmp_path / "site")
+
+
+def _closed(site):
+    """Return an environment without a folder for machine code."""
+    for room in {path.parent for path in (site / "shellcut").rglob("*.py")}:
+        (room / "__pycache__").write_text("a file where the folder should be")
+    return {"HOME": os.devnull, "XDG_CACHE_HOME": os.devnull}
+
+
+def test_a_release_is_not_compiled(released, tmp_path):
+    cache = tmp_path / "cache"
+    assert pulled(released, NUMBA_CACHE_DIR=str(cache)) == (pytest.approx(ENERGY), 1)
+    assert not list(cache.rglob("*.nb?"))
+    assert pulled(released, **_closed(released)) == (pytest.approx(ENERGY), 1)
+
+
+def test_a_kernel_runs_where_nothing_can_be_stored(site):
+    nowhere = _closed(site)
+    assert [pulled(site, **nowhere) for _ in range(2)] == [(pytest.approx(ENERGY), 0)] * 2
+    assert not list(site.rglob("*.nb?"))
+
+
+def test_a_release_of_other_sources_or_processors_is_compiled_anew(released):
+    cache = {"NUMBA_CACHE_DIR": str(released / "cache")}
+    older = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", **cache}
+    assert pulled(released, **older) == (pytest.approx(ENERGY), 0)
+    edited(released)
+    doubled = pytest.approx(ENERGY + 12.0 * 0.5)
+    assert [pulled(released, **cache) for _ in range(2)] == [(doubled, 0), (doubled, 1)]
+
+
+@pytest.mark.parametrize("damage", [_cut_short, _of_other_content, _emptied])
+@pytest.mark.parametrize("kind", ["nbc", "nbi"])
+def test_a_damaged_release_is_compiled_anew(released, damage, kind):
+    (file,) = released.rglob(f"directional_cable._energies*.{kind}")
+    damage(file)
+    cache = str(released / "cache")
+    assert pulled(released, NUMBA_CACHE_DIR=cache) == (pytest.approx(ENERGY), 0)

@@ -20,7 +20,8 @@ import llvmlite.binding
 import numba
 import numpy as np
 
-from shellcut.numerics.kernel_cache import KernelCache
+from shellcut.numerics.kernel_cache import LEVELS, KernelCache
+from shellcut.numerics.source_digest import PACKAGE
 from shellcut.numerics.threads import Workers, available_cores
 from shellcut.view import why_not_pyvista
 
@@ -120,6 +121,8 @@ def _compiler() -> Iterator[Finding]:
         return
     if not right:
         yield Finding("PROBLEM", "compiler", "Numba computes wrongly", "reinstall numba", True)
+    if brought := [level for level in LEVELS if (PACKAGE / "compiled" / level).is_dir()]:
+        yield Finding("ok", "release", f"brings compiled code for {', '.join(brought)}")
     yield _cache()
 
 
@@ -128,7 +131,7 @@ def _cache() -> Finding:
     folders = _cache_folders()
     remedy = "set NUMBA_CACHE_DIR to a folder you can write to"
     if not folders:
-        value = "no folder can be written: every run compiles again"
+        value = "no folder can be written: every run compiles what no release brings"
         return Finding("note", "compiled code", value, remedy)
     for folder in folders:
         try:
@@ -152,7 +155,8 @@ def _cache_folders() -> list[Path]:
     # The kernels of one package folder share one folder of machine code.
     rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
     caches = [getattr(kernel, "_cache", None) for room in rooms for kernel in vars(room).values()]
-    return sorted({Path(one.cache_path) for one in caches if isinstance(one, KernelCache)})
+    stored = [one for one in caches if isinstance(one, KernelCache) and one.can_store]
+    return sorted({Path(one.cache_path) for one in stored})
 
 
 def _files() -> Iterator[Finding]:

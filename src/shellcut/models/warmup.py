@@ -1,6 +1,6 @@
-"""Compile the kernels of the ready models before they are needed, on all cores.
+"""Compile the kernels of models before they are needed, on all cores.
 
-``kernels.json`` lists the kernels that runs of these models call, the largest first: the models,
+``kernels.json`` lists the kernels that short runs of them call, the largest first: the models,
 the kernel, the types of its arguments (:mod:`shellcut.numerics.signature_text`);
 ``tests/record_kernels.py`` writes it. This process and others beside it go through the list, and
 each compiles what no other has begun; the machine code meets on disk
@@ -23,8 +23,8 @@ from shellcut.numerics.jit import compile_if_free, is_stored
 from shellcut.numerics.signature_text import named, read
 from shellcut.numerics.threads import available_cores
 
-MODELS = ("opening", "guillotine", "oscillating", "trouser")
-"""Ready models whose kernels are listed."""
+MODELS = ("opening", "guillotine", "oscillating", "trouser", "free")
+"""Models whose kernels are listed, a free one with a plain film and blade."""
 
 _MOST_PROCESSES = 8
 """Beyond, the largest kernel alone decides how long it takes."""
@@ -54,15 +54,18 @@ def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | No
     names = [name for name in models if name in MODELS]
     kernels = _listed(names)
     missing = [one for one in kernels if not is_stored(*one)]
-    others = _others(names, len(missing))
+    others, said = _others(names, len(missing)), 0
     try:
         for function, types in missing:
             if compile_if_free(function, types) and told is not None:
-                told(sum(is_stored(*one) for one in kernels), len(kernels))
+                ready = sum(is_stored(*one) for one in kernels)
+                if ready > said:
+                    told(ready, len(kernels))
+                    said = ready
         for function, types in kernels:  # waits for those that others have begun
             if hasattr(function, "compile"):
                 function.compile(types)
-        if missing and told is not None:
+        if missing and told is not None and said < len(kernels):
             told(len(kernels), len(kernels))
     finally:
         for other in others:

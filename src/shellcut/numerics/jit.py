@@ -35,7 +35,7 @@ from numba.core import event, types
 from numba.extending import register_jitable
 
 from .inlined_code import InlinedCompiler
-from .kernel_cache import KernelCache, kernel_cache
+from .kernel_cache import KernelCache
 from .kernel_tables import check_tables
 
 P = ParamSpec("P")
@@ -64,7 +64,7 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
     compiled: Any = nb.njit(nogil=True, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
-        compiled._cache = kernel_cache(function)
+        compiled._cache = KernelCache(function)
         compiled.compile = _in_one_process(compiled, _uncollected(compiled.compile))
     return cast("Callable[P, R]", compiled)
 
@@ -73,10 +73,9 @@ def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[...
     """Wrap a compilation so that one process compiles a kernel, and the others load it."""
 
     def compile_alone(types: object, wait: bool = True) -> Any:
-        cache = compiled._cache
-        if not isinstance(cache, KernelCache) or compiled.overloads.get(types) is not None:
+        if compiled.overloads.get(types) is not None:
             return compile_(types)
-        with cache.alone(wait=wait) as is_alone:
+        with compiled._cache.alone(wait=wait) as is_alone:
             return compile_(types) if is_alone else None
 
     return compile_alone
@@ -108,9 +107,9 @@ def compile_if_free(function: Callable[..., Any], types: tuple[Any, ...]) -> boo
 
 
 def is_stored(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
-    """Return whether a kernel for types of its arguments need not be compiled."""
-    cache = getattr(function, "_cache", None)
-    return not isinstance(cache, KernelCache) or cache.has(types)
+    """Return whether it is of no use to compile a kernel beforehand."""
+    cache: KernelCache | None = getattr(function, "_cache", None)
+    return cache is None or not cache.can_store or cache.has(types)
 
 
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:

@@ -16,7 +16,8 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
-_PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).parents[1]
+"""The folder of shellcut."""
 
 # Their versions are Numba's own business.
 _FOREIGN = {"numpy", "numba", "llvmlite", "builtins", "math"}
@@ -95,7 +96,7 @@ def _plain(function: Any) -> Any:
 
 def in_package(path: Path) -> bool:
     """Return whether a source is one of shellcut's."""
-    return _PACKAGE in path.parents
+    return PACKAGE in path.parents
 
 
 def _file_of(function: Any) -> Path | None:
@@ -107,8 +108,8 @@ def _file_of(function: Any) -> Path | None:
 def _of_package() -> bytes:
     """Return the digest of all sources of shellcut, 3 MB read in 10 ms."""
     digest = hashlib.sha256()
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        digest.update(path.relative_to(_PACKAGE).as_posix().encode() + path.read_bytes())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes())
     return digest.digest()
 
 
