@@ -81,7 +81,7 @@ class TipPlaces:
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
             every = self._rows_at_node(tip.ends[0])
-            return sorted(every, key=lambda at: self._beside(*at, tip.heading))
+            return sorted(every, key=lambda at: self._beside(at, tip.heading))
         found = []
         a, b = tip.ends
         for row, corner in topology.corners_at(a):
@@ -220,13 +220,13 @@ class TipPlaces:
         along, slopes = self._parts_of(row, place, heading)
         return np.asarray(product(along, slopes))
 
-    def _beside(self, row: int, corner: Point, heading: Floats) -> float:
+    def _beside(self, at: tuple[int, Point], heading: Floats) -> float:
         """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
 
-        To so many digits that rows on either side of a straight crack are equal.
+        at : row and corner.  To so many digits that rows on either side of a straight crack are equal.
         """
-        along, _ = self._parts_of(row, corner, heading)
-        return round(float((along * corner).max() / np.abs(along).max()), 6)
+        along, _ = self._parts_of(*at, heading)
+        return round(float((along * at[1]).max() / np.abs(along).max()), 6)
 
     def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
         """Return a heading in (xi, eta) of a row, and the slopes of shape functions, (2, 4)."""
