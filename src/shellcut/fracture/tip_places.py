@@ -223,7 +223,9 @@ class TipPlaces:
     def _beside(self, at: tuple[int, Point], heading: Floats) -> float:
         """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
 
-        at : row and corner.  To so many digits that rows on either side of a straight crack are equal.
+        To so many digits that rows on either side of a straight crack are equal.
+
+        at : row and corner.
         """
         along, _ = self._parts_of(*at, heading)
         return round(float((along * at[1]).max() / np.abs(along).max()), 6)
