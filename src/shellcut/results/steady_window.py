@@ -213,7 +213,7 @@ class _Cut:
         reach = np.array([np.median(ends[i : k + 1]) for k, i in enumerate(since.tolist())])
         left = np.append(0.0, reach - met)
         n_met = np.searchsorted(self.joints, np.arange(len(self.length)), side="right")
-        return np.asarray(left[n_met] >= self.zone - self.short)
+        return (left[n_met] >= self.zone - self.short) & (self.ahead > 0.0)
 
     @property
     def joints(self) -> Ints:
