@@ -28,7 +28,7 @@ def parts_quad(
     """
     if abs(xi) > 1.0 - 2.0 * AWAY or abs(eta) > 1.0 - 2.0 * AWAY:
         return True  # on a side to within round-off: the rules themselves decide
-    director = _at(t, quads, e, xi, eta)
+    director = at_place(t, quads, e, xi, eta)
     trace = cross(director, normal)
     trace = scale(1.0 / norm(trace), trace)
     back = _leaves_by(x, director, quads, e, xi, eta, scale(-1.0, trace), size)
@@ -46,7 +46,7 @@ def _leaves_by(
     x: Floats, director: Vec3, quads: Ints, e: int, xi: float, eta: float, way: Vec3, size: float
 ) -> int:
     """Return by which side (0 to 3) or corner (4 to 7) a ray leaves a quad."""
-    here = _at(x, quads, e, xi, eta)
+    here = at_place(x, quads, e, xi, eta)
     normal = cross(director, way)
     normal = scale(1.0 / norm(normal), normal)
     hit, best = _NOWHERE, np.inf
@@ -75,7 +75,7 @@ def _is_on_side(end: int, side: int) -> bool:
 
 
 @inline
-def _at(rows: Floats, quads: Ints, e: int, xi: float, eta: float) -> Vec3:
+def at_place(rows: Floats, quads: Ints, e: int, xi: float, eta: float) -> Vec3:
     """Return what rows : (n_node, 3) are at a place of quad e."""
     one = combine(
         0.25 * (1.0 - xi) * (1.0 - eta),

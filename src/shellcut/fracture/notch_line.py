@@ -7,7 +7,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.state import State
 
-from .quad_polygon import Point, shape_functions
+from .quad_polygon import Point, shape_functions, shape_slopes
 from .tip import Place
 
 _ON_SIDE = 1e-9
@@ -114,12 +114,7 @@ def _place_in(corners: Floats, point: Floats) -> tuple[Point, float]:
     xi, eta = 0.0, 0.0
     for _ in range(20):  # Newton's method; a convex quad takes four or five
         miss = point - np.array(shape_functions((xi, eta))) @ corners
-        slopes = 0.25 * np.array(
-            [
-                [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta],
-                [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi],
-            ]
-        )
+        slopes = shape_slopes((xi, eta))
         (d_xi, d_eta), *_ = np.linalg.lstsq((slopes @ corners).T, miss, rcond=None)
         xi, eta = xi + float(d_xi), eta + float(d_eta)
         if abs(d_xi) + abs(d_eta) < 1e-12 or max(abs(xi), abs(eta)) > _FAR:

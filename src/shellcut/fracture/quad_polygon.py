@@ -211,6 +211,13 @@ def shape_functions(point: Point) -> tuple[float, float, float, float]:
     )
 
 
+def shape_slopes(point: Point) -> Floats:
+    """Return the derivatives of the shape functions by xi and by eta at a point, shape (2, 4)."""
+    xi, eta = point
+    by_xi = [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta]
+    return 0.25 * np.array([by_xi, [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi]])
+
+
 def film_moments(polygon: Polygon) -> Floats:
     """Return ∫ N_a (1, xi, eta) over a polygon for the four shape functions, shape (4, 3).
 

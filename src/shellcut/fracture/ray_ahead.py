@@ -19,6 +19,7 @@ from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
 from shellcut.tool.cutting_edge import NORMAL
 
 from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
+from .chord_ends import at_place
 from .crack_path import ALONG, GRAZE, JOIN, MERGE, SNAP
 from .quad_polygon import FLANK
 from .rows_ahead import AT_END_ON_FLANK, AT_END_POINT, NO_SIDE, RowsAhead, Tips
@@ -124,8 +125,8 @@ def _through(
 
     joining : whether it must lead to where another crack ends.
     """
-    here = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
-    director = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t)
+    here = at_place(x, ahead.nodes, k, ahead.entry[k, 0], ahead.entry[k, 1])
+    director = at_place(t, ahead.nodes, k, ahead.entry[k, 0], ahead.entry[k, 1])
     normal = cross(sub(scale(1.0 / norm(director), director), lean), way)
     if norm(normal) < AWAY:
         return False
@@ -136,9 +137,9 @@ def _through(
     for j in range(n):
         if ahead.on_edge[k, j]:
             continue
-        start = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        start = sub(at_place(x, ahead.nodes, k, ahead.point[k, j, 0], ahead.point[k, j, 1]), here)
         b = (j + 1) % n
-        stop = sub(_at(ahead, k, ahead.point[k, b, 0], ahead.point[k, b, 1], x), here)
+        stop = sub(at_place(x, ahead.nodes, k, ahead.point[k, b, 0], ahead.point[k, b, 1]), here)
         off_a, off_b = dot(start, normal), dot(stop, normal)
         if off_a * off_b > 0.0 or off_a == off_b:
             continue
@@ -150,7 +151,7 @@ def _through(
         return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
     for end in range(2):
         j = (hit + (end if first_is_nearer else 1 - end)) % n
-        gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = sub(at_place(x, ahead.nodes, k, ahead.point[k, j, 0], ahead.point[k, j, 1]), here)
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
@@ -179,7 +180,7 @@ def _to_an_end(
     """Write the segment of tip i through row k to where an oncoming crack ends near the ray."""
     nearest, found = JOIN * ahead.size[k], False
     for c in range(ahead.first_end[k], ahead.first_end[k + 1]):
-        gap = sub(_at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
+        gap = sub(at_place(x, ahead.nodes, k, ahead.end[c, 0], ahead.end[c, 1]), here)
         off = abs(dot(gap, normal))
         if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
@@ -216,7 +217,7 @@ def _past_a_corner(
         j = on if end else (on + 1) % n
         edge = (on + n - 1) % n if end else j
         side = ahead.side[k, edge]
-        gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = sub(at_place(x, ahead.nodes, k, ahead.point[k, j, 0], ahead.point[k, j, 1]), here)
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
             continue
@@ -297,24 +298,6 @@ def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
         total += area * (ahead.J[k, 0] + slope / 3.0)
         j = after
     return total
-
-
-@inline
-def _at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
-    """Return what rows : (n_node, 3) are at a place of row k of the table."""
-    one = combine(
-        0.25 * (1.0 - xi) * (1.0 - eta),
-        load(rows, ahead.nodes[k, 0]),
-        0.25 * (1.0 + xi) * (1.0 - eta),
-        load(rows, ahead.nodes[k, 1]),
-    )
-    other = combine(
-        0.25 * (1.0 + xi) * (1.0 + eta),
-        load(rows, ahead.nodes[k, 2]),
-        0.25 * (1.0 - xi) * (1.0 + eta),
-        load(rows, ahead.nodes[k, 3]),
-    )
-    return combine(1.0, one, 1.0, other)
 
 
 @inline

@@ -19,6 +19,7 @@ from .quad_polygon import (
     has_corner,
     on_side,
     shape_functions,
+    shape_slopes,
     side_at,
     side_of,
     span,
@@ -64,7 +65,7 @@ class TipPlaces:
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
             every = self._rows_at_node(tip.ends[0])
-            return sorted(every, key=lambda at: self._beside(*at, tip.heading))
+            return sorted(every, key=lambda at: self._beside(at[0], at[1], tip.heading))
         found = []
         a, b = tip.ends
         for row, corner in topology.corners_at(a):
@@ -156,22 +157,15 @@ class TipPlaces:
         return np.asarray(along @ gradients)
 
     def _beside(self, row: int, corner: Point, heading: Floats) -> float:
-        """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
-
-        To so many digits that rows on either side of a straight crack are equal.
-        """
-        along, _ = self._parts_of(row, corner, heading)
+        """Return how far a heading points past a row at a corner, at most 0 into it, 1 back."""
+        along, _ = self._parts_of(
+            row, corner, heading
+        )  # rounded: rows beside a straight crack are equal
         return round(float((along * corner).max() / np.abs(along).max()), 6)
 
     def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
         """Return a heading in (xi, eta) of a row, shape (2,), and what gives gradients, (2, 4)."""
-        (xi, eta), film = place, self._shell.reference
-        gradients = 0.25 * np.array(
-            [
-                [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta],
-                [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi],
-            ]
-        )
+        film, gradients = self._shell.reference, shape_slopes(place)
         along, *_ = np.linalg.lstsq((gradients @ film.x[film.quads[row]]).T, heading, rcond=None)
         return np.asarray(along), gradients
 
