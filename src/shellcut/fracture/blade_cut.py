@@ -50,9 +50,8 @@ _PASSED_REACH = 0.5
 
 # The blade parts the quads of a node when its mid-plane lies between the centres of some and of
 # others, and some lie farther than this from the node's own distance to it, on either side, in the
-# same units. Two rectangles on a flank that the
-# blade slides along stand 0.5 to the one side, and pass this limit when turned by 57 degrees; of a
-# cut that crosses another at 35 degrees the smaller quad stands 0.38 to its side.
+# same units. Two rectangles on a flank stand 0.5 to one side, and pass this limit when turned by 57
+# degrees; of a cut that crosses another at 35 degrees the smaller quad stands 0.38 to its side.
 _PARTED = 0.15
 
 # Of the list of near nodes, over the largest edge length: it is looked through once in ten steps or
