@@ -30,6 +30,9 @@ def borrowed(table: T) -> T:
     return table
 
 
+borrowed.owns_nothing = True  # type: ignore[attr-defined]  # for numerics/inlined_code.py
+
+
 def lent(table: T) -> T:
     """Return the address of a borrowed table, to pass to a function that is not inlined.
 

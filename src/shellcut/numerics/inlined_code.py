@@ -69,6 +69,10 @@ _NOT_ASKED_FOR = {
 }
 
 
+# Operations on what is there: their result is held by whoever holds the operand.
+_TAKES_APART = {"getitem", "static_getitem", "getiter", "iternext", "pair_first", "pair_second"}
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Lowering(NativeLowering):
     """Counts no references in a function that only uses arrays: its caller holds them.
@@ -76,19 +80,41 @@ class _Lowering(NativeLowering):
     One that makes an array, or returns anything that may hold one, counts as any.
     """
 
-    _name = "lowering_of_inlined"
+    _name = "lowering_without_counts"
 
     def run_pass(self, state: Any) -> bool:
-        called = (
+        made = (
             signature.return_type
             for expression, signature in state.calltypes.items()
-            if getattr(expression, "op", "") == "call"
+            if signature is not None and _may_make(expression, state.typemap)
         )
         models = state.targetctx.data_model_manager
-        kinds = (state.return_type, *called)
+        kinds = (state.return_type, *made)
         if not any(models[kind].contains_nrt_meminfo() for kind in kinds):
             state.targetctx = state.targetctx.subtarget(enable_nrt=False)
         return bool(super().run_pass(state))
+
+
+def _may_make(expression: Any, typemap: Any) -> bool:
+    """Return whether an expression may have a result that nobody holds yet."""
+    operation = getattr(expression, "op", "")
+    if operation != "call":
+        return operation not in _TAKES_APART
+    called = getattr(typemap[expression.func.name], "typing_key", None)
+    return not getattr(called, "owns_nothing", False)
+
+
+class KernelCompiler(Compiler):
+    """Numba's compiler for kernels, an option ``pipeline_class`` of them."""
+
+    def define_pipelines(self) -> Any:
+        """Choose how references are counted."""
+        (before,) = super().define_pipelines()
+        pipeline = PassManager("kernel")
+        for one, words in before.passes:
+            pipeline.add_pass(_Lowering if one is NativeLowering else one, words)
+        pipeline.finalize()
+        return [pipeline]
 
 
 class InlinedCompiler(Compiler):

@@ -34,7 +34,7 @@ import numba as nb
 from numba.core import event, types
 from numba.extending import register_jitable
 
-from .inlined_code import InlinedCompiler
+from .inlined_code import InlinedCompiler, KernelCompiler
 from .kernel_cache import KernelCache
 from .kernel_tables import check_tables
 
@@ -62,7 +62,7 @@ _WITHIN_KERNELS: dict[str, Any] = {
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
-    compiled: Any = nb.njit(nogil=True, **_OPTIONS)(function)
+    compiled: Any = nb.njit(nogil=True, pipeline_class=KernelCompiler, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
         compiled._cache = KernelCache(function)
         compiled.compile = _in_one_process(compiled, _uncollected(compiled.compile))
