@@ -106,7 +106,7 @@ def test_a_blade_driven_backwards_is_told_by_the_run_itself():
     figures = cut_evidence(case.simulation, case.check.sweep)
     lines = verdict(figures, map(str, case.check.doubts))
     doubts = [line.text for line in lines if line.kind == "doubt"]
-    # One cable at most has broken by then: what the share of the cables says comes too late.
-    assert case.simulation.cables.n_broken <= 1
+    # Two cables at most have broken by then: what the share of the cables says comes too late.
+    assert case.simulation.cables.n_broken <= 2
     for said in ("reverse the motion", "The edge meets cables late"):
         assert any(said in text for text in doubts), (said, figures)

@@ -74,7 +74,7 @@ def assert_same_run(out, other):
 
 def test_a_full_disk_has_its_own_code_and_the_run_goes_on(whole, tmp_path, capsys):
     disk = tmp_path / "disk"
-    with small_disk(disk, 400):
+    with small_disk(disk, 480):
         out = disk / "out"
         assert main(["run", *MODEL, "-o", str(out)]) == 4
         said = capsys.readouterr().err

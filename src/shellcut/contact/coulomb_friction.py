@@ -263,7 +263,7 @@ class CoulombFriction:
 
 
 @inline
-def _moved(
+def _carried(
     i: int, node: Ints, weight: Floats, nodes: ContactNodes, dt: float, pose: Pose, before: Pose
 ) -> tuple[Vec3, Vec3, Vec3]:
     """Return where a carrier is, its velocity, and its way against the tool in the tool's frame."""
@@ -300,13 +300,13 @@ def _add_friction(
         row = springs.row[i]
         u, f = load(springs.slip, row), load(springs.force, row)
         if springs.holds[i]:
-            _, v, d = _moved(i, springs.node, springs.weight, nodes, dt, pose, before)
+            _, v, d = _carried(i, springs.node, springs.weight, nodes, dt, pose, before)
             work += 0.5 * dt * dot(f, v)
             dissipated -= 0.5 * dot(turn_back(f, before), add(u, d))
         new, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if pressure > 0.0:
             k_t, normal = TANGENTIAL * carriers.stiffness[i], load(carriers.normal, i)
-            x, v, d = _moved(i, carriers.node, carriers.weight, nodes, dt, pose, before)
+            x, v, d = _carried(i, carriers.node, carriers.weight, nodes, dt, pose, before)
             new, slips = return_mapping(add(u, d), normal, k_t, coefficient * pressure)
             f = scale(-k_t, turn(new, pose))
             n_slipping += slips

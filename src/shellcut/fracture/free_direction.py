@@ -9,19 +9,16 @@ it, the measure of both,
 
 is 1 when the crack runs: a crack of length a under a stress p in a large sheet has
 J = pi a p² h / E, and phi = 1 with R = G h is the rule p² (pi a + E G / sigma_F²) = E G, good for
-short and long cracks ([ElHaddad1979]). R is what the crack takes up now: less than G h until its
-process zone has grown, never more. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is
-1. So stress counts by no more than what the energy leaves open of G h, and the energy by what the
-stress then leaves open:
+short and long cracks ([ElHaddad1979]). R is what the crack takes up now, which is less than G h
+until its process zone has grown. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is 1,
+so R follows: the energy has to make up for what the stress leaves open,
 
-    phi(e) = (1 - s) J(e) / max J + s (p(e) / max p)²,
-    s = min(max (p / sigma_F)², 1 - max J / (G h)), 0 at least.
+    phi(e) = (1 - s) J(e) / max J + (p(e) / sigma_F)²,    s = max (p / sigma_F)² <= 1.
 
-**The crack takes the direction where phi is largest.** Where J reaches G h, as in a steady tear, it
-runs along J; so it does where stress is far from strength, at the start of a tear out of the plane.
-A short crack under even tension runs across the largest principal stress. Nothing else enters.
-Where strength and energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over
-f(e).
+**The crack takes the direction where phi is largest.** Far from strength, s = 0, it runs along J:
+so does a tear out of the plane, where the energy does not depend on the stress ahead. Under even
+tension, s = 1, it runs across the largest principal stress. Nothing else enters. Where strength and
+energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
 
 p is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far as it
 pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
@@ -145,7 +142,6 @@ class FreeDirection:
     ) -> None:
         self._shell, self._path = shell, path
         self._strength = law.strength
-        self._tearing = law.fracture_energy * shell.material.thickness
         self._anisotropy, self._loads = anisotropy, loads
         self._known = KnownTopology()
         self._edges = FilmEdges(shell, topology)
@@ -186,12 +182,9 @@ class FreeDirection:
         ways = product(_WAYS, moved)
         phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
         if ahead.force is not None or ahead.straight:
-            force = self._tearing * _ALONG if ahead.force is None else ahead.force.of(state, moved)
-            released = product(_WAYS, force) / (ahead.factors * self._tearing)
-            most = float(phi.max())
-            s = min(most, max(1.0 - released.max(), 0.0))
-            phi *= s / max(most, _TINY)
-            phi += (1.0 - s) * released / max(np.abs(released).max(), _TINY)
+            force = _ALONG if ahead.force is None else ahead.force.of(state, moved)
+            released = product(_WAYS, force) / ahead.factors
+            phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
         angle = _between(phi, int(np.argmax(phi)))
         yield unit(product(np.array([math.cos(angle), math.sin(angle)]), moved))
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
