@@ -24,7 +24,9 @@ DATA = Path(__file__).parent / "data"
 def _without_doubts(caplog):
     """What the pages run is in order."""
     yield
-    doubts = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
+    doubts = [
+        r.getMessage() for r in caplog.get_records("call") if r.name.startswith("shellcut.checks")
+    ]
     assert [text for text in doubts if text.startswith("distrust")] == []
 
 
