@@ -196,7 +196,7 @@ class FreeDirection:
         Along the crack, and at least ``FALL``.
         """
         if tip not in self._behind:
-            row, _ = self._path.rows_ahead(tip)[0]
+            row, _ = self._path.rows_at_tip(tip)[0]
             place = self._path.reference_of(state, tip)
             self._behind[tip] = self._edges.cables_behind(state, place, self._path.size(row))
         cables, back = self._behind[tip]
@@ -207,7 +207,7 @@ class FreeDirection:
 
     def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
-        row, entry = self._path.rows_ahead(tip)[0]
+        row, entry = self._path.rows_at_tip(tip)[0]
         T = self._path.reference_director(row, entry)
         forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])

@@ -72,16 +72,22 @@ class TipPlaces:
     def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
         """Return the rows into which a crack may run from its tip, and the tip's place in each.
 
-        At a node those come first into whose corner the crack's heading points, or nearly: where
-        film is folded at the tip, a row beside the crack says nothing of the way ahead.
+        At a node those come first into whose corner the crack's heading points, or nearly: where a
+        blade folds film at the tip, a row beside the crack says nothing of the way ahead.
         """
+        rows = self.rows_at_tip(tip)
+        if tip.flank is None and tip.at_node:
+            rows.sort(key=lambda at: self._beside(at, tip.heading))
+        return rows
+
+    def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
+        """Return the same in the order of the mesh."""
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
-            every = self._rows_at_node(tip.ends[0])
-            return sorted(every, key=lambda at: self._beside(at, tip.heading))
+            return self._rows_at_node(tip.ends[0])
         found = []
         a, b = tip.ends
         for row, corner in topology.corners_at(a):
