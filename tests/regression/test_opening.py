@@ -46,11 +46,12 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     taken_up = (history["tool_work"] - history["imbalance"])[window]
     mean_rate = (taken_up[-1] - taken_up[0]) / (angle[-1] - angle[0])
     assert power == pytest.approx(mean_rate, rel=1e-4)
-    # The two cables of one segment may break early, by chance: in twenty perturbed runs by 0.004 ±
-    # 0.011, at most 0.049. Of the others the largest is 0.012.
+    # On quick the two cables of one segment may break early, by chance: 0.004 ± 0.011 in the
+    # perturbed runs, of which two of twenty exceed 0.012, the worst with 0.049.
     ratio = np.sort(abs(broken_ratio(case) - 1.0))
-    assert ratio[-3] < 0.02
-    assert ratio[-1] < 0.1
+    third, largest = (0.02, 0.06) if mesh == "quick" else (0.012, 0.012)
+    assert ratio[-3] < third
+    assert ratio[-1] < largest
     area = state.cable.area[: state.cable.count].sum()
     assert area == pytest.approx(0.074 * state.crack_length, rel=1e-12)
     return summary

@@ -81,7 +81,7 @@ class TipPlaces:
         return rows
 
     def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the same in the order of the mesh."""
+        """Return the same in the order of the mesh, for cracks that no blade drives."""
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
