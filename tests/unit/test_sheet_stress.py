@@ -1,4 +1,4 @@
-"""The stress of a sheet, found again from the field of a crack with zones that carry the strength."""
+"""The stress of a sheet, found again from the field of a crack with zones of its strength."""
 
 import numpy as np
 import pytest
