@@ -47,6 +47,7 @@ from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 from shellcut.tool.touch import Booking, Touch
@@ -88,8 +89,8 @@ class CableForces(NamedTuple):
 _N_SUM = 8  # the numbers of CableForces and, last, its couple
 
 
-class CableSet:
-    """Forces of all cables, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+class CableSet(ForceTerm):
+    """Forces of all cables.
 
     Parameters
     ----------
@@ -107,6 +108,7 @@ class CableSet:
         Booking("joint_friction", 2),
     )
     """What goes from the sums into the ledger."""
+    n_search = -1  # cables turn, and pull, from step to step
 
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
         self.name = "joints"
@@ -210,11 +212,6 @@ class CableSet:
         self._pose = pose
         self.touch.take(saved["touch"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
-
-    @property
-    def n_search(self) -> int:
-        """As of a term that does not search: cables turn, and pull, from step to step."""
-        return -1
 
     def stiffness(self, state: State, _counted: HeldBy) -> Held:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
