@@ -55,7 +55,7 @@ from shellcut.tool.touch import Booking, Touch
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
-from .cohesive_law import CohesiveLaw, energies, envelope, traction
+from .cohesive_law import ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
 from .meeting import find_joint
 
@@ -276,7 +276,7 @@ def _add_cable_forces(
     couple = sums[5:]
     law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
     status, opening_max = cables.status, cables.opening_max
-    start_opening = law[9]
+    start_opening = law[START_OPENING]
     work = 0.0
     start_work = 0.0
     friction_work = 0.0
@@ -299,7 +299,7 @@ def _add_cable_forces(
         if jointed:
             ell, joint = bend(c, minus, plus, pose, before, tables)
         else:
-            ell = _straight_length(c, minus, plus, law[7], cables)
+            ell = _straight_length(c, minus, plus, law[ONSET], cables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell
