@@ -26,8 +26,7 @@ def add_to(commands: Any) -> None:
         "read values (shellcut[view] and a screen). --html writes the same as one page for any "
         "browser, which needs neither and loads nothing from the network. --frame or --output "
         "draws a picture of a frame, --movie all frames, with the same camera and scale: a "
-        "picture matches its frame in the movie. PyVista draws them if installed "
-        "(shellcut[view]), otherwise Matplotlib. An MP4 needs shellcut[movie], a GIF does not.",
+        "picture matches its frame in the movie. Both need shellcut[plot], an MP4 shellcut[movie].",
         epilog="example: shellcut view out --html out/cut.html --frames 50 --field displacement",
     )
     parser.add_argument("out", metavar="OUT", type=named, help="folder of the run")

@@ -1,6 +1,6 @@
 """Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
 
-PyVista (``shellcut[view]``) draws scenes and movies where it is installed and can render.
+PyVista (``shellcut[view]``) shows the window of ``window.py``.
 
 May import ``frame``, ``formats`` and rows below.
 """
@@ -9,12 +9,13 @@ from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool
 from .comparison_picture import draw_comparison
 from .crack_map import draw_crack_map
 from .curves import draw_energy, draw_torque
+from .fields import STRESSES, limits_for
 from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
-from .renderer import why_no_window, why_not_pyvista
-from .scene import STRESSES, draw_scene, limits_for
+from .renderer import why_no_window
+from .scene import draw_scene
 from .snapshot import draw_snapshot, snapshot_limits
 
 __all__ = [
@@ -41,5 +42,4 @@ __all__ = [
     "title_parts",
     "tool_creases",
     "why_no_window",
-    "why_not_pyvista",
 ]

@@ -1,8 +1,4 @@
-"""PyVista's part of a scene: a plotter that is set up once and shows frame after frame.
-
-A new plotter compiles its shaders again, which takes longer than the picture; so the actors stay
-and get the surfaces and lines of the next frame.
-"""
+"""A frame in a window of PyVista: actors that stay and get the surfaces of the next frame."""
 
 from __future__ import annotations
 
@@ -10,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shellcut.arrays import Floats, Ints
 from shellcut.frame import Frame, is_corner
@@ -24,58 +19,12 @@ from ._panel import (
     edge_length,
     tool_creases,
 )
-from ._raster import Camera
-from .renderer import quiet_vtk
 
 _TOOL_OPACITY = 0.4  # so that film and edges behind it are visible
 _CREASE_COLOR = (0.3, 0.3, 0.33)
 
 Part = tuple[str, Any, dict[str, Any]]
 """Name, PyVista mesh, and options of ``Plotter.add_mesh``."""
-
-
-class Stage:
-    """Show frames with one camera; use it only if :func:`why_not_pyvista` returns None.
-
-    Parameters
-    ----------
-    camera : Camera
-        The camera.
-    reach : float
-        Distance of the camera from its centre, beyond everything visible [mm].
-    scale : ScalarMappable
-        From stress [MPa] to colour.
-    shape : (int, int)
-        Height and width of the pictures [pixel].
-    """
-
-    def __init__(self, camera: Camera, reach: float, scale: Any, shape: tuple[int, int]) -> None:
-        import pyvista
-
-        with quiet_vtk():
-            p: Any = pyvista.Plotter(off_screen=True, window_size=[shape[1], shape[0]])
-            p.background_color = "white"
-            p.enable_anti_aliasing("ssaa")
-            p.enable_depth_peeling(8)
-            p.camera.focal_point = camera.centre
-            p.camera.position = camera.centre + reach * camera.axes[2]
-            p.camera.up = camera.axes[1]
-            p.camera.parallel_projection = True
-            p.camera.parallel_scale = 0.5 * camera.shape[0] / camera.scale
-        self._plotter = p
-        self._actors = Actors(p, scale)
-
-    def picture(self, frame: Frame, stress: Floats) -> npt.NDArray[np.uint8]:
-        """Return the picture of the frame, its film coloured by stresses of the quads [MPa]."""
-        with quiet_vtk():
-            self._actors.show(frame, stress)
-            self._plotter.reset_camera_clipping_range()
-            self._plotter.render()  # has no effect the first time; the next line then renders
-            return np.asarray(self._plotter.screenshot(return_img=True))[..., :3]
-
-    def close(self) -> None:
-        """Release the window."""
-        self._plotter.close()
 
 
 class Actors:
