@@ -1,7 +1,5 @@
 """Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
 
-PyVista (``shellcut[view]``) shows the window of ``window.py``.
-
 May import ``frame``, ``formats`` and rows below.
 """
 
@@ -14,7 +12,6 @@ from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
-from .renderer import why_no_window
 from .scene import draw_scene
 from .snapshot import draw_snapshot, snapshot_limits
 
@@ -41,5 +38,4 @@ __all__ = [
     "snapshot_limits",
     "title_parts",
     "tool_creases",
-    "why_no_window",
 ]
