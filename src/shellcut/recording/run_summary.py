@@ -23,7 +23,7 @@ def run_summary(
     sim: Simulation,
     resistance: AnyResistance,
     history: Mapping[str, Floats],
-    end: Mapping[str, float] | None,
+    end: Mapping[str, float] | None = None,
     *,
     stepping: float,
     drawing: float,
@@ -42,8 +42,8 @@ def run_summary(
     history : mapping of ndarray, shape (n_row,)
         Its history.
     end : mapping of str to float or None
-        The columns of the history at its end; None if it broke off within a step, whose state means
-        nothing.
+        The columns of the history at its end, by default its last row: the state of a run that
+        broke off within a step means nothing.
     stepping, drawing : float
         Wall time without and for the pictures [s].
     unfelt : Unfelt
