@@ -17,10 +17,11 @@ from shellcut import MeasuredCurve
 from shellcut.command_line import main
 from shellcut.files import run_folder
 from shellcut.report import pictures, report_run, scene
-from shellcut.report.chart import Axis, Curve, chart, outline, panel
+from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
 from shellcut.results.summary_figures import key_figures, with_unit
-from shellcut.view import Panels, draw_snapshot, snapshot_limits, title_parts
+from shellcut.view import Curve, Diagram, Panels, draw_snapshot, snapshot_limits, title_parts
+from shellcut.view.curves import outline
 
 SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, In three dimensions, Snapshots,
 Crack map, Quality of the cut, Energy ledger, Splits, Tool, Time step, What was run, Versions,
@@ -350,8 +351,7 @@ class TestChart:
     X = np.linspace(0.0, 10.0, 5001)
 
     def draw(self, *curves):
-        words = {"x_name": "angle", "x_unit": "°", "name": "torque", "unit": "N·mm"}
-        return chart(self.X, curves, **words, described="a <torque>")
+        return chart(Diagram(self.X, curves, "angle", "deg", "torque", "N*mm"), "a <torque>")
 
     def test_no_peak_is_lost(self):
         y = np.zeros_like(self.X)

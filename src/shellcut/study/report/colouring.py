@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Ints
-from shellcut.report.chart import PALETTE
+from shellcut.view.curves import PALETTE
 
 from .studied import Studied
 

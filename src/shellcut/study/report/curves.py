@@ -12,9 +12,10 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY
-from shellcut.report.chart import Curve, chart, outline
-from shellcut.report.markup import missing, pretty
+from shellcut.report.chart import chart
+from shellcut.report.markup import missing
 from shellcut.scene_page.packed_run import as_json
+from shellcut.view.curves import Curve, Diagram, outline
 
 from .colouring import Colouring, coloured_by
 from .studied import Study
@@ -60,15 +61,11 @@ def curves(study: Study) -> str:
     longest = max(found, key=lambda one: one.x[-1] - one.x[0])
     (x_name, y_name), (x_unit, y_unit) = found[0].names, found[0].units
     first = groups[0] if groups else Colouring("", ("all runs",), np.zeros(len(found), int))
+    drawn = [_curve(one, first, k) for k, one in enumerate(found)]
     picture = chart(
-        longest.x,
-        [_curve(one, first, k) for k, one in enumerate(found)],
-        x_name=x_name,
-        x_unit=pretty(x_unit),
-        name=y_name,
-        unit=pretty(y_unit),
-        described=f"Curves: {y_name} over {x_name} of {len(found)} runs.",
-        height=380.0,
+        Diagram(longest.x, drawn, x_name, x_unit, y_name, y_unit),
+        f"Curves: {y_name} over {x_name} of {len(found)} runs.",
+        380.0,
     )
     note = f'<p class="caption">{escape(" ".join(said))}</p>' if said else ""
     return f'<div class="coloured">{_chooser(groups)}{picture}</div>{note}'

@@ -7,9 +7,10 @@ from html import escape
 
 import numpy as np
 
-from shellcut.report.chart import PALETTE, Axis, panel
+from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.surrogate.sensitivity import Indices
+from shellcut.view.curves import PALETTE
 
 from .analysis import Analysed
 from .surfaces import with_unit
@@ -93,7 +94,7 @@ def _indices(one: Analysed, indices: Indices) -> str:
     values = np.concatenate([value for _, value, _ in both])
     rows = np.concatenate([places + off for off, _, _ in both])
     lines = [
-        (np.minimum(ends, 1.0), np.full(2, place + off), "reach")
+        (np.minimum(ends, 1.0), np.full(2, place + off), "mean")
         for off, _, intervals in both
         for place, ends in zip(places, intervals, strict=True)
     ]
