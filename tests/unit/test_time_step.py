@@ -315,10 +315,10 @@ def test_a_fixed_step_is_taken_as_it_is():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"safety": 0.0}, r"safety must lie in \(0, 1\], got 0.0"),
+        ({"safety": 0.0}, "safety must be positive and 1 at most, got 0.0"),
         ({"safety": 1.1}, "safety"),
-        ({"evaluate_every": 0}, "evaluate_every must be a positive count"),
-        ({"fixed": -1e-7}, "fixed must be a positive time in s, got -1e-07"),
+        ({"evaluate_every": 0}, "evaluate_every must be 1 or more"),
+        ({"fixed": -1e-7}, "fixed must be positive, got -1e-07 s"),
         ({"safety": 2.0, "fixed": 0.0}, "safety.*; fixed"),
     ],
 )

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Iterator
 from typing import Any
 
 from shellcut.model_file.key_index import Table, found
+from shellcut.model_file.schema import schema
 
 from .exit_code import DONE, refuse
 
@@ -21,11 +23,17 @@ def add_to(commands: Any) -> None:
         epilog="example: shellcut keys notch",
     )
     parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
+    parser.add_argument(
+        "--schema", action="store_true", help="print a JSON Schema of model files, for editors"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the sections and keys found."""
+    """Print the sections and keys found, or the schema."""
+    if arguments.schema:
+        print(json.dumps(schema(), indent=1, ensure_ascii=False))
+        return DONE
     try:
         chosen = found(arguments.words)
     except ValueError as problem:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import MISSING, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 from .errors import guess
-from .key import Key, Section
-from .run_sections import Head
-from .section_table import LISTS, SECTIONS
+from .key import REQUIRED, Key, Kind
+from .section_table import HEAD, LISTS, SECTIONS
 from .writer import written
 
 
@@ -62,14 +60,14 @@ class Table:
 def tables() -> Iterator[Table]:
     """Yield all sections and their kinds, in order."""
     every = tuple(SECTIONS)
-    yield _table("", Head, every)
+    yield _table("", HEAD, every)
     for title, kinds in _owners().items():
         brackets = f"[[{title}]]" if title in LISTS["free"] else f"[{title}]"
         for kind, models in kinds.items():
             yield _table(brackets, kind, tuple(models))
-            for name, key in kind.keys().items():
-                if key.kind.tables is not None:
-                    yield _table(f"[[{title}.{name}]]", key.kind.tables, tuple(models))
+            for name, key in kind.keys.items():
+                if key.tables is not None:
+                    yield _table(f"[[{title}.{name}]]", key.tables, tuple(models))
 
 
 def found(words: Sequence[str]) -> list[Table]:
@@ -109,9 +107,9 @@ def _has(own: str, entry: Entry, wanted: Sequence[str]) -> bool:
     return all(word in own or word in text for word in wanted)
 
 
-def _owners() -> dict[str, dict[type[Section], list[str]]]:
+def _owners() -> dict[str, dict[Kind, list[str]]]:
     """Return the kinds of each section, each with the models that have it."""
-    owners: dict[str, dict[type[Section], list[str]]] = {}
+    owners: dict[str, dict[Kind, list[str]]] = {}
     for layout in (SECTIONS, LISTS):
         for model, sections in layout.items():
             for title, kinds in sections.items():
@@ -120,15 +118,14 @@ def _owners() -> dict[str, dict[type[Section], list[str]]]:
     return owners
 
 
-def _table(title: str, kind: type[Section], models: tuple[str, ...]) -> Table:
-    doc = (kind.__doc__ or "").split("\n")[0]
-    entries = tuple(_entry(kind, name, key) for name, key in kind.keys().items())
-    return Table(title, kind.kind, kind.sign, models, doc, entries)
+def _table(title: str, kind: Kind, models: tuple[str, ...]) -> Table:
+    entries = tuple(_entry(name, key) for name, key in kind.keys.items())
+    return Table(title, kind.name, kind.sign, models, kind.doc, entries)
 
 
-def _entry(kind: type[Section], name: str, key: Key) -> Entry:
-    default: Any = kind.__dataclass_fields__[name].default  # type: ignore[attr-defined]
-    without = {True: "required", False: key.unset}
-    has_default = default is not MISSING and default is not None
-    text = written(default) if has_default else without[default is MISSING]
-    return Entry(name, key.also, key.kind.wants, key.kind.unit, text, has_default, key.doc)
+def _entry(name: str, key: Key) -> Entry:
+    option, has_default = key.option, key.default is not REQUIRED and key.default is not None
+    wants = f"{key.form.wants}, {option.bounds}" if option.bounds else key.form.wants
+    without = "required" if key.default is REQUIRED else option.unset
+    default = written(key.default) if has_default else without
+    return Entry(name, key.also, wants, option.unit, default, has_default, option.text)

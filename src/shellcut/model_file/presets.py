@@ -15,13 +15,30 @@ from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Any
 
-from .material_of_keys import HARDENINGS, PLASTIC
 from .source import Source
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+HARDENINGS: tuple[tuple[str, ...], ...] = (
+    ("yield_stress", "hardening_modulus", "saturation_gain", "saturation_strain"),
+    ("swift_strength", "swift_start", "swift_exponent"),
+    ("hardening_strain", "hardening_stress"),
+    ("hardening_file",),
+)
+"""Keys that go together, one group a material."""
+PLASTIC = (
+    *(name for group in HARDENINGS for name in group),
+    "r_values",
+    "kinematic_modulus",
+    "cowper_symonds_rate",
+    "cowper_symonds_exponent",
+    "johnson_cook_rate",
+    "johnson_cook_factor",
+)
+"""Keys of a material that yields."""
 
 
 @dataclass(frozen=True)

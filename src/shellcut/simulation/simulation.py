@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
@@ -66,18 +66,10 @@ class Simulation:
         Without one nothing splits.
     contact, fracture, stepping : Contact, Fracture, Stepping
         Parameters of contact, of the cracks and of the time step.
-    directional : bool
-        False: cables never meet the blade (classical cohesive elements), for comparison.
-    damping_alpha, damping_beta : float
-        Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
+    directional, damping_alpha, damping_beta, imperfection, threads
+        See their annotations; damping by [Frangi2010] 5.2, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
-    imperfection : int, optional
-        Number of the shape out of its plane with which the film begins, so that it can buckle
-        (:mod:`.imperfection`), 0 for none; by default 1 with a tool and a law, else 0.
-    threads : int, optional
-        Threads to use; by default one for a small film, else the cores there are. The result does
-        not depend on it, bit for bit.
 
     Raises
     ------
@@ -112,14 +104,35 @@ class Simulation:
         contact: Contact | None = None,
         fracture: Fracture | None = None,
         stepping: Stepping | None = None,
-        directional: bool = True,
-        damping_alpha: float = 0.1,
-        damping_beta: float = 5e-8,
+        directional: Annotated[
+            bool,
+            Option("", "whether cables meet the blade; false: classical cohesive elements"),
+        ] = True,
+        damping_alpha: Annotated[float, Option("1/s", "of the mass", least=0)] = 0.1,
+        damping_beta: Annotated[float, Option("s", "of the stiffness", least=0)] = 5e-8,
         velocity: Floats | None = None,
-        imperfection: int | None = None,
-        threads: int | None = None,
+        imperfection: Annotated[
+            int | None,
+            Option(
+                "",
+                "number of the small shape out of its plane with which the film begins, so that it "
+                "can buckle; 0: none",
+                least=0,
+                unset="1 with a tool that cuts, otherwise 0",
+            ),
+        ] = None,
+        threads: Annotated[
+            int | None,
+            Option(
+                "",
+                "results do not depend on it",
+                least=1,
+                most=256,
+                unset="one for a small film, otherwise all cores",
+            ),
+        ] = None,
     ) -> None:
-        check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
+        check_parts(tool, motion, law, contact, fracture)
         imperfection = number_of_shape(imperfection, cuts=tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
