@@ -310,18 +310,3 @@ def test_the_step_follows_from_the_state_not_from_what_was_evaluated_before():
 def test_a_fixed_step_is_taken_as_it_is():
     shell, state = cases.set_up(cases.skewed_flat())
     assert stepper(shell, fixed=3.25).next(state) == 3.25
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"safety": 0.0}, "safety must be positive and 1 at most, got 0.0"),
-        ({"safety": 1.1}, "safety"),
-        ({"evaluate_every": 0}, "evaluate_every must be 1 or more"),
-        ({"fixed": -1e-7}, "fixed must be positive, got -1e-07 s"),
-        ({"safety": 2.0, "fixed": 0.0}, "safety.*; fixed"),
-    ],
-)
-def test_refusals(changes, message):
-    with pytest.raises(ValueError, match=message):
-        Stepping(**changes)

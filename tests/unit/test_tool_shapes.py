@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.tool import Tool
+from shellcut.tool.tool import Tool, ToolError
 
 RADIUS, HALF_THICKNESS, LENGTH, HEIGHT, CLEARANCE = 9.4, 0.35, 1.5, 5.0, 0.02
 SLOPE = np.tan(np.radians(12.0))
@@ -188,35 +188,9 @@ class TestStraightBlade:
 class TestRefusals:
     @staticmethod
     def refusal(build, **parameters):
-        with pytest.raises(ValueError, match=r"must be|cannot be a tool") as caught:
+        with pytest.raises(ToolError) as caught:
             build(**parameters)
         return str(caught.value)
-
-    @pytest.mark.parametrize("name", ["radius", "half_thickness", "length", "height"])
-    @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
-    def test_ring_lengths(self, name, value):
-        finite = " and finite" if value == np.inf else ""
-        said = self.refusal(tooth_ring, **{name: value})
-        assert f"{name} must be positive{finite}, got {value} mm" in said
-
-    @pytest.mark.parametrize("name", ["tip_clearance", "phase_deg"])
-    def test_ring_finite(self, name):
-        assert f"{name} must be finite, got nan" in self.refusal(tooth_ring, **{name: np.nan})
-
-    @pytest.mark.parametrize("name", ["half_thickness", "length", "height"])
-    def test_blade_lengths(self, name):
-        message = self.refusal(straight_blade, **{name: -2.0})
-        assert f"{name} must be positive, got -2.0 mm" in message
-
-    def test_angles_together(self):
-        message = self.refusal(
-            tooth_ring, edge_inclination_deg=0.0, wedge_half_angle_deg=41.0, relief_deg=90.0
-        )
-        assert "edge_inclination_deg must be positive and 90 at most, got 0.0 deg" in message
-        assert "wedge_half_angle_deg must be positive and 40 at most, got 41.0 deg" in message
-        assert "relief_deg must be below 90 and 0 or more, got 90.0 deg" in message
-        message = self.refusal(straight_blade, edge_angle_deg=91.0)
-        assert "edge_angle_deg must be positive and 90 at most, got 91.0 deg" in message
 
     def test_blunt_along_a_flat_edge(self):
         message = self.refusal(straight_blade, edge_angle_deg=20.0, wedge_half_angle_deg=30.0)
@@ -229,7 +203,6 @@ class TestRefusals:
         assert "14 teeth overlap: each takes 26.7 of 25.7 degrees" in message
 
     def test_counts_and_proportions(self):
-        assert "n_teeth must be 1 or more, got 0" in self.refusal(tooth_ring, n_teeth=0)
         message = self.refusal(tooth_ring, half_thickness=9.5)
         assert "half_thickness = 9.5 must be below radius = 9.4" in message
         message = self.refusal(tooth_ring, relief_deg=80.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Callable
@@ -190,3 +191,16 @@ FORMS = {
     "tables": Form("array of tables", lambda value, _: value, _ARRAY),
 }
 """Forms that types do not tell, by the names in :class:`~shellcut.arguments.Option`."""
+
+
+def written(value: Any) -> str:
+    """Return a value in TOML."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if value and all(isinstance(one, tuple) and isinstance(one[0], str) for one in value):
+        return "{ " + ", ".join(f"{axis} = {rate!r}" for axis, rate in value) + " }"
+    return "[" + ", ".join(written(one) for one in value) + "]"

@@ -18,7 +18,7 @@ from typing import Annotated
 
 import numpy as np
 
-from shellcut.arguments import Option
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.formats.errors import FileError
 from shellcut.formats.number_table import NumberTable, read_number_table
@@ -29,6 +29,7 @@ from shellcut.unit import conversion
 _OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
 
 
+@checked
 def read_hardening(
     path: Annotated[
         str | Path,

@@ -14,7 +14,7 @@ from typing import Any
 
 from shellcut.arguments import Option, declared
 
-from .forms import FORMS, Form, form_of
+from .forms import FORMS, Form, form_of, written
 
 Constructor = Callable[..., Any]
 REQUIRED = inspect.Parameter.empty
@@ -36,6 +36,23 @@ class Key:
     """A second accepted name."""
     tables: Kind | None = None
     """Of the tables, if the value is an array of tables."""
+
+    @property
+    def wants(self) -> str:
+        """Type and bounds of the value, in words."""
+        return ", ".join(filter(None, (self.form.wants, self.option.bounds)))
+
+    @property
+    def has_default(self) -> bool:
+        """Whether there is a value if none is given."""
+        return self.default is not REQUIRED and self.default is not None
+
+    @property
+    def told(self) -> str:
+        """The default as in a model file, or what holds without."""
+        if self.has_default:
+            return written(self.default)
+        return "required" if self.default is REQUIRED else self.option.unset
 
     @property
     def is_file(self) -> bool:

@@ -27,7 +27,7 @@ from .errors import is_refusal
 from .forms import FORMS, choice
 from .hardening_file import read_hardening
 from .key import REQUIRED, Constructor, Key, Kind, Section, keys_of, optional, own_key
-from .presets import HARDENINGS, PLASTIC, preset_names
+from .presets import preset_names
 
 
 def _optional(owner: Constructor, unset: str, **names: str) -> dict[str, Key]:
@@ -74,6 +74,19 @@ _LAYER = {
     **_optional(JohnsonCook, "no effect", johnson_cook_rate="rate", johnson_cook_factor="factor"),
     **keys_of(Orthotropic, "angle_deg"),
 }
+
+
+def _owned(*owners: Constructor) -> tuple[str, ...]:
+    return tuple(name for name, key in _LAYER.items() if key.owner in owners)
+
+
+HARDENINGS = tuple(_owned(law) for law in (Voce, Swift, Table, read_hardening))
+"""Keys that go together, one group a material."""
+PLASTIC = (
+    *(n for group in HARDENINGS for n in group),
+    *_owned(Plastic, CowperSymonds, JohnsonCook),
+)
+"""Keys of a material that yields."""
 _FILM = {
     "machine_direction": own_key(
         FORMS["3 numbers"], "the film's direction, in the plane", (1.0, 0.0, 0.0)

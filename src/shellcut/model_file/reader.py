@@ -15,7 +15,7 @@ from .errors import ModelFileError, Problem, guess, is_refusal, listed
 from .key import REQUIRED, Key, Kind, Section
 from .model import Model
 from .overrides import overridden
-from .presets import named_material, with_presets
+from .preset_keys import named_material, with_presets
 from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 

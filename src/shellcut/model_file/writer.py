@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterator
 from importlib.metadata import version
-from typing import Any
 
+from .forms import written
 from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
@@ -69,16 +68,3 @@ def _meaning(key: Key) -> str:
 
 def _commented(text: str, comment: str) -> str:
     return f"{text.ljust(_COLUMN)}  # {comment}"
-
-
-def written(value: Any) -> str:
-    """Return a value in TOML."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if value and all(isinstance(one, tuple) and isinstance(one[0], str) for one in value):
-        return "{ " + ", ".join(f"{axis} = {rate!r}" for axis, rate in value) + " }"
-    return "[" + ", ".join(written(one) for one in value) + "]"

@@ -27,7 +27,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.threads import Workers
+from shellcut.numerics.threads import Threads, Workers
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -37,7 +37,7 @@ from shellcut.tool.tool import Tool
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .film_terms import FilmTerms, sums_of_stored
 from .hooks import Hook, serve
-from .imperfection import Imperfection, number_of_shape
+from .imperfection import Imperfection, ImperfectionNumber, number_of_shape
 from .input_checks import check_parts, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
@@ -111,26 +111,8 @@ class Simulation:
         damping_alpha: Annotated[float, Option("1/s", "of the mass", least=0)] = 0.1,
         damping_beta: Annotated[float, Option("s", "of the stiffness", least=0)] = 5e-8,
         velocity: Floats | None = None,
-        imperfection: Annotated[
-            int | None,
-            Option(
-                "",
-                "number of the small shape out of its plane with which the film begins, so that it "
-                "can buckle; 0: none",
-                least=0,
-                unset="1 with a tool that cuts, otherwise 0",
-            ),
-        ] = None,
-        threads: Annotated[
-            int | None,
-            Option(
-                "",
-                "results do not depend on it",
-                least=1,
-                most=256,
-                unset="one for a small film, otherwise all cores",
-            ),
-        ] = None,
+        imperfection: ImperfectionNumber = None,
+        threads: Threads = None,
     ) -> None:
         check_parts(tool, motion, law, contact, fracture)
         imperfection = number_of_shape(imperfection, cuts=tool is not None and law is not None)

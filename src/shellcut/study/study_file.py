@@ -26,10 +26,10 @@ from pathlib import Path
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
 from shellcut.model_file.errors import ModelFileError, Problem, guess
+from shellcut.model_file.forms import written
 from shellcut.model_file.key import Kind, keys_of
 from shellcut.model_file.reader import read_section
 from shellcut.model_file.source import parse
-from shellcut.model_file.writer import written
 
 from .design import Design
 from .factors import Factor, factors_of
