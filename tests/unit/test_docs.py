@@ -90,7 +90,7 @@ def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
     index, rest = page.split("## Before the first section")
     for layout in (SECTIONS, LISTS):
         for kinds in (kinds for of in layout.values() for kinds in of.values()):
-            for name, key in ((n, k) for kind in kinds for n, k in kind.keys().items()):
+            for name, key in ((n, k) for kind in kinds for n, k in kind.keys.items()):
                 assert f"| `{name}` | [" in index
                 assert f"| `{name}`" in rest
                 assert not key.also or f"| `{key.also}` | [" in index

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
@@ -27,7 +27,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.threads import Workers
+from shellcut.numerics.threads import Threads, Workers
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
@@ -38,7 +38,7 @@ from shellcut.tool.tool import Tool
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .force_terms import ForceTerms
 from .hooks import Hook, serve
-from .imperfection import Imperfection, number_of_shape
+from .imperfection import Imperfection, ImperfectionNumber, number_of_shape
 from .input_checks import check_parts, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
@@ -66,20 +66,12 @@ class Simulation:
         Without one nothing splits.
     contact, fracture, stepping : Contact, Fracture, Stepping
         Parameters of contact, of the cracks and of the time step.
-    directional : bool
-        False: cables never meet the blade (classical cohesive elements), for comparison.
-    damping_alpha, damping_beta : float
-        Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
+    directional, damping_alpha, damping_beta, imperfection, threads
+        See their annotations; damping by [Frangi2010] 5.2, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
     terms : sequence of ForceTerm
         Forces of your own, evaluated after all others.
-    imperfection : int, optional
-        Number of the shape out of its plane with which the film begins, so that it can buckle
-        (:mod:`.imperfection`), 0 for none; by default 1 with a tool and a law, else 0.
-    threads : int, optional
-        Threads to use; by default one for a small film, else the cores there are. The result does
-        not depend on it, bit for bit.
 
     Raises
     ------
@@ -114,15 +106,18 @@ class Simulation:
         contact: Contact | None = None,
         fracture: Fracture | None = None,
         stepping: Stepping | None = None,
-        directional: bool = True,
-        damping_alpha: float = 0.1,
-        damping_beta: float = 5e-8,
+        directional: Annotated[
+            bool,
+            Option("", "whether cables meet the blade; false: classical cohesive elements"),
+        ] = True,
+        damping_alpha: Annotated[float, Option("1/s", "of the mass", least=0)] = 0.1,
+        damping_beta: Annotated[float, Option("s", "of the stiffness", least=0)] = 5e-8,
         velocity: Floats | None = None,
         terms: Sequence[ForceTerm] = (),
-        imperfection: int | None = None,
-        threads: int | None = None,
+        imperfection: ImperfectionNumber = None,
+        threads: Threads = None,
     ) -> None:
-        check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
+        check_parts(tool, motion, law, contact, fracture)
         imperfection = number_of_shape(imperfection, cuts=tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
