@@ -12,6 +12,9 @@ def rho_and_turn(y, z, radius):
     if radius == 0.0:
         return np.hypot(y, z), np.arctan2(z, y)
     end = np.array([y, z])
+    if np.hypot(y, radius - z) < radius:  # as if on the surface over it
+        turn = np.arctan2(y, radius - z)
+        return radius * turn, turn
 
     def before_tangent(beta):  # the end, over the tangent plane at beta
         normal = np.array([np.sin(beta), -np.cos(beta)])

@@ -150,6 +150,7 @@ PLACES = [
     ((-1.5, -0.15, 0.0), (-1.5, 0.15, 0.0)),
     ((0.1, -0.3, 0.1), (-0.8, 0.2, 0.4)),  # one end before the nose
     ((-1.2, -0.02, 0.2), (-1.2, 0.02, 0.2)),  # close together behind the round
+    ((-0.05, -0.07, 0.5), (-0.09, 0.05, -0.4)),  # in the round, but for the smallest
 ]
 
 

@@ -14,7 +14,9 @@ the surface unrolled: it winds along the round up to the tangent point and goes 
 with D the distance of the end from the cylinder's axis, and again l = sqrt(rho² + a²). An end that
 is before the tangent plane of the nose, beta <= 0, is met by the straight line. The force on the
 end is along the straight part; it is the gradient of l, because the change of the arc makes up for
-that of t. The turn of the cable on this side is beta, or for the straight line atan2(z, y).
+that of t. An end that contact lets into the round, D < r, counts as if it lay on the surface over
+its place, t = 0, and the gradient of r beta is r/D across the radius. The turn of the cable on this
+side is beta, or for the straight line atan2(z, y).
 
 So r enters only rho, the direction of the pull and the turn, and with r = 0 these are those of the
 sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction a steady cut
@@ -42,7 +44,7 @@ class Branch(NamedTuple):
     turn: float
     """By which the edge turns it [rad]."""
     pull: tuple[float, float]
-    """Direction from the end to the joint, parts along b and k of the segment."""
+    """Minus the gradient of rho, parts along b and k of the segment; 1 long outside the round."""
 
 
 @always_inline
@@ -65,7 +67,9 @@ def branch_to(end: Vec3, side: float, k: int, edges: CuttingEdges) -> Branch:
         beta = around - (acos(r / from_axis) if from_axis > r else 0.0)
         if beta > 0.0:
             t = sqrt(max(from_axis * from_axis - r * r, 0.0))
-            return Branch(place, r * beta + t, beta, (-side * cos(beta), -sin(beta)))
+            pull = r / from_axis if 0.0 < from_axis < r else 1.0
+            pulls = -side * pull * cos(beta), -pull * sin(beta)
+            return Branch(place, r * beta + t, beta, pulls)
     rho = sqrt(y * y + z * z)
     inverse = 1.0 / rho if rho > 0.0 else 0.0
     return Branch(place, rho, atan2(z, y), (-side * y * inverse, -z * inverse))
@@ -79,9 +83,10 @@ def side_of(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> float:
 
 @always_inline
 def way_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float, Vec3]:
-    """Return the length of a branch to a joint at s along segment k, and its direction there.
+    """Return the length of a branch to a joint at s along segment k, and minus its gradient.
 
-    The direction is the unit vector at the end of the cable, in the body frame.
+    The gradient is that by the place of the end, in the body frame; its length is 1 but for an end
+    in the round.
     """
     segments, along = edges.segments, s - branch.place
     v = segment_part(segments, k, VECTOR)
@@ -105,7 +110,7 @@ class Way(NamedTuple):
     """Lengths of the branches [mm]."""
     pull_minus: Vec3
     pull_plus: Vec3
-    """Unit vectors from the ends along the branches, in the body frame."""
+    """At the ends, along the branches, in the body frame; 1 long but for ends in the round."""
     arc: float
     """Angle that lies on the round [rad]."""
 
