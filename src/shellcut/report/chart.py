@@ -157,6 +157,7 @@ def panel(
     traces.append(
         {
             "mode": "markers",
+            "cliponaxis": False,
             "marker": marker,
             "x": _rounded(x.values[every], 8),
             "y": _rounded(y.values[every], 8),
