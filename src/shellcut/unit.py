@@ -275,3 +275,25 @@ def conversion(unit: str, to: str) -> float:
         sizes = ", ".join(DIMENSIONS[wanted])
         raise ValueError(f"must be a unit of {wanted} ({sizes}), got {unit!r}{hint}")
     return float(size / target)
+
+
+def pretty(unit: str) -> str:
+    """Return a unit as printed: "N*mm" becomes "N·mm"; "" for a pure number."""
+    return unit.replace("*", "·").replace("deg", "°").replace("^2", "²").removeprefix("-")
+
+
+def after(unit: str) -> str:
+    """Return a unit as it stands after a number.
+
+    Examples
+    --------
+    >>> f"{143.5}{after('N*mm')}", f"{27.4}{after('deg')}", f"{0.5}{after('-')}"
+    ('143.5 N·mm', '27.4°', '0.5')
+    """
+    shown = pretty(unit)
+    return shown if shown in ("", "°") else f" {shown}"
+
+
+def in_unit(name: str, unit: str) -> str:
+    """Return the name of an axis or of a row of numbers with its unit."""
+    return f"{name} [{pretty(unit)}]" if pretty(unit) else name

@@ -15,9 +15,8 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.scene_page.packed_run import as_json
+from shellcut.unit import after, in_unit
 from shellcut.view.curves import STYLES, Diagram, outline
-
-from .markup import in_unit, pretty
 
 MOST_POINTS = 500
 """Points of a picture; of more runs every second, third and so on is drawn."""
@@ -51,12 +50,10 @@ def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
         Of the figure [pixel].
     """
     x, curves = np.asarray(diagram.x, float), diagram.curves
-    x_unit, unit = pretty(diagram.x_unit), pretty(diagram.unit)
     values = [np.asarray(curve.values, float) for curve in curves]
     common = [y for curve, y in zip(curves, values, strict=True) if curve.x is None]
     kept = np.unique(np.concatenate([outline(x, y, _N_POINT // 2) for y in common or [x]]))
     n_of = Counter(curve.name for curve in curves)
-    gap = "" if unit in ("", "°") else " "
     traces: list[dict[str, Any]] = []
     for curve, y in zip(curves, values, strict=True):
         places, rows = x, kept
@@ -66,7 +63,7 @@ def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
         look, name = STYLES[curve.style], escape(curve.name)
         # One reads the others of a crowd, like the teeth; a chart of crowds alone names them.
         silent = n_of[curve.name] > 1 and min(n_of.values()) == 1
-        said = {"hovertemplate": f"%{{y:.5~g}}{gap}{unit}"}
+        said = {"hovertemplate": f"%{{y:.5~g}}{after(diagram.unit)}"}
         layer = {"stackgroup": "areas", "fillcolor": look["color"]} if curve.area else {}
         traces.append(
             {
@@ -81,15 +78,15 @@ def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
                 **layer,
             }
         )
-    hover = f"{diagram.x_name} %{{x:.6~g}}{'' if x_unit == '°' else ' '}{x_unit}"
+    hover = f"{diagram.x_name} %{{x:.6~g}}{after(diagram.x_unit)}"
     layout = {
         "height": height,
         "hovermode": "closest" if min(n_of.values()) > 1 else "x unified",
-        "showlegend": True,
+        "showlegend": len(curves) > 1,
         "xaxis": {"unifiedhovertitle": {"text": hover}},
         "yaxis": {"rangemode": "tozero"},
     }
-    titles = in_unit(diagram.name, unit), in_unit(diagram.x_name, x_unit)
+    titles = in_unit(diagram.name, diagram.unit), in_unit(diagram.x_name, diagram.x_unit)
     return _figure("chart", titles, described, traces, layout)
 
 
@@ -160,6 +157,7 @@ def panel(
     traces.append(
         {
             "mode": "markers",
+            "cliponaxis": False,
             "marker": marker,
             "x": _rounded(x.values[every], 8),
             "y": _rounded(y.values[every], 8),

@@ -12,11 +12,12 @@ from shellcut.results.comparison_table import rows_of, scope_of
 from shellcut.results.energy_account import account
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import window_of
+from shellcut.unit import after, in_unit, pretty
 from shellcut.view import Curve, Diagram
 
 from .chart import chart
 from .gathered import Gathered
-from .markup import figure_of, in_unit, missing, pretty, table
+from .markup import figure_of, missing, table
 
 
 def resistance(run: Gathered) -> str:
@@ -44,7 +45,7 @@ def _said_of(run: Gathered) -> str:
     mean = figures.get(f"{first}_plateau_{unit.replace('*', '')}")
     if mean is not None:
         said.append(
-            f"The mean over the steady window, {window_of(figures)}, is {mean:.4g} {pretty(unit)}."
+            f"The mean over the steady window, {window_of(figures)}, is {mean:.4g}{after(unit)}."
         )
     elif "no_window" in figures:
         said.append(f"There is no steady window, so there is no mean: {figures['no_window']}.")

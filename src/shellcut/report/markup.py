@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
+from shellcut.unit import after
+
 # Of lengths and areas over those of the whole, of angles in degrees.
 _AS_GOOD_AS_ZERO = 5e-4
 
@@ -42,24 +44,9 @@ def missing(text: str) -> str:
     return f'<p class="missing">{escape(text)}</p>'
 
 
-def pretty(unit: str) -> str:
-    """Return a unit as printed: "N*mm" becomes "N·mm"."""
-    return unit.replace("*", "·").replace("deg", "°").replace("^2", "²")
-
-
-def _gap(unit: str) -> str:
-    return "" if unit == "deg" else " "
-
-
 def figure_of(value: float, unit: str, whole: float = 1.0) -> str:
     """Return a number of three figures and its unit; 0 if it is next to none of the whole."""
-    number = f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO * whole else "0"
-    return number if unit == "-" else f"{number}{_gap(unit)}{pretty(unit)}"
-
-
-def in_unit(name: str, unit: str) -> str:
-    """Return the head of a row of numbers with a unit."""
-    return f"{name} [{pretty(unit)}]" if unit not in ("", "-") else name
+    return (f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO * whole else "0") + after(unit)
 
 
 def link_to(path: Path, report: Path) -> str:

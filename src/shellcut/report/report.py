@@ -11,6 +11,7 @@ from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.scene_page import scene_scripts, scene_style
+from shellcut.unit import after
 
 from . import curves, pictures, scene, words
 from .gathered import Gathered, gather, run_or_say
@@ -84,8 +85,7 @@ def _lead(run: Gathered) -> str:
     if run.history:
         name, unit = run.coordinate
         end = run.history[name][-1]
-        gap = "" if unit == "deg" else " "
-        parts.append(f"up to {name} {end:.4g}{gap}{unit.replace('deg', '°')}")
+        parts.append(f"up to {name} {end:.4g}{after(unit)}")
     if run.results is not None:
         parts.append(f"{run.results.n_frame} frames")
     return ", ".join(parts) + "."

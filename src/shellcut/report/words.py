@@ -15,10 +15,11 @@ from shellcut.results.cut_quality import UNITS as CUT_UNITS
 from shellcut.results.cut_quality import cut_quality
 from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line, verdict
+from shellcut.unit import in_unit
 from shellcut.view import edge_length
 
 from .gathered import Gathered
-from .markup import figure_of, in_unit, link_to, missing, table
+from .markup import figure_of, link_to, missing, table
 
 _N_QUALITY = 5  # frames for which the quality of the cut is listed
 _DIGEST_LIMIT = 200_000_000  # bytes; larger files get no digest, which would take too long

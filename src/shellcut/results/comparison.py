@@ -182,7 +182,6 @@ class Comparison:
             If Matplotlib is not installed.
         """
         path = Path(path)
-        axes = {"x_name": self.x_name, "x_unit": self.x_unit, "unit": self.y_unit}
 
         def peak(value: float, at: float) -> str:
             return f"peak {said(value, self.y_unit)} at {said(at, self.x_unit)}"
@@ -194,14 +193,12 @@ class Comparison:
         )
         both = [Curve(peaks[0], measured, "measured", x=x), Curve(peaks[1], simulated, x=own)]
         gap = [Curve("difference", self.simulated - self.measured, "contact")]
-        draw_curves(
-            path,
-            [
-                Diagram(self.x, both, name=self.y_name, title=self.name, height=3.0, **axes),
-                Diagram(self.x, gap, name="difference", **axes),
-            ],
-            size=(9.0, 6.0),
+        x_axis = self.x_name, self.x_unit
+        upper = Diagram(
+            self.x, both, *x_axis, self.y_name, self.y_unit, title=self.name, height=3.0
         )
+        lower = Diagram(self.x, gap, *x_axis, "difference", self.y_unit)
+        draw_curves(path, [upper, lower], size=(9.0, 6.0))
         return path
 
 

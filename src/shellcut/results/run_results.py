@@ -25,6 +25,7 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
+from shellcut.unit import after
 from shellcut.view.curves import Curve, draw_curves
 
 from .cut_quality import UNITS, cut_quality
@@ -221,7 +222,7 @@ class Results:
         mean = figures.get(f"{name}_plateau_{unit.replace('*', '')}")
         if mean is not None:
             ends = [figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"]]
-            label = f"mean over {window_of(figures)}: {mean:.4g} {unit.replace('*', '·')}"
+            label = f"mean over {window_of(figures)}: {mean:.4g}{after(unit)}"
             plateau = Curve(label, [mean, mean], "mean", x=ends)
             diagram = replace(diagram, curves=[*diagram.curves, plateau])
         draw_curves(path, [replace(diagram, title=self.name)])

@@ -187,13 +187,13 @@ class TensileTest:
                 falls.append(
                     Curve(f"law {name or 'film'}: {said}", stress, f"law{style}", x=opening)
                 )
-        axes = {"name": "nominal stress", "unit": "MPa"}
+        stress_axis = "nominal stress", "MPa"
         why = "" if falls else "no fall recorded: no law"
         draw_curves(
             path,
             [
-                Diagram([], strains, "strain", "%", **axes),
-                Diagram([], falls, "opening", "mm", title=why, **axes),
+                Diagram([], strains, "strain", "%", *stress_axis),
+                Diagram([], falls, "opening", "mm", *stress_axis, title=why),
             ],
             columns=2,
             size=(11.0, 5.0),

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from shellcut.files.whole_file import atomic_write
+from shellcut.unit import after
 
 _INCHES = 13.0
 
@@ -60,14 +61,7 @@ def save(
         figure.savefig(temporary, metadata=said if temporary.suffix.lower() == ".png" else None)
 
 
-def pretty(unit: str) -> str:
-    """Return a unit as printed: "N*mm" becomes "N·mm"."""
-    return unit.replace("*", "·").replace("deg", "°")
-
-
 def with_unit(value: float, unit: str) -> str:
     """Return a number with four significant digits and its unit."""
     value += 0.0  # no "-0"
-    number = f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}"
-    gap = "" if unit == "deg" else " "
-    return number if unit in ("-", "") else f"{number}{gap}{pretty(unit)}"
+    return (f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}") + after(unit)

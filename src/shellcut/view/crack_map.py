@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.frame import Frame, sides_of
+from shellcut.unit import in_unit
 
-from ._figure import new_figure, pretty, save
+from ._figure import new_figure, save
 from ._panel import mesh_edges
 from ._teeth import plane_axes, tooth_paths
 
@@ -94,7 +95,7 @@ def draw_crack_map(
     axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges" if title is None else title)
     if scale is not None:
         bar = figure.colorbar(scale, cax=figure.add_axes(beside))
-        bar.set_label(f"opened at {last.coordinate_name} [{pretty(last.coordinate_unit)}]")
+        bar.set_label(in_unit(f"opened at {last.coordinate_name}", last.coordinate_unit))
     handles, labels = axes.get_legend_handles_labels()
     if handles:
         figure.legend(

@@ -14,8 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats
+from shellcut.unit import in_unit
 
-from ._figure import new_figure, pretty, save
+from ._figure import new_figure, save
 
 PALETTE = ("#3b6fd4", "#1592b4", "#2c9c62", "#8a9a1c", "#d08a10", "#dc5f2a", "#c22a4c")
 """Colours of groups, of about one lightness, which stand out on white and on black."""
@@ -155,8 +156,8 @@ def _draw(axes: Any, diagram: Diagram) -> None:
             axes.plot(places, values, color=look["color"], lw=look["width"], ls=line, **label)
         named.add(curve.name)
     axes.axhline(0.0, color="0.6", lw=0.8)
-    axes.set_xlabel(f"{diagram.x_name} [{pretty(diagram.x_unit)}]")
-    axes.set_ylabel(f"{diagram.name} [{pretty(diagram.unit)}]")
+    axes.set_xlabel(in_unit(diagram.x_name, diagram.x_unit))
+    axes.set_ylabel(in_unit(diagram.name, diagram.unit))
     axes.margins(x=0.0)
     axes.grid(color="0.9", lw=0.8)
     axes.set_axisbelow(True)

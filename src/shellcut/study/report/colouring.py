@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Ints
+from shellcut.unit import after
 from shellcut.view.curves import PALETTE
 
 from .studied import Studied
@@ -45,19 +46,17 @@ class Colouring:
 
 def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
     """Return groups by the values of a factor, or by even parts of its range."""
-    values, unit = factor.values[rows], factor.unit
-    gap = "" if unit in ("", "°") else " "
+    values, unit = factor.values[rows], after(factor.unit)
     if factor.names:
         return Colouring(factor.name, factor.names, values.astype(int))
     levels = np.unique(values)
     if len(levels) <= len(PALETTE):
-        names = tuple(f"{factor.name} {level:.5g}{gap}{unit}" for level in levels)
+        names = tuple(f"{factor.name} {level:.5g}{unit}" for level in levels)
         return Colouring(factor.name, names, np.searchsorted(levels, values))
     low, high = factor.ends
     bounds = np.linspace(low, high, len(PALETTE))  # one colour less: bounds that are easier to read
     group = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, len(PALETTE) - 2)
     names = tuple(
-        f"{factor.name} {a:.4g} to {b:.4g}{gap}{unit}"
-        for a, b in itertools.pairwise(bounds.tolist())
+        f"{factor.name} {a:.4g} to {b:.4g}{unit}" for a, b in itertools.pairwise(bounds.tolist())
     )
     return Colouring(factor.name, names, group)

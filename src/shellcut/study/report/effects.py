@@ -13,6 +13,7 @@ from shellcut.arrays import Floats
 from shellcut.report.chart import MOST_POINTS, Axis, panel
 from shellcut.report.markup import missing
 from shellcut.study.surrogate.inputs import at_shares
+from shellcut.unit import after
 
 from .analysis import Analysed
 from .colouring import coloured_by
@@ -79,8 +80,7 @@ def said_of_row(study: Study, row: int) -> str:
 def _text(factor: Studied, row: int) -> str:
     if factor.names:
         return factor.texts[row]
-    gap = "" if factor.unit in ("", "°") else " "
-    return f"{factor.values[row]:.5g}{gap}{factor.unit}"
+    return f"{factor.values[row]:.5g}{after(factor.unit)}"
 
 
 def pairs(study: Study, analyses: Sequence[Analysed]) -> str:

@@ -10,10 +10,10 @@ import numpy as np
 from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.surrogate.sensitivity import Indices
+from shellcut.unit import after
 from shellcut.view.curves import PALETTE
 
 from .analysis import Analysed
-from .surfaces import with_unit
 
 _CLEAR = 0.5
 """Explained share below which the indices are those of a poor surface."""
@@ -55,7 +55,7 @@ def _of_figure(one: Analysed) -> str:
         return title + missing(
             "No sensitivities: the surface predicts unseen runs no better than their mean."
         )
-    indices, fitted = one.indices, one.fitted
+    indices, fitted, unit = one.indices, one.fitted, after(one.figure.unit)
     rows = [
         (
             factor.name,
@@ -66,8 +66,8 @@ def _of_figure(one: Analysed) -> str:
     ]
     rest = (
         f"From {fitted.surface.kind} through {fitted.n_run} runs, which predicts unseen runs to "
-        f"{with_unit(fitted.error, one.figure.unit)} (rms; their mean does to "
-        f"{with_unit(fitted.mean_error, one.figure.unit)}); {indices.n_draw} surfaces at "
+        f"{fitted.error:.3g}{unit} (rms; their mean does to {fitted.mean_error:.3g}{unit}); "
+        f"{indices.n_draw} surfaces at "
         f"{indices.n_point} points."
     )
     if fitted.explained < _CLEAR:

@@ -18,6 +18,7 @@ from shellcut.study.plan import RUNS
 from shellcut.study.study_file import STUDY, StudyFile, read_study
 from shellcut.study.surrogate.inputs import Input
 from shellcut.study.table import TABLE
+from shellcut.unit import pretty
 
 _MAIN = (
     ("torque_plateau_Nmm", "force_plateau_N"),
@@ -221,8 +222,7 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
             names = tuple(dict.fromkeys((*probes, *texts)))
             values = np.array([names.index(text) for text in texts], float)
             ends = 0.0, len(names) - 1.0
-        unit = units[key].replace("deg", "°").replace("*", "·")
-        found.append(Studied(key, name, unit, values, tuple(texts), names, ends))
+        found.append(Studied(key, name, pretty(units[key]), values, tuple(texts), names, ends))
     return tuple(found)
 
 

@@ -14,6 +14,7 @@ from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.surrogate.inputs import at_shares
 from shellcut.study.surrogate.polynomial import Polynomial
+from shellcut.unit import after
 
 from .analysis import Analysed
 from .effects import said_of
@@ -81,8 +82,8 @@ def _errors(analyses: Sequence[Analysed]) -> str:
                 str(fitted.n_run),
                 fitted.surface.kind.removeprefix("a "),
                 how,
-                with_unit(fitted.error, one.figure.unit),
-                with_unit(fitted.mean_error, one.figure.unit),
+                f"{fitted.error:.3g}{after(one.figure.unit)}",
+                f"{fitted.mean_error:.3g}{after(one.figure.unit)}",
                 f"{100.0 * max(fitted.explained, 0.0):.0f} %",
             )
         )
@@ -103,8 +104,8 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
         fitted = one.fitted
         if fitted is None:
             continue
-        name, unit = one.figure.name, one.figure.unit
-        error, of_mean = with_unit(fitted.error, unit), with_unit(fitted.mean_error, unit)
+        name, unit = one.figure.name, after(one.figure.unit)
+        error, of_mean = f"{fitted.error:.3g}{unit}", f"{fitted.mean_error:.3g}{unit}"
         share = 100.0 * fitted.explained
         if not one.predicts:
             text = (
@@ -121,8 +122,7 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
             text = f"predicts unseen runs to {error} (rms), their mean to {of_mean}."
             said.append(("good", "holds", f"{name}: the surface {text}"))
         for factor, low, high in one.unseen:
-            gap = "" if factor.unit in ("", "°") else " "
-            guessed[f"{factor.name} from {low:.4g} to {high:.4g}{gap}{factor.unit}"] = None
+            guessed[f"{factor.name} from {low:.4g} to {high:.4g}{after(factor.unit)}"] = None
     if guessed:
         text = (
             f"No run with figures has {', or '.join(guessed)}. There the surfaces are a guess, and "
@@ -218,9 +218,3 @@ def _round_step(about: float) -> float:
     """Return 1, 2 or 5 times a power of ten, at least ``about``."""
     unit = 10.0 ** np.floor(np.log10(about))
     return float(next(m * unit for m in (1.0, 2.0, 5.0, 10.0) if m * unit >= about))
-
-
-def with_unit(value: float, unit: str) -> str:
-    """Return a number of three figures with its unit."""
-    gap = "" if unit in ("", "°") else " "
-    return f"{value:.3g}{gap}{unit}"

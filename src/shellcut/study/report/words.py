@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.report.markup import in_unit, link_to, missing
+from shellcut.report.markup import link_to, missing
 from shellcut.study.study_file import STUDY
 from shellcut.study.table import TABLE
+from shellcut.unit import in_unit
 
 from .studied import Study
 
