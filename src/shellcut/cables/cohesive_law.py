@@ -42,6 +42,11 @@ _START_OPENING = 1.0 / 80.0
 # sigma A / stick, is below that of a new cable.
 _STICK = 1.0 / 400.0
 
+STRENGTH, PLATEAU, OPENING_A, OPENING_P, OPENING_U = 0, 1, 2, 3, 4
+CAP, ELASTIC, ONSET, SHORT_BRANCH, START_OPENING = 5, 6, 7, 8, 9
+"""Places of the numbers of a law as kernels take it: those of :class:`CohesiveLaw` by their names,
+the steepest slope of unloading, the constant one (0 for none), and two lengths."""
+
 
 @checked
 @dataclass(frozen=True, kw_only=True)
@@ -151,7 +156,7 @@ class CohesiveLaw:
         return _STICK * self.opening_u
 
     def parameters(self) -> Floats:
-        """Return the law as kernels take it, see :func:`envelope` and :func:`traction`."""
+        """Return the law as kernels take it, in the order of ``STRENGTH`` and the rest."""
         cap = self.strength / self.onset if self.onset > 0 else math.inf
         elastic = self.unloading_stiffness if self.unloading == "elastic" else 0.0
         return np.array(
@@ -185,24 +190,24 @@ class CohesiveLaw:
 def envelope(opening: float, law: Floats) -> float:
     """Return the stress of first loading [MPa]. [Frangi2010] Fig. 4."""
     if opening <= 0.0:
-        return float(law[0])
-    if opening < law[2]:
-        return float(law[0] - (law[0] - law[1]) * opening / law[2])
-    if opening < law[3]:
-        return float(law[1])
-    if opening < law[4]:
-        return float(law[1] * (law[4] - opening) / (law[4] - law[3]))
+        return float(law[STRENGTH])
+    if opening < law[OPENING_A]:
+        return float(law[STRENGTH] - (law[STRENGTH] - law[PLATEAU]) * opening / law[OPENING_A])
+    if opening < law[OPENING_P]:
+        return float(law[PLATEAU])
+    if opening < law[OPENING_U]:
+        return float(law[PLATEAU] * (law[OPENING_U] - opening) / (law[OPENING_U] - law[OPENING_P]))
     return 0.0
 
 
 @inline
 def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
     """Return the slope of unloading [MPa/mm] from the point (opening_max, peak)."""
-    if law[6] > 0.0:
-        return float(law[6])
-    if peak < law[5] * opening_max:
+    if law[ELASTIC] > 0.0:
+        return float(law[ELASTIC])
+    if peak < law[CAP] * opening_max:
         return peak / opening_max
-    return float(law[5])
+    return float(law[CAP])
 
 
 @inline
@@ -222,14 +227,14 @@ def area_below(opening: float, law: Floats) -> float:
     """Return the integral of the envelope from 0 to ``opening`` [N/mm]."""
     if opening <= 0.0:
         return 0.0
-    la, lp, lu = law[2], law[3], law[4]
+    la, lp, lu = law[OPENING_A], law[OPENING_P], law[OPENING_U]
     a = min(opening, la)
-    area = law[0] * a - 0.5 * (law[0] - law[1]) * a * a / la
+    area = law[STRENGTH] * a - 0.5 * (law[STRENGTH] - law[PLATEAU]) * a * a / la
     if opening > la:
-        area += law[1] * (min(opening, lp) - la)
+        area += law[PLATEAU] * (min(opening, lp) - la)
     if opening > lp:
         left = lu - min(opening, lu)
-        area += 0.5 * law[1] * ((lu - lp) - left * left / (lu - lp))
+        area += 0.5 * law[PLATEAU] * ((lu - lp) - left * left / (lu - lp))
     return float(area)
 
 

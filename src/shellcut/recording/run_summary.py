@@ -106,7 +106,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "path": None if sim.cracks is None else sim.fracture.path,
         "only_along_edges": bool(sim.fracture.only_along_edges),
         "check_every": sim.fracture.check_every,
-        "film_edges": any(isinstance(term, EdgeContact) for term in sim.tool_terms),
+        "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
         "opening_u_mm": None if sim.law is None else sim.law.opening_u,
     }

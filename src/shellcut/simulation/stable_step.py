@@ -42,9 +42,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.stretch_since import StretchSince
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State
-
-from .film_terms import FilmTerm
-from .tool_terms import ToolTerm
+from shellcut.tool.force_term import ForceTerm
 
 # Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
 _TIGHT = 0.99
@@ -97,7 +95,7 @@ class StableStep:
         self,
         stepping: Stepping | None,
         shell: MITC4Shell,
-        terms: Sequence[ToolTerm | FilmTerm],
+        terms: Sequence[ForceTerm],
     ) -> None:
         self.stepping = stepping or Stepping()
         self._shell = shell
