@@ -372,7 +372,7 @@ ELSEWHERE = {"self", "folder", "factor", "layers"}
 ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
 ELSEWHERE |= {"anisotropy", "branching"}  # of cracks without a tool, which a model file has
 ELSEWHERE |= {"material", "direction"}  # of a layer, of a film: [material] has own keys for it
-NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "code of one's own"}
+NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "classes of a user's own"}
 
 
 @pytest.mark.parametrize("kind", [k for k in MIRRORS if not (k.fixed or k.spread)], ids=MIRRORS.get)
