@@ -20,13 +20,18 @@ from tiny_study import SETTINGS
 WAIT = 120.0  # s: of another process, on a machine with much else to do
 
 
-@pytest.fixture(autouse=True)
-def no_children_left():
-    yield
+def end_children():
     while child_process._idle:
         child = child_process._idle[0]
         child._process.kill()
         child_process._end(child)
+
+
+@pytest.fixture(autouse=True)
+def no_children_left():
+    end_children()  # of studies in other files
+    yield
+    end_children()
 
 
 def task_in(folder, **settings):

@@ -9,12 +9,12 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from functools import partial
-from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
 
 import shellcut as sc
+from shellcut.study import child_process
 from shellcut.study.one_run import OUTCOME, STOP
 from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
 from tiny_study import ANGLES, SETTINGS, in_words
@@ -75,19 +75,24 @@ def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, pa
     assert any(line.startswith("2 runs, 1 of them done before") for line in lines)
 
 
-def test_processes_give_the_same_table_though_one_is_killed(done, part):
-    lines, killed = [], []
+def test_processes_give_the_same_table_though_one_is_killed(done, part, monkeypatch):
+    children, killed = [], []
+
+    class Noted(child_process._Child):
+        def run(self, task):
+            children.append(self)
+            return super().run(task)
+
+    monkeypatch.setattr(child_process, "_Child", Noted)
 
     def say(line):
-        lines.append(line)
         if line.startswith("[2/"):
-            child = active_children()[-1]
-            killed.append(child.pid)
-            child.kill()
+            killed.append(children[-1])
+            children[-1]._process.kill()
 
     out = part(0, 1, 2)
     found = sc.sweep("guillotine", ANGLES, out, settings=SETTINGS, executor=2, say=say)
-    assert killed
+    assert killed[0]._process.returncode < 0
     assert found.table.read_bytes() == done.table.read_bytes()
 
 

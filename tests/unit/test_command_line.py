@@ -516,7 +516,7 @@ def test_keys_are_found_by_words(capsys):
     said = capsys.readouterr().out
     assert re.search(
         r'\[tool\] kind = "teeth"  \(model opening, free: A ring of teeth .*\)\n'
-        r"  wedge_half_angle_deg +number \[deg\] +(= [\d.]+|\(required\)) +in the section .*\n",
+        r"  wedge_half_angle_deg +number, .* 40 at most \[deg\] += [\d.]+ +of the wedge .*\n",
         said,
     )
     assert "whole motion" not in said  # that angle is another section's
@@ -525,6 +525,8 @@ def test_keys_are_found_by_words(capsys):
     assert main(["keys"]) == 0
     every = capsys.readouterr().out
     assert all(f"[{title}]" in every for title in ("membrane", "cohesive", "[supports]"))
+    assert main(["keys", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out)["required"] == ["model"]
     assert main(["keys", "strenght"]) == 2
     assert "did you mean strength?" in capsys.readouterr().err
 

@@ -7,18 +7,15 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from shellcut.model_file.quantity import quantity
+from shellcut.model_file.key import keys_of
 from shellcut.tensile import evaluate_tensile
 from shellcut.tensile.evaluation import PICTURE
+from shellcut.tensile.specimen import SpecimenSize
 
 from .exit_code import BAD_INPUT, DONE, refuse
 from .named_path import named
 
-_LENGTHS = (
-    ("--gauge-length", "length over which the strain was measured, as 50 or '50 mm'"),
-    ("--width", "of the specimens, for columns of force"),
-    ("--thickness", "of the specimens, for columns of force, as '74 um'"),
-)
+_LENGTHS = keys_of(SpecimenSize)
 
 
 def add_to(commands: Any) -> None:
@@ -50,8 +47,9 @@ def add_to(commands: Any) -> None:
         help="units of these columns, or of strain and stress, as 'mm, N'; by default those of "
         "the headings",
     )
-    for option, meaning in _LENGTHS:
-        parser.add_argument(option, metavar="MM", help=meaning)
+    for name, key in _LENGTHS.items():
+        flag = f"--{name.replace('_', '-')}"
+        parser.add_argument(flag, metavar="MM", help=f"of the specimens: {key.option.text}")
     parser.add_argument(
         "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
     )
@@ -63,13 +61,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Evaluate, print a table, write the files."""
     try:
         lengths, problems = {}, []
-        for option, _ in _LENGTHS:
-            name = option[2:].replace("-", "_")
+        for name, key in _LENGTHS.items():
             given = getattr(arguments, name)
             try:
-                lengths[name] = None if given is None else quantity(given, "mm")
+                lengths[name] = None if given is None else key.read(given)
             except ValueError as problem:
-                problems.append(f"{option} {problem}")
+                problems.append(f"--{name.replace('_', '-')} {problem}")
         try:
             offset = 0.01 * float(arguments.offset.removesuffix("%"))
         except ValueError:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.optimize import brentq
+import scipy
 
 # A smaller phi [rad] is none.
 _LEAST = 1e-3
@@ -57,4 +57,4 @@ def sheet_stress(stress: float, length: float) -> float:
 
     if excess(_LEAST) <= 0.0:
         return 0.0
-    return float(brentq(excess, _LEAST, 0.5 * math.pi * stress)) / (0.5 * math.pi)
+    return float(scipy.optimize.brentq(excess, _LEAST, 0.5 * math.pi * stress)) / (0.5 * math.pi)

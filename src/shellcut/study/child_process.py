@@ -1,13 +1,16 @@
-"""Runs in a child of this process: for a worker that does other things in its own.
+"""Runs in a child of this process.
 
-A Dask worker looks a hundred times a second what its task is at, and answers the network, in
-threads beside that of the task. A step of a small film calls a dozen kernels of some microseconds,
-each of which releases the interpreter's lock, and every other thread that takes it makes the step
-wait: runs of 600 quads took a third longer than in a process of their own. So the worker hands a
-run to a child and waits for its outcome; the child is kept for the next run.
+A study on several processes gives each of its threads such a child, and so does a worker that does
+other things in its own process. A Dask worker looks a hundred times a second what its task is at,
+and answers the network, in threads beside that of the task. A step of a small film calls a dozen
+kernels of some microseconds, each of which releases the interpreter's lock, and every other thread
+that takes it makes the step wait: runs of 600 quads took a third longer than in a process of their
+own. So the worker hands a run to a child and waits for its outcome; the child is kept for the next
+run.
 
-``multiprocessing`` starts no child of a Dask worker, whose process is a daemon. Here tasks and
-outcomes go through the child's standard streams, whose end tells it that the worker has died.
+``multiprocessing`` starts no child of a Dask worker, whose process is a daemon, and its pools break
+where one process dies. Here tasks and outcomes go through the child's standard streams, whose end
+tells it that the worker has died.
 """
 
 from __future__ import annotations
@@ -15,7 +18,6 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import threading
@@ -25,7 +27,7 @@ from typing import Any, BinaryIO
 
 from .one_run import ABANDONED, Outcome, Task, run_one
 
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Variables that keep libraries from starting threads of their own in every process."""
 
 # Dask has its workers give freed memory back at once. A run takes it again in each of its steps,
@@ -37,9 +39,10 @@ _KEPT_FOR = 60.0
 
 # What anything prints must not come between the outcomes, so these go out by a stream of their own.
 # What may have been printed before ends with a line of this text. Modules are found where this
-# process finds them.
+# process finds them. Ctrl-C is left to the study, which stops all runs by its file.
 _FROM_HERE = b"shellcut: outcomes from here on"
 _BEGIN = (
+    "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); "
     "import os, pickle, sys; outcomes = os.fdopen(os.dup(1), 'wb'); os.dup2(2, 1); "
     f"outcomes.write({_FROM_HERE + bytes([10])!r}); outcomes.flush(); "
     f"sys.path[:] = pickle.load(sys.stdin.buffer); from {__name__} import serve; serve(outcomes)"
@@ -55,7 +58,7 @@ class _Child:
 
     def __init__(self) -> None:
         environment = {name: v for name, v in os.environ.items() if name != _NOT_FOR_CHILD}
-        environment |= dict.fromkeys(ONE_THREAD, "1")
+        environment |= dict.fromkeys(_ONE_THREAD, "1")
         self.end_if_idle: threading.Timer | None = None
         self._process: Any = subprocess.Popen(
             [os.fsdecode(spawn.get_executable()), "-c", _BEGIN],
@@ -151,7 +154,6 @@ def _end(child: _Child) -> None:
 
 def serve(outcomes: BinaryIO) -> None:
     """Do the runs that come through the standard input, until that is closed: be such a child."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the study stops all runs by its file
     tasks: SimpleQueue[Task | None] = SimpleQueue()
     threading.Thread(target=_receive, args=[tasks], daemon=True).start()
     with contextlib.suppress(BrokenPipeError), outcomes:

@@ -18,10 +18,8 @@ from typing import Any
 from distributed import Client, KilledWorker, LocalCluster, as_completed
 
 from .child_process import ChildDied, run_in_child
+from .engines import MOST_DEATHS
 from .one_run import Outcome, Task
-
-_MOST_DEATHS = 3
-"""Times that the worker of a run may die before the run counts as failed."""
 
 _PATIENCE = 300.0
 """Wall time for which to wait for a lost scheduler [s]."""
@@ -91,7 +89,7 @@ class DaskEngine:
                     run_in_child,
                     task,
                     key=f"shellcut-{task.key}",
-                    retries=_MOST_DEATHS - 1,
+                    retries=MOST_DEATHS - 1,
                     pure=False,
                 ): task
                 for task in tasks

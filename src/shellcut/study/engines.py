@@ -6,32 +6,23 @@ its folder, so a task that is lost is simply given out again: its run goes on fr
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
-import time
-from collections import Counter, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
+    ThreadPoolExecutor,
     wait,
 )
-from contextlib import contextmanager
-from itertools import chain, islice
+from itertools import islice
 from typing import Any, Protocol
 
-from .child_process import ONE_THREAD
-from .one_run import UNDER_WAY, Outcome, Task, run_one
+from .child_process import ChildDied, run_in_child
+from .one_run import Outcome, Task, run_one
 
-_MOST_DEATHS = 3
+MOST_DEATHS = 3
 """Times that the process of a run may die before the run counts as failed."""
-
-_LOOK_EVERY = 0.2  # s between two looks whether the last run of an orphan has stopped
 
 
 class Engine(Protocol):
@@ -57,10 +48,9 @@ class InTurn:
 
 
 class Processes:
-    """Processes of this machine.
+    """Processes of this machine, each the child of a thread that waits for it.
 
-    A process that dies (out of memory, killed) takes the pool with it: the runs that were under
-    way are given to a new one.
+    A process that dies (out of memory, killed) is replaced, and its run goes on.
 
     Parameters
     ----------
@@ -73,27 +63,8 @@ class Processes:
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome."""
-        rest, again, deaths = iter(tasks), deque[Task](), Counter[str]()
-        while True:
-            lost: list[Task] = []
-            with _one_thread_each(), self._pool() as pool:
-                yield from _through(pool, _first(again, rest), self.jobs, lost)
-            if not lost:
-                return
-            for task in lost:
-                deaths[task.key] += 1
-                if deaths[task.key] < _MOST_DEATHS:
-                    again.append(task)
-                else:
-                    yield task, Outcome("failed", _died(_MOST_DEATHS))
-
-    def _pool(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(
-            self.jobs,
-            # A forked process would share locks and threads of this one in any state.
-            mp_context=multiprocessing.get_context("spawn"),
-            initializer=_begin_worker,
-        )
+        with ThreadPoolExecutor(self.jobs) as threads:
+            yield from _through(threads, _in_children, tasks, self.jobs)
 
 
 class GivenExecutor:
@@ -111,90 +82,46 @@ class GivenExecutor:
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome."""
-        rest, lost = iter(tasks), list[Task]()
-        yield from _through(self._executor, rest, self.jobs, lost)
-        if lost:  # a broken executor takes no more
-            for task in chain(lost, rest):
-                yield task, Outcome("failed", _died(1))
+        return _through(self._executor, run_one, tasks, self.jobs)
 
 
-def _first(again: deque[Task], rest: Iterator[Task]) -> Iterator[Task]:
-    """Yield, and take away, the tasks that are given out once more, then the others."""
-    while again:
-        yield again.popleft()
-    # Not "yield from", which would close ``rest`` where this generator is given up.
-    for task in rest:  # noqa: UP028
-        yield task
+def _in_children(task: Task) -> Outcome:
+    """Do a run in a child of this process, in the next one if that dies."""
+    for _ in range(MOST_DEATHS):
+        try:
+            return run_in_child(task)
+        except ChildDied as death:
+            said = str(death)
+    return Outcome("failed", f"{said}, {MOST_DEATHS} times")
 
 
 def _through(
-    executor: Executor, tasks: Iterator[Task], jobs: int, lost: list[Task]
+    executor: Executor, work: Callable[[Task], Outcome], tasks: Iterable[Task], jobs: int
 ) -> Iterator[tuple[Task, Outcome]]:
-    """Yield outcomes until all is done or the executor breaks.
-
-    No more tasks are given out than run at a time: what is ``lost`` then was really under way.
-    """
-    given: dict[Future[Outcome], Task] = {}
+    """Yield tasks and outcomes; no more tasks are given out than run at a time."""
+    rest, given = iter(tasks), dict[Future[Outcome], Task]()
     while True:
-        for task in islice(tasks, jobs - len(given)):
+        new = list(islice(rest, jobs - len(given)))
+        for task in new:
             try:
-                given[executor.submit(run_one, task)] = task
-            except BrokenExecutor:
-                lost += [task, *given.values()]
-                return
-        if not given:
+                given[executor.submit(work, task)] = task
+            except BrokenExecutor as error:  # it takes no more
+                yield task, _failed(error)
+        if not given and not new:
             return
-        finished, _ = wait(given, return_when=FIRST_COMPLETED)
-        for future in finished:
-            task = given.pop(future)
+        for future in wait(given, return_when=FIRST_COMPLETED).done:
             try:
                 outcome = future.result()
-            except BrokenExecutor:
-                lost += [task, *given.values()]
-                return
-            except Exception as error:  # of the engine: its own serialisation, say
-                outcome = Outcome("failed", f"{type(error).__name__}: {error}")
-            yield task, outcome
+            except Exception as error:
+                outcome = _failed(error)
+            yield given.pop(future), outcome
 
 
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Keep the libraries of new processes from starting threads; a run has those of its model."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-def _begin_worker() -> None:
-    """Leave Ctrl-C to the study, which stops all runs by its file; end when the study is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_the_study, daemon=True).start()
-
-
-def _end_with_the_study() -> None:
-    """End this process when that of the study has ended, be it killed.
-
-    A process of a pool waits for its next task for ever. A run that is under way stops by itself,
-    with a checkpoint.
-    """
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        while UNDER_WAY:
-            time.sleep(_LOOK_EVERY)
-        os._exit(1)
-
-
-def _died(times: int) -> str:
-    often = "" if times == 1 else f" {times} times"
-    return f"its process died{often}: killed, or out of memory"
+def _failed(error: BaseException) -> Outcome:
+    """Return the outcome of an error of the executor: its death, its serialisation."""
+    if isinstance(error, BrokenExecutor):
+        return Outcome("failed", "its process died: killed, or out of memory")
+    return Outcome("failed", f"{type(error).__name__}: {error}")
 
 
 def engine_of(executor: Any, *, default_jobs: int) -> Engine:

@@ -39,9 +39,6 @@ _LOOK_EVERY = 1.0  # s between two looks for that file
 _MOST_LINES = 1000  # of a log, kept before they are written
 _PATIENCE = 1.0  # s between two tries at a folder in use
 
-UNDER_WAY: set[str] = set()
-"""Hashes of the runs of this process that have not ended."""
-
 ABANDONED = threading.Event()
 """Set when the process that gave this one its runs has ended."""
 
@@ -95,14 +92,6 @@ class Outcome:
 
 def run_one(task: Task) -> Outcome:
     """Do a run, or continue it from its checkpoint; a failure is an outcome, not an error."""
-    UNDER_WAY.add(task.key)
-    try:
-        return _run_or_say(task)
-    finally:
-        UNDER_WAY.discard(task.key)
-
-
-def _run_or_say(task: Task) -> Outcome:
     began = time.perf_counter()
     folder = Path(task.folder)
     stops = _Stops(folder.parent.parent)
