@@ -75,6 +75,7 @@ PAGES = {
         "theory/energy",
         "theory/statics",
         "theory/yielding-cut",
+        "theory/yielding-disc",
     ],
     "What to trust": ["limits", "same-bits", "verification", "performance"],
     "Reference": [
