@@ -1,7 +1,7 @@
 """The documents tell the truth: links, citations, the import table, the README's model."""
 
 import ast
-import importlib
+import importlib.util
 import json
 import re
 import shutil
@@ -166,6 +166,19 @@ def test_functions_are_short():
             if n_line > 60:
                 long[f"{path.name}: {node.name}"] = n_line
     assert long == {}
+
+
+def test_scripts_import_what_there_is():
+    missing = []
+    for folder in ("tests", "docs", "examples", ".ci"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("shellcut"):
+                    module = importlib.import_module(node.module)
+                    names = (f"{node.module}.{name.name}" for name in node.names)
+                    gone = [n for n in names if not hasattr(module, n.rpartition(".")[2])]
+                    missing += [(path.name, n) for n in gone if not importlib.util.find_spec(n)]
+    assert missing == []
 
 
 def test_rooms_picture_table_and_folders_are_the_contract():

@@ -7,20 +7,12 @@ grown, and where the work went from there on.
 
 import argparse
 import time
+from dataclasses import replace
 
 import numpy as np
 
 import shellcut as sc
-from shellcut.fracture import free_direction
-from shellcut.models.oscillating import (
-    CHECK_EVERY,
-    DENSITY,
-    LAW,
-    POISSON,
-    STIFFNESS_DAMPING,
-    YOUNG,
-    film_before,
-)
+from shellcut.models.oscillating import FILM, FRACTURE, LAW, STIFFNESS_DAMPING, film_before
 
 GROWN = 0.5
 """Of the diameter: the wave has grown when an extreme lies beyond the bar's side."""
@@ -99,8 +91,6 @@ def arguments():
     number("--width", type=float, default=6.0, help="of the film [diameters]")
     number("--band", type=float, default=1.2, help="half that of the fine quads [diameters]")
     number("--damping", type=float, default=STIFFNESS_DAMPING, help="of the stiffness [s]")
-    number("--average", type=float, default=1.0, help="factor on the length of the mean stress")
-    number("--reach", type=float, default=1.0, help="factor on the domain of J")
     number("--places", choices=("gauss", "ends"), default="gauss", help="of the cables")
     number("--notch", type=float, default=1.5, help="its length [diameters]")
     number("--offset", type=float, default=0.35, help="of the notch from the bar [diameters]")
@@ -129,8 +119,6 @@ def case_of(chosen):
         film = turned(film, band)
     elif chosen.mesh == "gmsh":
         film = from_gmsh(length, width, size)
-    free_direction.AVERAGE *= chosen.average
-    free_direction.REACH *= chosen.reach
     return sc.oscillating(
         mesh=film,
         diameter=d,
@@ -138,10 +126,10 @@ def case_of(chosen):
         notch=chosen.notch * d,
         offset=chosen.offset * d,
         law=weaker(chosen.strength),
-        material=sc.ShellMaterial.homogeneous(
-            young=YOUNG, poisson=POISSON, density=DENSITY, thickness=chosen.thickness
-        ),
-        fracture=sc.Fracture(path="free", check_every=CHECK_EVERY, cable_places=chosen.places),
+        material=sc.ShellMaterial.homogeneous(**{**FILM, "thickness": chosen.thickness}),
+        fracture=sc.Fracture(
+            path="free", check_every=FRACTURE.check_every, cable_places=chosen.places
+        fracture=replace(FRACTURE, cable_places=chosen.places),
         damping_beta=chosen.damping,
     )
 
