@@ -527,6 +527,8 @@ def test_keys_are_found_by_words(capsys):
     assert all(f"[{title}]" in every for title in ("membrane", "cohesive", "[supports]"))
     assert main(["keys", "--schema"]) == 0
     assert json.loads(capsys.readouterr().out)["required"] == ["model"]
+    assert main(["keys", "--schema", "study"]) == 0
+    assert json.loads(capsys.readouterr().out)["properties"]["design"]["properties"]["seed"]
     assert main(["keys", "strenght"]) == 2
     assert "did you mean strength?" in capsys.readouterr().err
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from shellcut.model_file.key_index import Table, found
 from shellcut.model_file.schema import schema
+from shellcut.study.study_file import study_schema
 
 from .exit_code import DONE, refuse
 
@@ -24,7 +25,11 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
     parser.add_argument(
-        "--schema", action="store_true", help="print a JSON Schema of model files, for editors"
+        "--schema",
+        nargs="?",
+        const="model",
+        choices=("model", "study"),
+        help="print a JSON Schema of model files or study files, for editors [model]",
     )
     parser.set_defaults(run=run)
 
@@ -32,7 +37,8 @@ def add_to(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the sections and keys found, or the schema."""
     if arguments.schema:
-        print(json.dumps(schema(), indent=1, ensure_ascii=False))
+        whole = schema() if arguments.schema == "model" else study_schema()
+        print(json.dumps(whole, indent=1, ensure_ascii=False))
         return DONE
     try:
         chosen = found(arguments.words)

@@ -49,7 +49,9 @@ def add_to(commands: Any) -> None:
     )
     for name, key in _LENGTHS.items():
         flag = f"--{name.replace('_', '-')}"
-        parser.add_argument(flag, metavar="MM", help=f"of the specimens: {key.option.text}")
+        parser.add_argument(
+            flag, metavar="MM", help=f"of the specimens, as 50 or '50 mm': {key.option.text}"
+        )
     parser.add_argument(
         "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
     )

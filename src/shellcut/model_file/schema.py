@@ -52,10 +52,11 @@ def _model(model: str) -> dict[str, Any]:
 
 
 def _section(kinds: Kinds) -> dict[str, Any]:
-    return _kind(kinds[0]) if len(kinds) == 1 else {"anyOf": [_kind(kind) for kind in kinds]}
+    return schema_of(kinds[0]) if len(kinds) == 1 else {"anyOf": [*map(schema_of, kinds)]}
 
 
-def _kind(kind: Kind) -> dict[str, Any]:
+def schema_of(kind: Kind) -> dict[str, Any]:
+    """Return the schema of a section, or of one kind of it."""
     keys: dict[str, Any] = {"kind": {"const": kind.name}} if kind.name else {}
     for name, key in kind.keys.items():
         keys |= {one: _key(key) for one in (name, key.also) if one}
@@ -76,7 +77,7 @@ def _key(key: Key) -> dict[str, Any]:
     if found.get("type") == "number":
         found["type"] = ["number", "string"]  # a text with a unit
     if key.tables is not None:
-        found["items"] = _kind(key.tables)
+        found["items"] = schema_of(key.tables)
     bounds = {word: getattr(option, name) for name, word in _BOUNDS.items()}
     unit = f"[{option.unit}] " if option.unit else ""
     default = {} if key.default in (REQUIRED, None) else {"default": key.default}

@@ -22,6 +22,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
@@ -29,6 +30,7 @@ from shellcut.model_file.errors import ModelFileError, Problem, guess
 from shellcut.model_file.forms import written
 from shellcut.model_file.key import Kind, keys_of
 from shellcut.model_file.reader import read_section
+from shellcut.model_file.schema import schema_of
 from shellcut.model_file.source import parse
 
 from .design import Design
@@ -126,6 +128,20 @@ def read_study(path: str | os.PathLike[str]) -> StudyFile:
 def _beside(folder: Path, model: str) -> str:
     there = folder / model
     return str(there) if there.is_file() else model
+
+
+def study_schema() -> dict[str, Any]:
+    """Return a JSON Schema of study files, of draft 7."""
+    types = {dict: "object", str: "string", list: "array"}
+    return {
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "Study file of shellcut",
+        "type": "object",
+        "required": ["model", "factors"],
+        "properties": {name: {"type": types[kind]} for name, kind in _SECTIONS.items()}
+        | {"design": schema_of(_DESIGN)},
+        "additionalProperties": False,
+    }
 
 
 def write_study(path: Path, planned: Plan) -> None:
