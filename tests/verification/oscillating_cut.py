@@ -127,8 +127,6 @@ def case_of(chosen):
         offset=chosen.offset * d,
         law=weaker(chosen.strength),
         material=sc.ShellMaterial.homogeneous(**{**FILM, "thickness": chosen.thickness}),
-        fracture=sc.Fracture(
-            path="free", check_every=FRACTURE.check_every, cable_places=chosen.places
         fracture=replace(FRACTURE, cable_places=chosen.places),
         damping_beta=chosen.damping,
     )
