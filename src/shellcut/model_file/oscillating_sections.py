@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import CablePlaces, Fracture
+from shellcut.fracture.options import CablePlaces, Fracture
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.models import oscillating

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from shellcut.cables.cohesive_law import CohesiveLaw, Joint, Unloading
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import (
+from shellcut.fracture.options import (
     CablePlaces,
     DropLoose,
     Fracture,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.models import trouser
 from shellcut.models.trouser import CHECK_EVERY, LAW, MASS_DAMPING, THICKNESS, trouser_strip

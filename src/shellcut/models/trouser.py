@@ -16,7 +16,7 @@ import numpy as np
 
 from shellcut.arguments import checked
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
