@@ -84,9 +84,9 @@ def test_a_blade_that_crosses_its_own_cut_cuts_the_far_flank_at_once(crossing_de
     first, far = (log[k] for k in crossing)
     assert far.node in (first.node, first.twin)
     # The far half is whole until the edge comes to it, or until the cables of the first cut, if
-    # they are long, pull on it as hard as film does. The edge is found at the next look: it moves by
-    # 0.014 mm from look to look, and the flank moves too. Measured 0.001 to 0.020 mm, 2.5 % of an
-    # edge.
+    # they are long, pull on it as hard as film does. The edge is found at the next look: it moves
+    # by 0.014 mm from look to look, and the flank moves too. Measured 0.001 to 0.020 mm, 2.5 % of
+    # an edge.
     rotation, edge = sim.motion.pose(far.time)
     past = float((np.asarray(edge) - far.place) @ np.asarray(rotation)[:, 0])
     assert past < 0.05 * SIZE

@@ -38,7 +38,7 @@ def pulled(mesh, strain, loads=(), **options):
 
 
 def torn(state, cracks):
-    """Let the one crack run once; return the node that parted, the tip and the measure, if it did."""
+    """Let the one crack run once; return the node that parted, the tip and the measure."""
     n_before = len(state.split_log)
     cracks.cut_due(state, ANYWHERE)
     tips = [tip.ends[0] for tip in cracks.free.tips] or [None]

@@ -11,11 +11,10 @@ import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.options import Fracture
+from shellcut.fracture.tip import Tip
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.fracture.tip import Tip
 from shellcut.mesh.mesh import Mesh
-from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 

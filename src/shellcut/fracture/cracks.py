@@ -12,9 +12,9 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .options import Fracture
 from .cuts import Cuts
 from .free_cracks import FreeCracks
+from .options import Fracture
 
 
 class Cracks:
@@ -85,4 +85,4 @@ class Cracks:
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`; ``state`` is restored already."""
         self.cuts.restore(saved["cuts"])
-        self.free.restore(saved["free"])
+        self.free.restore(state, saved["free"])

@@ -208,7 +208,9 @@ class Cuts:
                 for row, chord in zip(cut.rows, cut.chords, strict=True)
             ]
             new = first + np.flatnonzero(
-                (np.sort(c.ends[first : c.count], axis=1) == sorted(set().union(*nodes))).all(axis=1)
+                (np.sort(c.ends[first : c.count], axis=1) == sorted(set().union(*nodes))).all(
+                    axis=1
+                )
             )
             if nodes[0] == nodes[1] or not new.size:
                 continue

@@ -1,23 +1,22 @@
-"""Cracks that cross quads: who is due, and how a crack advances by one quad.
+"""Cracks of a film: who is due, and how a crack advances by one quad or side.
 
-Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
-(:mod:`.crack_path`, beyond an earlier one :mod:`.tip_across`), when it is due
-(:mod:`.trial_sums`), which tips a blade drives (:mod:`.blade_drive`, all at once
-:mod:`.tip_watch`), in which direction the others run
-(:mod:`.free_direction`), where a cut begins (:mod:`.pierce`), and the cut itself (:mod:`.cuts`).
+Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes (:mod:`.crack_path`,
+beyond an earlier one :mod:`.tip_across`), when it is due (:mod:`.trial_sums`), which tips a blade
+drives (:mod:`.blade_drive`, all at once :mod:`.tip_watch`), where the others run
+(:mod:`.free_direction`, along sides only :mod:`.side_tears`), where a cut begins (:mod:`.pierce`),
+and the cut itself (:mod:`.cuts`).
 """
 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, product, unit
+from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -30,10 +29,10 @@ from shellcut.tool.tool import Tool
 from .blade_drive import BladeDrive
 from .branching import Branching, ways
 from .crack_path import CrackPath
-from .options import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
+from .options import Fracture
 from .pierce import Pierce
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
@@ -51,7 +50,7 @@ _SAME_PLACE = 1e-6
 
 
 class FreeCracks:
-    """All cracks through the quads of a film.
+    """All cracks of a film, through its quads or along its sides only.
 
     Parameters
     ----------
@@ -65,10 +64,8 @@ class FreeCracks:
         Of the cables.
     shell, loads : MITC4Shell, LoadSet
         Give the forces that hold a film together.
-    tool : Tool, optional
-        Whose edges cut.
-    motion : Motion, optional
-        Of the tool.
+    tool, motion : Tool, Motion, optional
+        Whose edges cut, and how they move.
     """
 
     def __init__(
@@ -93,19 +90,16 @@ class FreeCracks:
             self._branching = Branching(shell.material, law, fracture)
         topology, film = self._cuts.topology, fracture.anisotropy
         gauss = fracture.cable_places == "gauss"
-        along_sides = fracture.path == "edges"
-        self._path = CrackPath(topology, shell, sides_only=along_sides)
+        self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
         self._exactly = fracture.equilibrium_start
-        self.stress: LargestStress | None = None
-        """Decides when cracks run, instead of the nodal force."""
-        if fracture.criterion == "stress":
-            self.stress = LargestStress(shell, self._path, law.strength)
         self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
         self._sums = TrialSums(self._trial)
         self._sides: SideTears | None = None
-        if along_sides:
-            cos_limit = math.cos(math.radians(fracture.turn_limit_deg))
-            self._sides = SideTears(self._path, self._trial, cos_limit, self.stress)
+        self.stress: LargestStress | None = None
+        """Decides when cracks run, instead of the nodal force."""
+        if self._path.sides_only:
+            self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
+            self.stress = self._sides.stress
         self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:
@@ -115,7 +109,7 @@ class FreeCracks:
             self._pierce = Pierce(state, self._path, drive, size)
 
     def run(self, state: State, pose: Pose) -> None:
-        """Advance every crack that is due, as often as it is, and begin cuts where blades enter."""
+        """Advance every crack that is due, and begin cuts where blades enter."""
         if self._pierce is None:
             self._advance_free(state)
             return
@@ -267,7 +261,9 @@ class FreeCracks:
         row, start, stop, end = ahead.row, back.exit, ahead.exit, ahead.corner
         side = common_side(WHOLE, start, stop)
         along, corners = side is not None, {back.corner, end}
-        if along and (len(corners) == 1 or -1 in corners or not self._path.may_break(row, *corners)):
+        if along and (
+            len(corners) == 1 or -1 in corners or not self._path.may_break(row, *corners)
+        ):
             return None
         chord = Segment(row, start, stop, side if along else ahead.side, end, along_side=along)
         return self._cut(state, chord, kind, 0.0)
@@ -422,7 +418,7 @@ class FreeCracks:
         self.tips = there
 
     def tip_nodes(self, state: State) -> Ints:
-        """Return the nodes at which cracks along sides end, shape (n_tip,)."""
+        """Return the nodes where cracks along sides end."""
         return self._path.nodes_of(state, self.tips)
 
     def at_tips(self, rows: Floats) -> Floats:
@@ -438,12 +434,17 @@ class FreeCracks:
         return at
 
     def saved(self) -> dict[str, Any]:
-        """Return the tips, and a count."""
-        n_borrowed = 0 if self.stress is None else self.stress.n_borrowed
-        return {"tips": saved_tips(self.tips), "n_borrowed": n_borrowed}
+        """Return the tips, the list of film near the edges, and a count."""
+        return {
+            "tips": saved_tips(self.tips),
+            "near": {} if self._pierce is None else self._pierce.saved(),
+            "n_borrowed": 0 if self.stress is None else self.stress.n_borrowed,
+        }
 
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`; ``state`` is restored already."""
         self.tips = restored_tips(saved["tips"])
+        if self._pierce is not None:
+            self._pierce.restore(state, saved["near"])
         if self.stress is not None:
             self.stress.n_borrowed = saved["n_borrowed"]

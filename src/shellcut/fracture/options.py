@@ -12,8 +12,8 @@ When a crack at its tip runs, by two measures that reach 1:
 Cracks run from their tips and from where a cutting edge goes through whole film. [Frangi2010] says
 any node, which would also part nodes beside the cut.
 
-**The blade-cut rule** (:mod:`.blade_drive`) differs from [Frangi2010]: a tip that a cutting edge has
-passed runs whatever the stress, for a sheet under a blade hangs on the cables and its tip may stay
+**The blade-cut rule** (:mod:`.blade_drive`) differs from [Frangi2010]: a tip that a cutting edge
+has passed runs whatever the stress, for a sheet under a blade hangs on the cables and its tip may stay
 below the strength while the blade runs on; film that the edge goes through is cut (:mod:`.pierce`).
 The rule knows the blade's geometry and the nodes' positions; there is no list of nodes of an
 expected path.
@@ -55,16 +55,16 @@ class Fracture:
     Parameters
     ----------
     criterion : {"force", "stress"}
-        Measure of a split, see the module.
+        Measure of a crack, see the module.
     blade_cut : bool
         Whether the blade-cut rule is on.
     turn_limit_deg : float
-        Largest turn of a crack from its last edge [degrees].
+        Largest turn of a crack along edges that no blade drives, from its last edge [degrees].
     check_every : int
         Steps between two checks.
     equilibrium_start : bool
-        Start a cable with the very force that the node carried, fading over an
-        eightieth of the opening at which the cable breaks.
+        Start the cables of a crack along edges with the very force that its node carried, fading
+        over an eightieth of the opening at which a cable breaks; not those where a cut begins.
     path : {"free", "edges"}, optional
         Through the quads, on any mesh (docs/theory/free-cracks.md), or along edges of the mesh,
         which must lie under the path. Left out it is ``"free"``, or ``"edges"`` where another

@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
@@ -167,6 +168,15 @@ class Pierce:
         heading = product(then.rotation[0], self._edges.segments[edge, BACK]) * -reach
         self._drive.direct(at.t[None], heading[None], at.T[None], size)
         return then.ways[0, 0], then.lean[0]
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list of nodes near the edges."""
+        return self._near.saved()
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._near.restore(state, saved)
+        self._list(state)
 
     def _list(self, state: State) -> None:
         """List the whole rows near the tool without a node at a flank, by their first nodes."""

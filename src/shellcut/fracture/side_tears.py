@@ -18,6 +18,7 @@ the one most nearly normal to the direction of sigma_I. It depends on the mesh, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -29,6 +30,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
 from .crack_path import CrackPath
+from .options import Fracture
 from .quad_polygon import CORNERS, corner_at, shape_functions
 from .ray_ahead import Aimed
 from .segment import Segment
@@ -97,23 +99,28 @@ class SideTears:
 
     Parameters
     ----------
-    path, trial_cut : CrackPath, TrialCut
-        What lies ahead of a tip, and the nodal forces.
-    cos_limit : float
-        Cosine of the largest turn.
-    stress : LargestStress, optional
-        Decides instead of the nodal force.
+    shell, path, trial_cut : MITC4Shell, CrackPath, TrialCut
+        The film, what lies ahead of a tip, and the nodal forces.
+    strength : float
+        sigma_F [MPa].
+    fracture : Fracture
+        How cracks run.
     """
 
     def __init__(
         self,
+        shell: MITC4Shell,
         path: CrackPath,
         trial_cut: TrialCut,
-        cos_limit: float,
-        stress: LargestStress | None = None,
+        strength: float,
+        fracture: Fracture,
     ) -> None:
         self._path, self._trial_cut = path, trial_cut
-        self._cos_limit, self._stress = cos_limit, stress
+        self._cos_limit = math.cos(math.radians(fracture.turn_limit_deg))
+        self.stress: LargestStress | None = None
+        """Decides instead of the nodal force."""
+        if fracture.criterion == "stress":
+            self.stress = LargestStress(shell, path, strength)
         self._known, self._n_cable = KnownTopology(), -1
         self._tried: dict[Tip, _Tried] = {}
 
@@ -138,11 +145,11 @@ class SideTears:
         m = product(chord, np.array([[0.0, c, -b], [-c, 0.0, a], [b, -a, 0.0]]))  # t x chord
         size = norm(m)
         pull = (weighed.force * m).sum(axis=1) / size
-        if self._stress is None:
+        if self.stress is None:
             k = int(np.argmax(pull / size))
             held = 0.5 * (tip.length + weighed.length[k]) * self._trial_cut.carried
             return Due(segments[k], float(pull[k] / held), weighed.force[k])
-        measure, direction = self._stress.at(state, [tip], tips)
+        measure, direction = self.stress.at(state, [tip], tips)
         k = int(np.argmin(np.abs(product(chord, direction[0])) / size))
         return Due(segments[k], float(measure[0]), weighed.force[k])
 
@@ -160,9 +167,7 @@ class SideTears:
         row, entry = self._path.rows_ahead(tip)[0]
         ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
         nodes = state.quads[[*(one.row for one in segments), row]]
-        return _Tried(
-            segments, nodes, np.array(ways), corner_at(entry), sums, aimed, Weighed.of(n)
-        )
+        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, aimed, Weighed.of(n))
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""

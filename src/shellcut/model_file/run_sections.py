@@ -123,9 +123,11 @@ class OpeningContact(ContactSection):
 class FractureSection(Section):
     """How cracks start and run."""
 
-    criterion: str = key(choice(*get_args(Measure)), "measure of a split")
-    blade_cut: bool = key(flag, "whether the blade splits nodes that it pierces and passes")
-    turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
+    criterion: str = key(choice(*get_args(Measure)), "measure of a crack that runs")
+    blade_cut: bool = key(flag, "whether the blade cuts what it goes through and has passed")
+    turn_limit_deg: float = key(
+        number("deg"), "largest turn of a crack along edges that no blade drives"
+    )
     check_every: int = key(whole, "steps between two checks")
     equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
     path: str | None = key(

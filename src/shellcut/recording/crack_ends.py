@@ -37,7 +37,11 @@ class CrackEnds(NamedTuple):
         tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
         if sim.cracks is not None:
             free = sim.cracks.free
-            tips, place, t = free.tips, free.at_tips(sim.mesh.nodes), free.at_tips(sim.mesh.directors)
+            tips, place, t = (
+                free.tips,
+                free.at_tips(sim.mesh.nodes),
+                free.at_tips(sim.mesh.directors),
+            )
         size = np.sqrt(sim.shell.area)
         n_tip, flanks = len(place), f.node[: f.count]
         # Nodes through which a crack goes: both flanks have film there.
