@@ -40,8 +40,8 @@ def _index(sections):
     places = {}
     for title, of in sections:
         for table in of:
-            for entry in table.entries:
-                for name in filter(None, (entry.name, entry.also)):
+            for key_name, key in table.keys.items():
+                for name in filter(None, (key_name, key.also)):
                     places.setdefault(name, {})[title] = True
     lines = ["| key | section |", "|---|---|"]
     for name in sorted(places):
@@ -57,18 +57,18 @@ def _anchor(title):
 def _table(table):
     lines = []
     if table.title:
-        kind = f'`kind = "{table.kind}"`, ' if table.kind else ""
+        kind = f'`kind = "{table.kind.name}"`, ' if table.kind.name else ""
         own = f"`{table.title}`, " if "." in table.title else ""
-        told = f" Recognised by `{table.sign}`." if table.sign else ""
-        lines += [f"{own}{kind}{table.where}: {table.doc}{told}", ""]
-    return "\n".join([*lines, HEAD, *map(_row, table.entries), ""])
+        told = f" Recognised by `{table.kind.sign}`." if table.kind.sign else ""
+        lines += [f"{own}{kind}{table.where}: {table.kind.doc}{told}", ""]
+    return "\n".join([*lines, HEAD, *(_row(*item) for item in table.keys.items()), ""])
 
 
-def _row(entry):
-    also = f", `{entry.also}`" if entry.also else ""
-    unit = f"`{entry.unit}`" if entry.unit else ""
-    default = f"`{entry.default}`" if entry.has_default else entry.default
-    return f"| `{entry.name}`{also} | {entry.wants} | {unit} | {default} | {entry.doc} |"
+def _row(name, key):
+    also = f", `{key.also}`" if key.also else ""
+    unit = f"`{key.option.unit}`" if key.option.unit else ""
+    default = f"`{key.told}`" if key.has_default else key.told
+    return f"| `{name}`{also} | {key.wants} | {unit} | {default} | {key.option.text} |"
 
 
 if __name__ == "__main__":

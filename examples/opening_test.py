@@ -17,7 +17,7 @@ from pathlib import Path
 
 from shellcut import opening_test, read, warmup
 from shellcut.models.opening import steady_work_per_radian
-from shellcut.view import draw_torque
+from shellcut.view import Curve, Diagram, draw_curves
 
 
 def main() -> None:
@@ -51,15 +51,19 @@ def cut(options: argparse.Namespace, folder: Path, *, directional: bool) -> None
 
 def draw_both(folder: Path) -> None:
     ours, classical = read(folder).history, read(folder / "classical").history
-    draw_torque(
-        folder / "torque_compared.png",
-        ours["angle"],
-        ours["torque"],
-        contact=ours["torque_contact"],
-        joints=ours["torque_joints"],
-        second=(classical["angle"], classical["torque"]),
-        second_label="classical cables, which never meet the blade",
-    )
+    curves = [
+        Curve(
+            "classical cables, which never meet the blade",
+            classical["torque"],
+            "other",
+            x=classical["angle"],
+        ),
+        Curve("from contact", ours["torque_contact"], "contact"),
+        Curve("from cables at the edge", ours["torque_joints"], "joints"),
+        Curve("total", ours["torque"]),
+    ]
+    diagram = Diagram(ours["angle"], curves, "angle", "deg", "torque", "N*mm")
+    draw_curves(folder / "torque_compared.png", [diagram])
 
 
 if __name__ == "__main__":

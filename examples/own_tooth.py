@@ -14,7 +14,7 @@ import argparse
 from pathlib import Path
 
 import shellcut
-from shellcut.view import draw_torque
+from shellcut.view import Curve, Diagram, draw_curves
 
 SETTINGS = {
     "membrane.mesh": "quick",
@@ -30,14 +30,12 @@ def main() -> None:
 
     four = cut(options.out / "four", {})
     five = cut(options.out / "five", {"tool.teeth": 5, "tool.edge_inclination_deg": 40.0})
-    draw_torque(
-        options.out / "torque.png",
-        five.history["angle"],
-        five.history["torque"],
-        second=(four.history["angle"], four.history["torque"]),
-        second_label="four teeth at 60°",
-        title="total torque of five teeth at 40°, and of four",
-    )
+    curves = [
+        Curve("four teeth at 60°", four.history["torque"], "other", x=four.history["angle"]),
+        Curve("five teeth at 40°", five.history["torque"]),
+    ]
+    torque = Diagram(five.history["angle"], curves, "angle", "deg", "torque", "N*mm")
+    draw_curves(options.out / "torque.png", [torque])
     for name, results in (("four", four), ("five", five)):
         window = results.steady_window.text("deg")
         print(f"{name} teeth: {results.summary['torque_plateau_Nmm']:.0f} N*mm over {window}")

@@ -58,6 +58,7 @@ from .study.fit import Search, fit
 from .study.report import report_study
 from .study.study import StudyResults, sweep
 from .tensile import TensileTest, evaluate_tensile
+from .tool.force_term import ForceTerm
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
@@ -76,6 +77,7 @@ __all__ = [
     "Elastic",
     "FilmOutline",
     "FitCurve",
+    "ForceTerm",
     "Fracture",
     "Gravity",
     "Hencky",

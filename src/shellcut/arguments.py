@@ -1,23 +1,26 @@
-"""Check the kinds of arguments of public functions and classes by their annotations.
+"""Arguments of public functions and classes: declared once, and checked by what is declared.
 
 What an annotation says is asked of every argument, before the function sees it: a text is no
-number, a mesh no tool, a masked array no array. The message names all arguments that are wrong.
-What a number must be besides, positive or below another, the function itself knows. Imports only
-NumPy.
+number, a mesh no tool, a masked array no array. An :class:`Option` in it says the unit, the meaning
+and the bounds; docstrings, model files and their page have them from there. The message names all
+arguments that are wrong. What several numbers must be together, the function itself knows. Imports
+only NumPy.
 """
 
 from __future__ import annotations
 
 import functools
 import inspect
+import math
 import re
 import sys
 import types
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from numbers import Integral, Real
-from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 import numpy.typing as npt
@@ -33,16 +36,110 @@ class ArgumentError(TypeError, ValueError):
     """Arguments are of another kind than they must be; the message names them all."""
 
 
+@dataclass(frozen=True)
+class Option:
+    """What is declared of an argument beside its type and its default.
+
+    It stands in the annotation of a parameter or a field; type and default stand around it.
+
+    Examples
+    --------
+    >>> @checked
+    ... def run(speed: Annotated[float, Option("mm/s", "after the ramp", above=0)] = 3.0) -> float:
+    ...     return speed
+    >>> run(-1.0)
+    Traceback (most recent call last):
+        ...
+    shellcut.arguments.ArgumentError: speed must be positive, got -1.0 mm/s
+    >>> declared(run)["speed"].option.unit, declared(run)["speed"].default
+    ('mm/s', 3.0)
+    """
+
+    unit: str
+    """Empty for a pure number, and for what is no number."""
+    text: str
+    """Its meaning, for docstrings and the page of keys."""
+    above: float | None = None
+    least: float | None = None
+    below: float | None = None
+    most: float | None = None
+    """Bounds of a number; by ``above`` and ``below`` it must not be the bound itself."""
+    why: str = ""
+    """Reason of the bounds, for the message."""
+    unset: str = ""
+    """What holds if it is None."""
+    form: str = ""
+    """How a model file writes it, if its type does not say so."""
+
+    @property
+    def bounds(self) -> str:
+        """What a number must be, in words."""
+        forms = {
+            "above": "above {}",
+            "below": "below {}",
+            "least": "{} or more",
+            "most": "{} at most",
+        }
+        given = {name: getattr(self, name) for name in forms}
+        there = {
+            k: f"{v:,}" if isinstance(v, int) else f"{v:g}"
+            for k, v in given.items()
+            if v is not None
+        }
+        if {"least", "most"} <= set(there):
+            return f"from {there['least']} to {there['most']}"
+        words = [forms[name].format(value) for name, value in there.items()]
+        return " and ".join("positive" if word == "above 0" else word for word in words)
+
+    def problem(self, value: Any) -> str:
+        """Return why a value is out of bounds, "" if it is not."""
+        if not _is_number(value, Real):
+            return ""
+        above, least, below, most = self.above, self.least, self.below, self.most
+        within = (above is None or value > above) and (least is None or value >= least)
+        within = within and (below is None or value < below) and (most is None or value <= most)
+        finite = isinstance(value, Integral) or math.isfinite(value)
+        if within and finite:
+            return ""
+        wanted = [self.bounds, *([] if finite or (self.bounds and value != value) else ["finite"])]
+        why, unit = f" ({self.why})" * bool(self.why), f" {self.unit}" * bool(self.unit)
+        return f"must be {' and '.join(filter(None, wanted))}{why}, got {_shown(value)}{unit}"
+
+
+class Declared(NamedTuple):
+    """An argument that has an :class:`Option`."""
+
+    kind: Any
+    """Its type."""
+    option: Option
+    default: Any
+    """``inspect.Parameter.empty`` if it must be given."""
+
+
+@functools.cache
+def declared(function: Callable[..., Any]) -> Mapping[str, Declared]:
+    """Return the arguments of a function, or of a class, that have an :class:`Option`, in order."""
+    of = function if isinstance(function, type) else None
+    kinds = dict(_kinds(inspect.unwrap(of.__init__ if of else function), of))  # type: ignore[misc]
+    found = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        kind, option = _parted(kinds.get(name))
+        if option is not None:
+            found[name] = Declared(kind, option, parameter.default)
+    return found
+
+
 def checked(what: T) -> T:
-    """Return a function that refuses arguments of another kind than its annotations say.
+    """Return a function that refuses arguments that are not as its annotations say.
 
     Of a class, such as a dataclass, it is the ``__init__``. Annotations that say nothing, like
-    Any, or that cannot be looked up at run time, allow everything.
+    Any, or that cannot be looked up at run time, allow everything. Arguments with an
+    :class:`Option` are added to the docstring.
 
     Raises
     ------
     ArgumentError
-        At a call, with every argument that is of another kind, or nan.
+        At a call, with every argument that is of another kind, out of bounds, or nan.
 
     Examples
     --------
@@ -55,17 +152,51 @@ def checked(what: T) -> T:
     shellcut.arguments.ArgumentError: height must be a number, got '3': leave out the quotes
     """
     if isinstance(what, type):
+        _document(what, vars(sys.modules[what.__module__]))
         what.__init__ = _checked_call(what.__init__, what)  # type: ignore[misc]
         return what
+    _document(what, what.__globals__)  # type: ignore[attr-defined]
     return cast("T", _checked_call(what, None))
+
+
+def _document(what: Any, names: dict[str, Any]) -> None:
+    """Add the arguments with an :class:`Option` to a docstring."""
+    lines = []
+    given = inspect.get_annotations(what)
+    if isinstance(what, type):
+        given |= inspect.get_annotations(what.__init__)  # type: ignore[misc]
+    for name, written in given.items():
+        told = "Option(" in str(written)
+        kind, option = _parted(eval(written, names) if told else names.get(written))
+        if option:
+            words = " or ".join(re.sub("^an? ", "", word) for word in _words(kind))
+            lines.append(f"{name} : {words}{f' [{option.unit}]' if option.unit else ''}")
+            unset = f"by default {option.unset}" if option.unset else ""
+            lines.append(f"    {'; '.join(filter(None, (option.text, option.bounds, unset)))}.")
+    if not lines or not what.__doc__:
+        return
+    text, heading = inspect.cleandoc(what.__doc__), "Parameters\n----------\n"
+    entries = "\n".join(lines)
+    if heading not in text:
+        others = re.search(r"\n\w+\n---+\n", text)
+        at = others.start() if others else len(text)
+        text = f"{text[:at].rstrip()}\n\n{heading}\n{text[at:].lstrip()}"
+    what.__doc__ = text.replace(heading, f"{heading}{entries}\n", 1)
+
+
+def _parted(kind: Any) -> tuple[Any, Option | None]:
+    """Return the type in an annotation, and the :class:`Option` beside it."""
+    if get_origin(kind) is not Annotated:
+        return kind, None
+    return get_args(kind)[0], next((one for one in get_args(kind) if isinstance(one, Option)), None)
 
 
 def _checked_call(function: Any, of: type | None) -> Any:
     signature = inspect.signature(function)
 
     @functools.cache
-    def wanted() -> dict[str, Any]:
-        return dict(_kinds(function, of))
+    def wanted() -> dict[str, tuple[Any, Option | None]]:
+        return {name: _parted(kind) for name, kind in _kinds(function, of)}
 
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
@@ -74,14 +205,20 @@ def _checked_call(function: Any, of: type | None) -> Any:
             given = signature.bind(*arguments, **named).arguments
         kinds = wanted()
         wrong = {
-            name: f"{name} must be {' or '.join(_words(kinds[name]))}, got {_shown(value)}"
+            name: f"{name} must be {' or '.join(_words(kinds[name][0]))}, got {_shown(value)}"
             for name, value in given.items()
-            if name in kinds and not _fits(value, kinds[name])
+            if name in kinds and not _fits(value, kinds[name][0])
         }
+        beyond = [
+            f"{name} {said}"
+            for name, value in given.items()
+            if name in kinds and name not in wrong and (option := kinds[name][1])
+            if (said := option.problem(value))
+        ]
         if wrong and of is not None:  # a class may say better what they must be, and more
-            _let_tell(wrong, lambda: function(*arguments, **named))
-        if wrong:
-            raise ArgumentError("; ".join(wrong.values()))
+            _let_tell(wrong, beyond, lambda: function(*arguments, **named))
+        if wrong or beyond:
+            raise ArgumentError("; ".join([*wrong.values(), *beyond]))
         result = function(*arguments, **named)
         _refuse_nan(given)  # where the function has not said better what a number must be
         return result
@@ -89,14 +226,16 @@ def _checked_call(function: Any, of: type | None) -> Any:
     return call
 
 
-def _let_tell(wrong: Iterable[str], call: Callable[[], object]) -> None:
-    """Let a ValueError through that names all that is wrong."""
+def _let_tell(wrong: Iterable[str], beyond: list[str], call: Callable[[], object]) -> None:
+    """Let a ValueError through that names all that is wrong, with what else there is to say."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             call()
     except ValueError as own:
         if all(name in str(own) for name in wrong):
+            if beyond:
+                raise ArgumentError("; ".join([str(own), *beyond])) from None
             raise
     except Exception:  # of what it does with arguments of another kind
         return
@@ -110,15 +249,19 @@ def _refuse_nan(given: Mapping[str, Any]) -> None:
 
 def _kinds(function: Any, of: type | None) -> Iterator[tuple[str, Any]]:
     """Yield the annotations that can be looked up, by the names of the arguments."""
-    scopes = [(inspect.get_annotations(function), function.__globals__)]
-    for base in reversed(of.__mro__ if of else ()):  # of fields, where they were written
-        scopes.append((inspect.get_annotations(base), vars(sys.modules[base.__module__])))
-    for written, names in scopes:
+    scopes = [  # of fields, where they were written
+        (inspect.get_annotations(base), vars(sys.modules[base.__module__]))
+        for base in reversed(of.__mro__ if of else ())
+    ]
+    known = set()
+    for written, names in [*scopes, (inspect.get_annotations(function), function.__globals__)]:
         for name, kind in written.items():
             try:
                 yield name, eval(kind, names) if isinstance(kind, str) else kind
             except NameError:  # imported for annotations only
-                yield name, Any
+                if name not in known:
+                    yield name, Any
+            known.add(name)
 
 
 def _fits(value: Any, kind: Any) -> bool:
@@ -137,7 +280,7 @@ def _fits(value: Any, kind: Any) -> bool:
     if kind is bool:
         return isinstance(value, bool | np.bool_)
     if origin is Literal:
-        return any(isinstance(value, type(part)) for part in parts)
+        return any(isinstance(value, type(part)) and value == part for part in parts)
     if origin is tuple or (isinstance(origin, type) and issubclass(origin, Iterable) and parts):
         return _is_several(value, origin, parts)
     if isinstance(origin, type):

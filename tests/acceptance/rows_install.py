@@ -50,7 +50,7 @@ def install(user: User) -> str:
     licences = user.inside("licences.py")
     strong = [name for name, licence in licences.items() if _STRONG_GPL.search(licence)]
     expect(not strong, f"no package under the GPL, got {strong}")
-    for name in ("gmsh", "vtk", "pyvista", "pandas"):
+    for name in ("gmsh", "vtk", "pandas"):
         expect(name not in licences, f"{name} is an extra, but was installed")
     return f"{user.environment.seconds:.0f} s of it pip, {len(licences)} packages, {size:.2f} MB"
 
@@ -76,7 +76,7 @@ def doctor(user: User) -> str:
     done = user.shellcut("doctor")
     expect(done.code == 0, f"exit code {done.code}:\n{done.said}")
     expect_words(done.said, "python", "numba", "cores", "compiled code", "result files")
-    expect_words(done.said, "rendering", "by Matplotlib", "pip install shellcut[view]")
+    expect_words(done.said, "rendering", "by Matplotlib", "pip install shellcut[vtk]")
     lines = done.said.strip().splitlines()
     expect(not re.search("Traceback|PROBLEM", done.said), done.said)
     return (

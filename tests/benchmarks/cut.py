@@ -34,7 +34,7 @@ METHODS = {
     "contact": ("contact.add_forces",),
     "cables": ("cables.add_forces",),
     "fracture": ("cracks.cut_due",),
-    "tool and ledger": ("_place_tool", "tool_terms.add_forces"),
+    "tool and ledger": ("_place_tool", "terms.add_forces"),
 }
 """What is timed, by part. The rest of a step is the driver's."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from shellcut.model_file import ModelFileError
 from shellcut.model_file.build import build
 from shellcut.model_file.reader import _Reading
-from shellcut.model_file.run_sections import Head
+from shellcut.model_file.section_table import HEAD
 from shellcut.model_file.source import parse
 from shellcut.recording.status_line import start_lines
 from shellcut.recording.tool_resistance import Resistance
@@ -86,13 +86,13 @@ def cases(names):
         model, sections = MODELS[name]
         made = _Reading(parse(_toml(model, sections), "model.toml", Path())).model()
         for title, section in made.sections.items():
-            for key_name, key in section.keys().items():
-                for value in _values(key.kind.wants, getattr(section, key_name)):
+            for key_name, key in section.of.keys.items():
+                for value in _values(key.form.wants, getattr(section, key_name)):
                     varied = {t: dict(s) for t, s in sections.items()}
                     varied.setdefault(title, {})[key_name] = value
                     yield f"{name}: [{title}].{key_name} = {value}", _toml(model, varied)
-        for key_name, key in Head.keys().items():
-            for value in _values(key.kind.wants, None):
+        for key_name, key in HEAD.keys.items():
+            for value in _values(key.form.wants, None):
                 text = f"{key_name} = {_written(value)}\n{_toml(model, sections)}"
                 yield f"{name}: {key_name} = {value}", text
     if "sheet" in names:

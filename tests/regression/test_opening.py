@@ -46,8 +46,8 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     taken_up = (history["tool_work"] - history["imbalance"])[window]
     mean_rate = (taken_up[-1] - taken_up[0]) / (angle[-1] - angle[0])
     assert power == pytest.approx(mean_rate, rel=1e-4)
-    # On quick the two cables of one segment may break early, by chance: 0.004 ± 0.011 in the
-    # perturbed runs, of which two of twenty exceed 0.012, the worst with 0.049.
+    # On quick the two cables of one segment may break early, by chance: 0.006 ± 0.012 in the
+    # perturbed runs, of which four of twenty exceed 0.012, the worst with 0.044.
     ratio = np.sort(abs(broken_ratio(case) - 1.0))
     third, largest = (0.02, 0.06) if mesh == "quick" else (0.012, 0.012)
     assert ratio[-3] < third
@@ -59,15 +59,16 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
 
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
-    # Regressions, by the perturbed runs: 27.603 ± 0.010 and 67.463 ± 0.023 (rows are 0.05 degrees
-    # apart), 142.170 ± 0.056, -0.883 ± 0.021, on this coarse ring, 4.92e-5 ± 2e-7, 0.94 ± 0.015 %.
+    # Regressions, by the perturbed runs: 27.601 ± 0.010 and 67.471 ± 0.023 (rows are 0.05 degrees
+    # apart), 142.172 ± 0.051, -0.883 ± 0.018, on this coarse ring, 4.92e-5 ± 2e-7, 0.93 ± 0.005 %.
     assert summary["window_from_deg"] == pytest.approx(27.60, abs=0.06)
     assert summary["window_to_deg"] == pytest.approx(67.46, abs=0.12)
     assert summary["torque_plateau_Nmm"] == pytest.approx(142.17, abs=0.3)
     assert summary["axial_force_plateau_N"] == pytest.approx(-0.88, abs=0.1)
     assert summary["imbalance_rel"] < 6e-5
     assert summary["kinetic_rel"] < 0.0105
-    # What goes in between nodes is felt, to half the film's thickness or so: 0.016 ± 0.007 mm.
+    # What goes in between nodes is felt, to half the film's thickness or so: 0.022 ± 0.008 mm,
+    # at most 0.033.
     assert summary["unfelt_film_edge_mm"] < 0.6 * 0.074
 
 

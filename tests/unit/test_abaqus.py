@@ -285,7 +285,7 @@ def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path, caplog):
     assert len(mesh.node_set("left")) == 2
     assert "'S8R' are read by their corners: their sides bow by 5 % of their leng" in caplog.text
     assert "1 of 3 of node set 'left'" in caplog.text
-    with pytest.raises(ValueError, match='quadratic must be "refuse" or "corners"'):
+    with pytest.raises(ValueError, match="quadratic must be 'refuse' or 'corners'"):
         film(tmp_path, text, quadratic="yes")
 
 

@@ -761,7 +761,7 @@ def test_a_full_disk_is_said_once_and_the_run_goes_on(tmp_path, monkeypatch, cap
 
 @pytest.mark.parametrize("interval", [-1.0, float("nan")])
 def test_checkpoint_interval_is_checked(tmp_path, interval):
-    with pytest.raises(ValueError, match="checkpoint_every must be a wall time in s, or None"):
+    with pytest.raises(ValueError, match="checkpoint_every must be 0 or more"):
         case().run(tmp_path, checkpoint_every=interval, progress=False)
 
 

@@ -533,7 +533,7 @@ def test_keys_are_found_by_words(capsys):
     [
         ("tip_clearance=-1", "the tool must start outside the sheet", "edges  all 4"),  # built
         ("path=imprint", "take path = 'free', or leave it out", "film   649 nodes"),  # read
-        ("teeth=0", "n_teeth must be at least 1", "film   649 nodes"),  # read
+        ("teeth=0", "[tool].teeth must be 1 or more", "film   649 nodes"),  # read
         ("tool.teehs=3", "did you mean teeth?", "film   649 nodes"),
         ("thickness=74", "a shell must be thin", "edges  all 4"),  # checked
     ],
@@ -556,7 +556,7 @@ def test_preview_of_nothing_that_can_be_drawn_says_why(tmp_path, capsys):
     picture = tmp_path / "model.png"
     both = ["--set", "mesh=none", "--set", "teeth=0"]
     assert main(["preview", "opening", *both, "-o", str(picture)]) == 2
-    assert "n_teeth must be at least 1" in capsys.readouterr().err
+    assert "[tool].teeth must be 1 or more" in capsys.readouterr().err
     assert not picture.exists()
 
 

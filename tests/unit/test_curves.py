@@ -1,9 +1,12 @@
 """The curves are drawn with names and units, parts and comparisons, and refuse ragged columns."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from shellcut.view import curves, draw_energy, draw_torque
+from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
+from shellcut.view import Curve, Diagram, curves, draw_curves
 
 pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
 
@@ -30,84 +33,64 @@ def labels(axes):
     return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
-def test_torque_with_everything(tmp_path, figures):
+UNITS = {"time": "s", "angle": "deg", "torque": "N*mm"}
+PARTS = {
+    "time": ANGLE,
+    "angle": ANGLE,
+    "torque": TORQUE,
+    "torque_contact": 0.05 * TORQUE,
+    "torque_joints": 0.95 * TORQUE,
+    "torque_tooth_1": 0.5 * TORQUE,
+    "torque_tooth_2": 0.5 * TORQUE,
+    "tool_work": WORK,
+}
+
+
+def test_torque_with_its_parts_and_others(tmp_path, figures):
     path = tmp_path / "torque.png"
-    draw_torque(
-        path,
-        ANGLE,
-        TORQUE,
-        contact=0.05 * TORQUE,
-        joints=0.95 * TORQUE,
-        teeth=np.outer(TORQUE, [0.25, 0.25, 0.25, 0.25]),
-        second=(ANGLE[:30], 0.24 * TORQUE[:30]),
-        levels={"theory": 135.2},
-        plateau=(27.44, 63.09, 143.6),
-        dpi=50,
-    )
+    diagram = resistance_diagram(PARTS, UNITS)
+    mean = Curve("mean", [143.6, 143.6], "mean", x=[27.44, 63.09])
+    diagram = dataclasses.replace(diagram, curves=[*diagram.curves, mean], title="opening")
+    draw_curves(path, [diagram], dpi=50)
     assert path.stat().st_size > 1000
     (axes,) = figures[0].axes
     assert axes.get_xlabel() == "angle [°]"
     assert axes.get_ylabel() == "torque [N·mm]"
-    assert labels(axes) == [
-        "total",
-        "each of 4 teeth",
-        "classical cables",
-        "from contact",
-        "from cables at the edge",
-        "theory: 135.2 N·mm",
-        "mean over 27.4-63.1°: 143.6 N·mm",
-    ]
-    mean = next(line for line in axes.lines if line.get_label().startswith("mean"))
-    assert mean.get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
-    total = next(line for line in axes.lines if line.get_label() == "total")
-    np.testing.assert_array_equal(total.get_ydata(), TORQUE)
-
-
-def test_force_over_way(tmp_path, figures):
-    draw_torque(
-        tmp_path / "force.svg",
-        ANGLE,
-        TORQUE,
-        coordinate_name="travel",
-        coordinate_unit="mm",
-        name="force",
-        unit="N",
-    )
-    (axes,) = figures[0].axes
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("travel [mm]", "force [N]")
+    parts = ["each of 2 teeth", "from contact", "from cables at the edge", "total"]
+    assert labels(axes) == [*parts, "mean"]
+    assert axes.get_legend().get_title().get_text() == "opening"
+    lines = {line.get_label(): line for line in axes.lines}
+    assert lines["mean"].get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
+    np.testing.assert_array_equal(lines["total"].get_ydata(), TORQUE)
 
 
 def test_energy_is_stacked_and_the_imbalance_below(tmp_path, figures):
-    shares = {"cables": 0.95 * WORK, "damping": 0.05 * WORK}
-    draw_energy(tmp_path / "energy.png", ANGLE, WORK, shares, 0.04 * np.sin(ANGLE), dpi=50)
+    missed = {"imbalance": 1e-4 * WORK, "imbalance_rel": 1e-4 + 0.0 * WORK}
+    history = PARTS | missed | {"cohesive_work": 0.95 * WORK, "damping_mass": 0.05 * WORK}
+    diagrams = [of(history, UNITS) for of in (energy_diagram, imbalance_diagram)]
+    draw_curves(tmp_path / "energy.svg", diagrams)
     upper, lower = figures[0].axes
     assert len(upper.collections) == 2
-    assert labels(upper) == ["work put in", "damping", "cables"]
+    assert labels(upper) == ["cables", "damping", "work put in"]
     rim = upper.collections[1].get_paths()[0].vertices[:, 1].max()
     assert rim == pytest.approx(WORK[-1])
-    assert lower.get_ylabel() == "imbalance [%]"
-    assert upper.get_ylabel() == "energy [N·mm]"
+    assert (upper.get_ylabel(), lower.get_ylabel()) == ("energy [N·mm]", "imbalance [%]")
+    shown = lower.lines[0].get_ydata()
+    early = 0.1 * WORK[-1] > WORK
+    assert early[0]
+    assert np.isnan(shown[early]).all()
+    assert shown[~early] == pytest.approx(0.01)
 
 
 def test_a_negative_share_is_drawn_as_a_line(tmp_path, figures):
-    shares = {"cables": 1.2 * WORK, "supports": -0.2 * WORK}
-    draw_energy(tmp_path / "energy.png", ANGLE, WORK, shares, 0.0 * WORK, dpi=50)
-    upper, _ = figures[0].axes
+    history = PARTS | {"cohesive_work": 1.2 * WORK, "damping_mass": -0.2 * WORK}
+    draw_curves(tmp_path / "energy.png", [energy_diagram(history, UNITS)], dpi=50)
+    (upper,) = figures[0].axes
     assert not upper.collections
-    assert len(upper.lines) == 3
+    assert {"cables", "damping", "work put in"} <= {line.get_label() for line in upper.lines}
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda p: draw_torque(p, ANGLE, TORQUE[1:]), "total must have as many rows .*, 60, got"),
-        (lambda p: draw_torque(p, ANGLE, TORQUE, teeth=TORQUE), r"teeth must have shape \(n, n_t"),
-        (
-            lambda p: draw_energy(p, ANGLE, WORK, {"strain": [1.0]}, WORK),
-            "strain must have as many rows",
-        ),
-    ],
-)
-def test_ragged_columns_are_refused_by_name(tmp_path, call, message):
-    with pytest.raises(ValueError, match=message):
-        call(tmp_path / "x.png")
+def test_columns_are_as_long_as_their_coordinate(tmp_path):
+    ragged = Diagram(ANGLE, [Curve("total", TORQUE[1:])], "angle", "deg", "torque", "N*mm")
+    with pytest.raises(ValueError, match=r"total must have as many rows .*, 60, got"):
+        draw_curves(tmp_path / "never.png", [ragged])

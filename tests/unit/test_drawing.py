@@ -351,11 +351,6 @@ class TestRefusals:
         with pytest.raises(FileError, match=words):
             read_drawing(tmp_path / name)
 
-    @pytest.mark.parametrize("name", ["chord_deviation", "join"])
-    def test_lengths(self, name):
-        with pytest.raises(ValueError, match=f"{name} must be a finite length .* got -1"):
-            read_drawing(PLATE, **{name: -1})
-
     def test_too_many_points(self, tmp_path, monkeypatch):
         path = saved(tmp_path / "plate.dxf", plate())
         monkeypatch.setitem(LIMITS, "points of curves", 20)

@@ -29,7 +29,7 @@ LIP = np.sqrt(2.0) - 1.0
 
 
 def term(sim):
-    return next(t for t in sim.tool_terms if t.name == "edges")
+    return next(t for t in sim.terms if t.name == "edges")
 
 
 def one_quad(corners, tool=None):
@@ -367,7 +367,7 @@ def test_a_rim_pushed_between_nodes_is_felt():
         unfelt = UnfeltPenetration(sim).now().film_edges
         book = sim.close_ledger()
         if on:
-            pressed = sum(t.forces.wrench[0, 0] for t in sim.tool_terms)
+            pressed = sum(t.forces.wrench[0, 0] for t in sim.terms)
             assert pressed < -5.0
             # It gives back all that it takes, and the works of both sides are booked.
             assert book.contact_work == pytest.approx(book.contact_stored, rel=1e-4)
@@ -500,7 +500,7 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
 def test_the_opening_test_has_them_unless_told_otherwise():
     def has_edges(**options):
         sim = opening_test("quick", angle_deg=5.0, **options).simulation
-        return any(t.name == "edges" for t in sim.tool_terms)
+        return any(t.name == "edges" for t in sim.terms)
 
     assert has_edges(contact=Contact(friction=0.2))
     assert not has_edges(contact=Contact(film_edges=False))
@@ -508,7 +508,7 @@ def test_the_opening_test_has_them_unless_told_otherwise():
 
 def test_off_there_is_no_term():
     sim = pushed(Contact(film_edges=False))
-    assert [t.name for t in sim.tool_terms] == ["contact", "points", "joints"]
+    assert [t.name for t in sim.terms] == ["contact", "points", "joints"]
 
 
 def test_edges_that_a_split_makes_inside_the_tool_do_not_press():

@@ -27,7 +27,7 @@ CONTACT_TERMS = ("contact", "friction", "edges", "edge_friction")
 
 
 def term(sim, name):
-    return next(t for t in sim.tool_terms if t.name == name)
+    return next(t for t in sim.terms if t.name == name)
 
 
 def k_of(sim):
@@ -335,6 +335,6 @@ def test_the_edge_of_a_twin_goes_on_for_the_one_that_has_split():
 def test_without_friction_or_film_edges_there_is_no_such_term():
     for contact in (Contact(film_edges=True), Contact(friction=0.2)):
         sim = cutting(contact=contact)
-        assert "edge_friction" not in [t.name for t in sim.tool_terms]
-    names = [t.name for t in cutting(contact=Contact(film_edges=True, friction=0.2)).tool_terms]
+        assert "edge_friction" not in [t.name for t in sim.terms]
+    names = [t.name for t in cutting(contact=Contact(film_edges=True, friction=0.2)).terms]
     assert names[-3:] == ["edges", "edge_friction", "joints"]

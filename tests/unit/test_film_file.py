@@ -68,10 +68,6 @@ class TestTriangles:
         assert len(mesh.node_set("left")) == 5
         assert not mesh.quad_sets
 
-    def test_an_unknown_choice_is_refused(self, tmp_path):
-        with pytest.raises(ValueError, match='must be "refuse" or "split"'):
-            read_film(written(tmp_path, MIXED), triangles="drop")
-
 
 def test_quads_against_their_neighbours_are_turned(tmp_path, caplog):
     quads = QUADS.copy()
@@ -130,11 +126,6 @@ def test_a_wrong_name_is_answered_with_those_there(tmp_path):
     mesh = read_film(path, unit="mm")
     with pytest.raises(MeshError, match=r"those present \(left, all\), got 'lefft'"):
         mesh.node_set("lefft")
-
-
-def test_merge_must_be_a_length(tmp_path):
-    with pytest.raises(ValueError, match="merge must be a length above 0"):
-        read_film(written(tmp_path, {"quad": QUADS}), merge=0.0)
 
 
 def test_a_film_in_space(tmp_path):

@@ -22,7 +22,10 @@ MAKERS = {
         "about inf, which take inf",
     ),
     "sheet by counts": (lambda: rectangle(1.0, 1.0, n_x=9000, n_y=9000), "81,000,000, .* 73.1 GB"),
-    "a count alone": (lambda: rectangle(1.0, 1.0, n_x=10**400, n_y=1), "n_x must be 10,000,000 at"),
+    "a count alone": (
+        lambda: rectangle(1.0, 1.0, n_x=10**400, n_y=1),
+        "n_x must be from 1 to 10,000,000",
+    ),
     "disc": (lambda: disc(5.0, n_side=5000), "about 31,840,000, .* lower n_side or n_layer"),
     "disc of layers": (lambda: disc(5.0, n_side=99, n_layer=10**6), "about 396,009,801"),
     "ring": (
@@ -39,7 +42,7 @@ MAKERS = {
 def test_a_film_too_large_is_refused_before_it_is_made(name):
     make, told = MAKERS[name]
     began = time.perf_counter()
-    with pytest.raises(MeshError, match=told):
+    with pytest.raises(ValueError, match=told):
         make()
     assert time.perf_counter() - began < 0.5
 

@@ -1,6 +1,5 @@
 """Coulomb friction on the tool's faces: the return mapping, works, restarts, settings."""
 
-import re
 from dataclasses import asdict
 
 import numpy as np
@@ -181,11 +180,11 @@ def test_the_ledger_closes_and_friction_takes_its_part(whole):
     # Two independent sums; the forces of split nodes are shared anew: measured below 1e-9.
     assert ledger.friction_work == pytest.approx(together, rel=1e-6)
     assert abs(ledger.imbalance) < 5e-3 * ledger.put_in
-    names = [term.name for term in whole.tool_terms]
+    names = [term.name for term in whole.terms]
     assert names == ["contact", "friction", "points", "point_friction", "joints"]
     assert len(whole.state.split_log) > 2
     on_nodes = whole.state.node.friction_force[: whole.state.n_node].sum(axis=0)
-    on_tool = list(whole.tool_terms)[1].forces.wrench[:, :3].sum(axis=0)
+    on_tool = list(whole.terms)[1].forces.wrench[:, :3].sum(axis=0)
     np.testing.assert_allclose(on_nodes, -on_tool, atol=1e-12 * np.abs(on_nodes).max())
 
 
@@ -215,12 +214,5 @@ def test_a_split_node_takes_the_spring_along():
 def test_without_friction_there_is_no_such_term():
     sim = cutting()
     sim.step()
-    assert "friction" not in [term.name for term in sim.tool_terms]
+    assert "friction" not in [term.name for term in sim.terms]
     assert sim.close_ledger().friction_work == 0.0
-
-
-@pytest.mark.parametrize("value", [-0.1, np.nan, np.inf])
-def test_a_coefficient_that_is_none_is_refused(value):
-    said = re.escape(f"friction must be a coefficient of 0 (none) or more, got {value!r}")
-    with pytest.raises(ValueError, match=said):
-        Contact(friction=value)

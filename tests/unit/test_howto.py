@@ -156,7 +156,6 @@ def test_read_results(tmp_path, monkeypatch, capsys):
 def test_pictures(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("SHELLCUT_RENDERER", "matplotlib")  # PyVista has its own tests
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
     case.run("out", n_row=50, n_frame=2, n_snapshot=0, curves=False, progress=False)
     Path("cap.csv").write_text("path [mm],force [N]\n0.0,0.0\n0.5,0.2\n1.0,0.3\n")

@@ -7,6 +7,7 @@ keep theirs, so that nothing but the way from the file to them is looked at.
 import dataclasses
 import functools
 import inspect
+import sys
 
 import numpy as np
 import pytest
@@ -16,15 +17,21 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import disc, opening_disc, rectangle
-from shellcut.model_file import build
-from shellcut.model_file.material_sections import Homogeneous, Laminate, Ply
-from shellcut.model_file.run_sections import Head, Output, SupportSection
-from shellcut.model_file.section_table import LISTS, SECTIONS
-from shellcut.model_file.writer import written
+from shellcut.model_file import build, shipped_models
+from shellcut.model_file.forms import written
+from shellcut.model_file.load_sections import SUPPORT
+from shellcut.model_file.material_keys import HOMOGENEOUS, LAMINATE, PLY
+from shellcut.model_file.schema import schema
+from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS
 from shellcut.models import Case
 from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.shapes import straight_blade, tooth_ring
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
 # What a kind needs to be there at all.
@@ -47,7 +54,7 @@ GIVEN = {
     ("supports", ""): {"nodes": "rim"},
 }
 GIVEN_TO_STRIPS = {("motion", "straight"): {"speed": 100.0}}
-PLY = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
+LAYER = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
 AXES = {"young_across": 900.0, "shear": 400.0}
 YIELDS = {"yield_stress": 10.0}
 CURVE = {"hardening_strain": [0.0, 1.0], "hardening_stress": [1.0, 4.0]}
@@ -121,7 +128,7 @@ VARIED = {
 }
 
 
-FILMS = {kind for layout in SECTIONS.values() for kind in layout["material"]} - {Laminate}
+FILMS = {kind for layout in SECTIONS.values() for kind in layout["material"]} - {LAMINATE}
 
 
 def cases():
@@ -129,38 +136,39 @@ def cases():
         for model, sections in layout.items():
             for title, kinds in sections.items():
                 for kind in kinds:
-                    for key in list(kind.keys()):
+                    for key in kind.keys:
                         # the films of the tears have the keys of the others
-                        if kind is not Homogeneous and kind in FILMS and key in BESIDE:
+                        if kind is not HOMOGENEOUS and kind in FILMS and key in BESIDE:
                             continue
-                        if kind is Homogeneous and key in BESIDE and model != "opening":
+                        if kind is HOMOGENEOUS and key in BESIDE and model != "opening":
                             continue
                         # the next tests, and of presets test_material_keys.py
                         skipped = ["layers", "n_x", "n_y", "quads"]
-                        if key not in [*skipped, *(["preset"] if kind is Laminate else [])]:
+                        if key not in [*skipped, *(["preset"] if kind is LAMINATE else [])]:
+                            name = f"{kind.name}-{key}" if kind.name else key
                             yield pytest.param(
-                                model, title, kind, key, id=f"{model}-{title}-{kind.__name__}-{key}"
+                                model, title, kind, key, id=f"{model}-{title}-{name}"
                             )
     for model in SECTIONS:
         for key in ("name", "directional", "threads"):
-            yield pytest.param(model, "", Head, key, id=f"{model}-{key}")
-    for key in Ply.keys():  # noqa: SIM118
-        yield pytest.param("opening", "material.layers", Ply, key, id=f"layers-{key}")
+            yield pytest.param(model, "", HEAD, key, id=f"{model}-{key}")
+    for key in PLY.keys:
+        yield pytest.param("opening", "material.layers", PLY, key, id=f"layers-{key}")
 
 
 def other_value(kind, key):
-    what = kind.keys()[key].kind
-    default = kind.__dataclass_fields__[key].default
+    wants = kind.keys[key].form.wants
+    default = kind.keys[key].default
     if key in VARIED:
         return VARIED[key]
-    if what.wants.startswith('"'):
-        return next(c for c in what.wants.replace('"', "").split(", ") if c != default)
+    if wants.startswith('"'):
+        return next(c for c in wants.replace('"', "").split(", ") if c != default)
     if isinstance(default, bool):
         return not default
-    if isinstance(default, tuple) or what.wants == "array of 3 numbers":
+    if isinstance(default, tuple) or wants == "array of 3 numbers":
         return [0.5, 0.25, 2.0]
-    base = default if isinstance(default, int | float) else 4
-    if what.wants.startswith("whole number"):
+    base = default if type(default) in (int, float) else 4
+    if wants.startswith("whole number"):
         return base + 2
     return 1.1 * base if base else 0.1
 
@@ -179,18 +187,14 @@ def described(thing):
     return repr(thing)
 
 
-MIRRORS = sorted(
-    {
-        kind
-        for layout in (SECTIONS, LISTS)
-        for sections in layout.values()
-        for kinds in sections.values()
-        for kind in kinds
-        if kind.constructor is not None
-    }
-    | {Ply},
-    key=lambda kind: kind.__name__,
-)
+MIRRORS = {
+    kind: f"{title}-{kind.name}"
+    for layout in (SECTIONS, LISTS)
+    for sections in layout.values()
+    for title, kinds in sections.items()
+    for kind in kinds
+    if kind.constructor is not None
+} | {PLY: "layers"}
 # Teeth and discs are the same in nearly all of these models.
 ONCE = {real: functools.cache(real) for real in (tooth_ring, straight_blade, opening_disc)}
 
@@ -235,8 +239,8 @@ def model_text(model, title, kind, values):
         values = {**values, "nodes": there}
     if title == "material.layers":
         texts["material"] = {}
-    elif kind.kind:
-        texts[title] = {"kind": kind.kind, **values}
+    elif kind.name:
+        texts[title] = {"kind": kind.name, **values}
     else:
         texts[title] = {**texts.get(title, {}), **values}
     lines = []
@@ -247,7 +251,7 @@ def model_text(model, title, kind, values):
             lines.append(f"[{section}]")
         lines += [f"{name} = {written(value)}" for name, value in content.items()]
     if title == "material.layers" or kind.sign == "layers":
-        for ply in (PLY, values if title == "material.layers" else PLY):
+        for ply in (LAYER, values if title == "material.layers" else LAYER):
             lines.append("[[material.layers]]")
             lines += [f"{name} = {written(value)}" for name, value in ply.items()]
     return "\n".join(lines) + "\n"
@@ -259,7 +263,7 @@ def built(monkeypatch, files):
     read = []
     for kind in MIRRORS:
         if kind.constructor in ONCE:
-            monkeypatch.setattr(kind, "constructor", staticmethod(ONCE[kind.constructor]))
+            monkeypatch.setattr(kind, "constructor", ONCE[kind.constructor])
         if kind.deferred:
             real = kind.constructor
 
@@ -279,13 +283,13 @@ def built(monkeypatch, files):
 
                 return spy
 
-            monkeypatch.setattr(kind, "constructor", staticmethod(reader()))
-    for name in ("opening_test", "guillotine", "free_cut", "trouser", "oscillating"):
+            monkeypatch.setattr(kind, "constructor", reader())
+    for name in SECTIONS:
 
         def keep(*positional, _name=name, **named):
             return Case(_name, (positional, named), 1.0)
 
-        monkeypatch.setattr(build, name, keep)
+        monkeypatch.setitem(build.BUILDERS, name, keep)
 
     def make(text):
         read.clear()
@@ -307,27 +311,27 @@ def unvaried():
 
 def with_sets_of(kind, title, model, values):
     """Give a set name that the mesh of this model has."""
-    if "clamp" in values and kind.kind in ("opening", "disc"):
+    if "clamp" in values and kind.name in ("opening", "disc"):
         return {**values, "clamp": ["rim"]}
-    if "clamp" in values and kind.kind == "rectangle":
+    if "clamp" in values and kind.name == "rectangle":
         return {**values, "clamp": ["left"]}
     return values
 
 
 @pytest.mark.parametrize(("model", "title", "kind", "key"), list(cases()))
 def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, key):
-    given = {**GIVEN.get((title, kind.kind), {})}
+    given = {**GIVEN.get((title, kind.name), {})}
     if model in ("guillotine", "trouser", "oscillating"):
-        given = GIVEN_TO_STRIPS.get((title, kind.kind), given)
-    if model == "opening" and (title, kind.kind) == ("motion", "screw"):
+        given = GIVEN_TO_STRIPS.get((title, kind.name), given)
+    if model == "opening" and (title, kind.name) == ("motion", "screw"):
         given = {}
     if title == "material.layers":
-        given = dict(PLY)
-    if key == "cable_places" and "path" in kind.keys():  # noqa: SIM118
+        given = dict(LAYER)
+    if key == "cable_places" and "path" in kind.keys:
         given = {"path": "free"}
-    if key == "largest_speed" and "path" in kind.keys():  # noqa: SIM118
+    if key == "largest_speed" and "path" in kind.keys:
         given = {**given, "path": "free"}
-    if title.startswith("material") and key not in PLY:
+    if title.startswith("material") and key not in LAYER:
         given = {**given, **BESIDE.get(key, {})}
     if key == "joint_friction":
         given = {"joint": "slip", "joint_friction": 0.3}
@@ -367,27 +371,14 @@ def test_divisions_instead_of_a_size(built):
 ELSEWHERE = {"self", "folder", "factor", "layers"}
 ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
 ELSEWHERE |= {"anisotropy", "branching"}  # of cracks without a tool, which a model file has
-NOT_IN_FILES = {"velocity": "an array, a row a node"}
+ELSEWHERE |= {"material", "direction"}  # of a layer, of a film: [material] has own keys for it
+NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "classes of a user's own"}
 
 
-@pytest.mark.parametrize("kind", MIRRORS, ids=lambda kind: kind.__name__)
-def test_every_parameter_has_a_key_with_its_default(kind):
+@pytest.mark.parametrize("kind", [k for k in MIRRORS if not (k.fixed or k.spread)], ids=MIRRORS.get)
+def test_every_parameter_has_a_key(kind):
     parameters = inspect.signature(kind.constructor).parameters
-    keys = {key.parameter or name: name for name, key in kind.keys().items()}
-    assert set(parameters) - ELSEWHERE <= set(keys)
-    for parameter, name in keys.items():
-        if parameter not in parameters or name in ("layers", "velocity", "spin"):
-            continue
-        default = kind.__dataclass_fields__[name].default
-        wanted = parameters[parameter].default
-        # The blade of the guillotine is made by the guillotine, a rectangle by its size or not, and
-        # the tears have their own films and laws, the opening test and the bar their own contact.
-        own = ("StripBlade", "Strip", "TornFilm", "TornLaw", "BrittleFilm", "BrittleLaw")
-        own += ("SoftContact", "OpeningContact")
-        if kind.__name__ in own or wanted is inspect.Parameter.empty:
-            continue
-        # Where a contact of Python leaves it to the model, a file of that model has its value.
-        assert default == (False if parameter == "film_edges" else wanted), name
+    assert set(parameters) - ELSEWHERE <= {*kind.keys, *(k.parameter for k in kind.keys.values())}
 
 
 def test_every_option_of_a_simulation_is_in_some_section():
@@ -405,11 +396,11 @@ def test_layers_make_a_laminate(tmp_path):
     made = read_model(path).sections["material"].made()
     assert isinstance(made, ShellMaterial)
     assert [layer.material.young for layer in made.layers] == [70000.0, 200.0]
-    assert Homogeneous().made() == ShellMaterial.homogeneous()
+    assert HOMOGENEOUS().made() == ShellMaterial.homogeneous()
 
 
 def test_rates_of_supports_are_constant():
-    support = SupportSection(nodes="rim", velocity=(("x", 2.0),), spin=(("z", 3.0),)).made()
+    support = SUPPORT(nodes="rim", velocity=(("x", 2.0),), spin=(("z", 3.0),)).made()
     assert support.velocity["x"](0.1) == 2.0
     assert support.spin["z"](7.0) == 3.0
 
@@ -422,9 +413,29 @@ def test_a_ramp_rises_to_one(tmp_path):
 
 
 def test_outputs_are_those_of_a_run():
-    assert set(Output().arguments()) <= set(inspect.signature(RunOptions).parameters)
+    assert set(OUTPUT().arguments()) <= set(inspect.signature(RunOptions).parameters)
 
 
 def test_the_disc_of_a_free_model():
     kind = SECTIONS["free"]["membrane"][2]
     assert kind(radius=5.0, n_side=4).made().n_quad == disc(5.0, n_side=4).n_quad
+
+
+@pytest.mark.parametrize("name", sorted(shipped_models()))
+def test_the_schema_takes_what_is_read_and_refuses_what_is_not(name, tmp_path):
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.Draft7Validator.check_schema(schema())
+    valid = jsonschema.Draft7Validator(schema()).is_valid
+    text = shipped_models()[name]
+    read_model(name).write(tmp_path / "used.toml")
+    assert valid(tomllib.loads(text))
+    assert valid(tomllib.loads((tmp_path / "used.toml").read_text()))
+    for wrong in (
+        {"models": 3},
+        {"model": "closing"},
+        {"cohesive": {"strenth": 3.0}},
+        {"cohesive": {"strength": -3.0}},
+        {"cohesive": {"joint": "slp"}},
+        {"loads": [{"value": "much", "kind": "gust"}]},
+    ):
+        assert not valid(tomllib.loads(text) | wrong), wrong

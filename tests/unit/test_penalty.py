@@ -148,17 +148,3 @@ def test_half_thickness_of_plates_is_half_their_thickness():
     assert tooth_ring(n_teeth=4).half_thickness() == pytest.approx(
         tooth_ring(n_teeth=1).half_thickness(), rel=1e-9
     )
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"penalty": 0.0}, "penalty must be positive"),
-        ({"penalty": np.inf}, "penalty"),
-        ({"smoothing": -1.0}, "smoothing must be positive, got -1.0"),
-        ({"penalty": -1.0, "smoothing": 0.0}, "penalty.*; smoothing"),
-    ],
-)
-def test_refusals(changes, message):
-    with pytest.raises(ValueError, match=message):
-        Contact(**changes)

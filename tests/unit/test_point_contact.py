@@ -57,7 +57,7 @@ def pricked(tool_points=True, at=(0.37, 0.21), tool=None, friction=0.0, directio
 
 
 def term(sim):
-    return next(t for t in sim.tool_terms if t.name == "points")
+    return next(t for t in sim.terms if t.name == "points")
 
 
 def lower(sim, depth):
@@ -293,7 +293,7 @@ def test_a_needle_between_nodes_is_felt_at_first_touch():
         deepest[on] = 0.0
         while sim.motion.coordinate(sim.state.time) < 0.4:
             sim.step()
-            if touched is None and sum(t.forces.wrench[0, 2] for t in sim.tool_terms) > 0.0:
+            if touched is None and sum(t.forces.wrench[0, 2] for t in sim.terms) > 0.0:
                 touched = sim.motion.coordinate(sim.state.time)
             if sim.state.step % 50 == 0:
                 nowhere = np.zeros(len(sim.state.node.x), bool)
@@ -307,7 +307,7 @@ def test_a_needle_between_nodes_is_felt_at_first_touch():
             assert abs(ledger.imbalance) < 1e-4 * ledger.tool_work
             # It gives back what it takes: no more is in it than the springs hold.
             assert ledger.contact_work == pytest.approx(ledger.contact_stored, rel=2e-3)
-            assert felt_nodes(sim.tool_terms).size == 4
+            assert felt_nodes(sim.terms).size == 4
         else:
             assert touched is None
     # Half the thickness is 0.037 mm; without, the needle goes through.
@@ -409,7 +409,7 @@ def test_a_tooth_that_comes_down_between_nodes_is_felt():
 def rubbed(sim, way):
     """Move the needle on by ``way`` over the film at rest; return the friction's forces, ledger."""
     s = sim.state
-    rubs = next(t for t in sim.tool_terms if t.name == "point_friction")
+    rubs = next(t for t in sim.terms if t.name == "point_friction")
     entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
     found = []
     for before, place in itertools.pairwise([way[0], *way]):
@@ -487,5 +487,5 @@ def test_a_restart_goes_on_bit_for_bit(tmp_path):
 
 def test_off_there_is_no_such_term():
     sim = cutting(contact=Contact(tool_points=False))
-    assert [t.name for t in sim.tool_terms] == ["contact", "joints"]
-    assert [t.name for t in cutting().tool_terms] == ["contact", "points", "joints"]
+    assert [t.name for t in sim.terms] == ["contact", "joints"]
+    assert [t.name for t in cutting().terms] == ["contact", "points", "joints"]

@@ -56,12 +56,12 @@ def test_what_is_no_such_number(text, unit, said):
 def test_the_units_of_all_keys_are_those_of_the_library():
     # One of each unit is one: mm, N, s, tonne, MPa, and angles as the key's name says.
     units = {
-        key.kind.unit
+        key.option.unit
         for layout in (SECTIONS, LISTS)
         for sections in layout.values()
         for kinds in sections.values()
         for kind in kinds
-        for key in kind.keys().values()
+        for key in kind.keys.values()
     }
     assert {"mm", "MPa", "t/mm^3", "deg", "s"} <= units
     for unit in units - {""}:

@@ -13,8 +13,8 @@ from shellcut.numerics.broken_line import BrokenLine
 from shellcut.recording.tool_resistance import COMPONENTS, Resistance
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.run_results import read
+from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
-from shellcut.simulation.tool_terms import ToolTerms
 from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
@@ -142,7 +142,7 @@ class Given:
 )
 def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion):
     r, term = Resistance(motion, END), Given()
-    terms, ledger = ToolTerms([term], motion), Ledger()
+    terms, ledger = ForceTerms([term], motion), Ledger()
     angle, figure = [], []
     for time in np.linspace(0.0, END, 2001).tolist():
         state = SimpleNamespace(time=time, dt=END / 2000 if time else 0.0)
@@ -151,7 +151,7 @@ def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion
         angle.append(motion.coordinate(time))
         figure.append(r.of(term.touch.wrench[0], pose.translation, time))
     sim = SimpleNamespace(
-        tool_terms=terms, tooth_wrenches=terms.wrench, ledger=ledger, pose=pose, state=state
+        terms=terms, tooth_wrenches=terms.wrench, ledger=ledger, pose=pose, state=state
     )
     row = {name: value for name, _, value in r.row(sim)}
     for (name, _), values in zip(r.columns, np.array(figure).T, strict=True):

@@ -228,19 +228,6 @@ def test_curves_are_drawn_from_what_was_read(run, tmp_path):
         assert path.read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_imbalance_is_drawn_in_per_cent_once_there_is_work_to_compare_with(run, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(shellcut.view, "draw_energy", lambda *args, **_: drawn.append(args))
-    results = shellcut.read(run[0])
-    results.plot_energy("nowhere.png")
-    _, _, work, _, imbalance = drawn[0]
-    early = work < 0.1 * work.max()
-    assert early[0]
-    assert np.isnan(imbalance[early]).all()
-    wanted = 100.0 * results.history["imbalance"][~early] / results.history["tool_work"][~early]
-    np.testing.assert_allclose(imbalance[~early], wanted, rtol=1e-12)  # round-off
-
-
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
     frame = capture(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")

@@ -1,4 +1,4 @@
-"""Scenes and movies: by PyVista where it can render, by Matplotlib where not."""
+"""Scenes and movies."""
 
 import dataclasses
 import itertools
@@ -13,15 +13,14 @@ from opening_frame import opening_frame
 from run_folder import write_run
 from shellcut.command_line import main
 from shellcut.view import (
+    STRESSES,
     _panel,
     draw_movie,
     draw_scene,
+    limits_for,
     movie,
     panels,
     progress,
-    renderer,
-    scene,
-    why_not_pyvista,
 )
 
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
@@ -29,15 +28,6 @@ SIZE = (480, 320)
 
 pillow = pytest.importorskip("PIL.Image", reason="needs shellcut[plot]")
 pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-
-
-@pytest.fixture(params=["pyvista", "matplotlib"])
-def by(request, monkeypatch):
-    if request.param == "matplotlib":
-        monkeypatch.setenv(renderer.CHOICE, "matplotlib")
-    elif (reason := why_not_pyvista()) is not None:
-        pytest.skip(reason)
-    return request.param
 
 
 def pixels(path):
@@ -49,7 +39,7 @@ def near(image, color, tolerance=0.12):
     return int((np.abs(image - np.asarray(color)).max(axis=-1) < tolerance).sum())
 
 
-def test_a_scene_shows_edges_flanks_and_film(tmp_path, by, capfd):
+def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
     draw_scene(tmp_path / "scene.png", FRAMES[2], size=SIZE)
     image = pixels(tmp_path / "scene.png")
     assert image.shape == (320, 480, 3)
@@ -59,13 +49,13 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, by, capfd):
     )
     draw_scene(tmp_path / "without.png", without, size=SIZE)
     edges = near(drawn, _panel.EDGE_COLOR)
-    assert edges > 15  # measured 33 by PyVista, more by Matplotlib
+    assert edges > 15
     assert near(pixels(tmp_path / "without.png")[35:260], _panel.EDGE_COLOR) < 0.2 * edges
     assert (drawn < 0.95).any(axis=2).mean() > 0.2
-    assert capfd.readouterr().err == ""  # VTK keeps quiet
+    assert capfd.readouterr().err == ""
 
 
-def test_cables_that_have_not_opened_have_nothing_to_draw(tmp_path, by):
+def test_cables_that_have_not_opened_have_nothing_to_draw(tmp_path):
     shut = np.repeat(FRAMES[0].cable_segments[:, :1], 2, axis=1)
     frame = dataclasses.replace(FRAMES[0], cable_segments=shut)
     draw_movie(tmp_path / "m.gif", [frame, FRAMES[1]], size=SIZE, progress=False)
@@ -73,9 +63,7 @@ def test_cables_that_have_not_opened_have_nothing_to_draw(tmp_path, by):
         assert film.n_frames == 2
 
 
-def test_stresses_colour_the_film(tmp_path, by):
-    if by == "matplotlib":
-        pytest.skip("Matplotlib draws the largest principal stress only")
+def test_stresses_colour_the_film(tmp_path):
     strained = dataclasses.replace(
         FRAMES[2], quad_principal_top=np.tile([18.0, 0.0], (len(FRAMES[2].quads), 1))
     )
@@ -91,13 +79,13 @@ def test_names_and_limits_of_stresses():
         FRAMES[0], quad_principal=np.tile([4.0, -12.0], (len(FRAMES[0].quads), 1))
     )
     # sqrt(16 + 48 + 144) = 14.42
-    np.testing.assert_allclose(scene.STRESSES["von Mises"](frame), np.sqrt(208.0))
-    assert scene.limits_for([frame], "smallest principal") == (-15.0, 0.0)
+    np.testing.assert_allclose(STRESSES["von Mises"](frame), np.sqrt(208.0))
+    assert limits_for([frame], "smallest principal") == (-15.0, 0.0)
     with pytest.raises(ValueError, match=r"von Mises.*got 'tresca'"):
         draw_scene("never.png", frame, stress="tresca")
 
 
-def test_a_gif_has_all_frames(tmp_path, by):
+def test_a_gif_has_all_frames(tmp_path):
     draw_movie(tmp_path / "cut.gif", FRAMES, size=SIZE, fps=5.0)
     with pillow.open(tmp_path / "cut.gif") as movie:
         assert (movie.n_frames, movie.size, movie.info["duration"]) == (3, SIZE, 200)
@@ -108,7 +96,7 @@ def test_a_gif_has_all_frames(tmp_path, by):
     assert min(np.abs(a - b).mean() for a, b in itertools.pairwise(shown)) > 0.5
 
 
-def test_an_mp4_has_all_frames(tmp_path, by):
+def test_an_mp4_has_all_frames(tmp_path):
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
     draw_movie(tmp_path / "cut.mp4", FRAMES, size=SIZE)
     ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
@@ -122,17 +110,12 @@ def test_an_mp4_has_all_frames(tmp_path, by):
     assert min(np.abs(a - b).mean() for a, b in itertools.pairwise(shown)) > 0.5
 
 
-def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, by, monkeypatch):
+def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, monkeypatch):
     # The first has neither flanks nor cables: parts of the scene come while the movie runs.
     frames = [opening_frame(0.0, n_side=10), FRAMES[1]]
     made, kept = [], []
-    if by == "pyvista":
-        pyvista = pytest.importorskip("pyvista")
-        plotter = pyvista.Plotter
-        monkeypatch.setattr(pyvista, "Plotter", lambda **how: made.append(1) or plotter(**how))
-    else:
-        count = panels.whole_camera
-        monkeypatch.setattr(panels, "whole_camera", lambda *of: made.append(1) or count(*of))
+    count = panels.whole_camera
+    monkeypatch.setattr(panels, "whole_camera", lambda *of: made.append(1) or count(*of))
 
     def keep(path, images, *_):
         kept.extend(images)
@@ -150,7 +133,7 @@ def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, by, monkeypa
         np.testing.assert_array_equal(image, np.rint(255.0 * pixels(path)))
 
 
-def test_the_palette_of_a_gif_blurs_no_scale(tmp_path, by, monkeypatch):
+def test_the_palette_of_a_gif_blurs_no_scale(tmp_path, monkeypatch):
     kept = []
     coder = movie._WRITERS[".gif"]
 
@@ -169,7 +152,7 @@ def test_the_palette_of_a_gif_blurs_no_scale(tmp_path, by, monkeypatch):
     assert off[edge].mean() < 6.0
 
 
-def test_a_movie_says_how_far_it_is(tmp_path, by, capsys, monkeypatch):
+def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
     draw_movie(tmp_path / "cut.gif", FRAMES, size=(240, 160))
     said = capsys.readouterr().err.splitlines()
@@ -181,7 +164,6 @@ def test_a_movie_says_how_far_it_is(tmp_path, by, capsys, monkeypatch):
 
 
 def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
     folder = write_run(tmp_path / "run", "cut", [0.0, 1.0], [0.0, 5.0])
     path = tmp_path / "cut.gif"
     assert main(["view", str(folder), "--movie", str(path), "--limits", "0", "20"]) == 0
@@ -210,13 +192,12 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
 
 def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
-    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
     with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_camera_of_a_movie_stands_still(by):
+def test_the_camera_of_a_movie_stands_still():
     # The rim of the film does not move, so the corners of the picture of it do not either.
     shape = (200, 300)
     cameras = [_panel.whole_camera(FRAMES, (42.0, -60.0), shape) for _ in FRAMES]
@@ -235,6 +216,5 @@ def test_all_problems_of_a_movie_at_once(tmp_path):
 def test_an_mp4_without_ffmpeg_names_the_remedy(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr("shutil.which", lambda name: None)
-    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
     with pytest.raises(ImportError, match=r"pip install shellcut\[movie\]"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)

@@ -14,12 +14,12 @@ import pytest
 import shellcut
 from browser import opened
 from opening_frame import opening_frame
-from shellcut.command_line import main
+from shellcut.command_line import main, view
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page.tables import pack_ids, pack_numbers
 from shellcut.view import title_parts
-from shellcut.view.fields import fields_of
+from shellcut.view.fields import chosen_fields, field_limits, fields_of
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
 OUTLINE = "(quad) => document.querySelector('.scene3d').panel.view.film.polygon(quad)"
@@ -181,7 +181,7 @@ class TestFile:
             shellcut.view_html(tmp_path, tmp_path / "cut.html")
 
     def test_it_needs_no_other_package(self, folder, tmp_path, monkeypatch):
-        for package in ("matplotlib", "pyvista", "vtkmodules", "PIL"):
+        for package in ("matplotlib", "vtkmodules", "PIL"):
             monkeypatch.setitem(sys.modules, package, None)
         assert len(shellcut.view_html(folder, tmp_path / "cut.html").frames) == 5
 
@@ -195,12 +195,40 @@ class TestFile:
         for wrong, said in [
             (["--html", path, "-o", "a.png"], "give only one"),
             (["--frame", "0", "--field", "speed"], "a picture takes --stress"),
-            (["--html", path, "--stress", "von Mises"], "window and page take --field"),
-            (["--frames", "3"], "--frames belongs to --html"),
+            (["--html", path, "--stress", "von Mises"], "the page takes --field"),
+            (["--frames", "3", "--frame", "0"], "--frames belongs to the page"),
             (["--html", path, "--limits", "0", "1"], "one changes them in the page"),
         ]:
             assert main([*run, *wrong]) == 2
             assert said in capsys.readouterr().err
+
+    def test_without_a_name_it_is_opened_where_there_is_a_screen(self, folder, monkeypatch):
+        shown = []
+        monkeypatch.setattr(view.webbrowser, "open", shown.append)
+        page = folder / "view.html"
+        for screen in (False, True):
+            monkeypatch.setattr(view, "_has_screen", lambda screen=screen: screen)
+            assert main(["view", str(folder), "--frames", "2"]) == 0
+            assert page.is_file()
+        page.unlink()
+        assert shown == [page.resolve().as_uri()]
+
+
+def test_scales_enclose_nearly_all_numbers_of_all_frames():
+    frame = opening_frame(5.0, n_side=10)
+    zero = np.zeros(len(frame.quads))
+    (damage,) = chosen_fields(
+        dataclasses.replace(frame, quad_history={"damage [-]": zero}), ["damage"]
+    )
+    assert (damage.unit, damage.of) == ("-", "quad")
+    for arrays, sign, limits in (
+        ([zero], 0, (0.0, 1.0)),
+        ([np.array([]), np.array([])], 0, (0.0, 1.0)),
+        ([np.full(3, 5.0)], 0, (0.0, 5.0)),
+        ([np.full(4000, 1.0), np.append(np.zeros(4000), 1e3)], 1, (0.0, 1.0)),
+        ([np.array([-3.0, 0.1])], -1, (-3.0, 0.0)),
+    ):
+        assert field_limits(arrays, sign) == limits
 
 
 @pytest.fixture(scope="module")

@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from naive.booking import book
 from naive.self_friction import forces_on_sheet, returned, slip_speed
 from shellcut.contact.self_friction import SelfFriction
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+from shellcut.tool.pose import Pose
 from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
 
 MU = 0.3
+AT_REST = Pose.at_origin()
 
 
 class Drawn:
@@ -30,7 +33,7 @@ class Drawn:
             dt,
             dict.fromkeys(("friction_work", "friction_dissipated"), 0.0),
         )
-        self.friction.add_forces(self.state)  # at rest
+        self.friction.add_forces(self.state, AT_REST)
 
     def step(self, moved):
         """Move all nodes by moved : (n_node, 3); return the friction on them and what it did."""
@@ -40,9 +43,9 @@ class Drawn:
         n.velocity_half[: n.count] = moved / self.dt
         evaluated(self.state, self.contact, self.x)
         n.force_rows[:] = 0.0
-        found = self.friction.add_forces(self.state)
-        found.add_works(self.works)
-        return n.force[: n.count].copy(), found
+        self.friction.add_forces(self.state, AT_REST)
+        book(self.friction, self.works, 0.0)
+        return n.force[: n.count].copy(), self.friction.forces
 
     def shift(self, way):
         moved = np.zeros_like(self.x)
@@ -244,10 +247,10 @@ def test_same_bits_over_threads_and_a_restart(tmp_path):
     save_checkpoint(first, tmp_path / "half.h5")
     again = lying(1e7)[0]
     load_checkpoint(again, tmp_path / "half.h5")
-    for x, v, book in (other, go(again, 300)):
+    for x, v, kept in (other, go(again, 300)):
         np.testing.assert_array_equal(x, wanted[0])
         np.testing.assert_array_equal(v, wanted[1])
-        assert book == wanted[2]
+        assert kept == wanted[2]
     assert wanted[2].friction_dissipated > 0.0
 
 

@@ -142,10 +142,10 @@ def test_moving_supports_hold_the_film_together(criterion):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"criterion": "strain"}, r"criterion must be one of \('force', 'stress'\), got 'strain'"),
-        ({"drop_loose": "some"}, "drop_loose must be one of"),
-        ({"turn_limit_deg": 180.0}, "turn_limit_deg must lie between 0 and 180, got 180.0"),
-        ({"check_every": 0}, "check_every must be a positive count, got 0"),
+        ({"criterion": "strain"}, "criterion must be 'force' or 'stress', got 'strain'"),
+        ({"drop_loose": "some"}, "drop_loose must be 'never' or 'clear'"),
+        ({"turn_limit_deg": 180.0}, "turn_limit_deg must be positive and below 180, got 180.0 deg"),
+        ({"check_every": 0}, "check_every must be 1 or more, got 0"),
         ({"check_every": 2.5}, "check_every"),
         ({"criterion": "x", "check_every": -1}, "criterion.*; check_every"),
     ],

@@ -241,7 +241,7 @@ def test_initial_velocity_is_put_in():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"damping_alpha": -1.0}, "damping_alpha must be a number that is not negative, got -1.0"),
+        ({"damping_alpha": -1.0}, "damping_alpha must be 0 or more, got -1.0"),
         ({"damping_beta": float("nan")}, "damping_beta must be"),
         (
             {"contact": {"friction": 0.2}, "fracture": "free"},

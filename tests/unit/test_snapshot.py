@@ -210,7 +210,7 @@ def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
         "import sys; sys.modules['matplotlib'] = None\n"
         "import shellcut.view\n"
         "try:\n"
-        "    shellcut.view.draw_torque('x.png', [0, 1], [0, 1])\n"
+        "    shellcut.view.draw_curves('x.png', [])\n"
         "except ImportError as error:\n"
         "    print(error)\n"
     )

@@ -75,9 +75,9 @@ def test_the_way_is_that_of_the_fastest_support():
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"notch": 20.0}, "notch must lie between 0 and the length"),
+        ({"notch": 20.0}, "notch must lie within the length"),
         ({"speed": 0.0}, "speed must be positive"),
-        ({"ramp": -1.0}, "ramp must be a time"),
+        ({"ramp": -1.0}, "ramp must be 0 or more, got -1.0 s"),
         ({"length": 3.0, "notch": 1.0}, "lengthen the strip"),
     ],
 )

@@ -502,7 +502,7 @@ class TestRefusals:
         assert issubclass(FileError, ValueError)
 
     def test_dimensions(self, tmp_path):
-        with pytest.raises(ValueError, match=r"gauge_length must be .* got -1; width must be"):
+        with pytest.raises(ValueError, match=r"gauge_length must be .* got -1 mm; width must be"):
             evaluate_tensile(tmp_path / "a.csv", gauge_length=-1, width=float("nan"))
         with pytest.raises(ValueError, match="offset must be a strain between 0 and 1, got 0"):
             evaluate_tensile(tmp_path / "a.csv", offset=0)

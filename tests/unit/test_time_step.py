@@ -310,18 +310,3 @@ def test_the_step_follows_from_the_state_not_from_what_was_evaluated_before():
 def test_a_fixed_step_is_taken_as_it_is():
     shell, state = cases.set_up(cases.skewed_flat())
     assert stepper(shell, fixed=3.25).next(state) == 3.25
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"safety": 0.0}, r"safety must lie in \(0, 1\], got 0.0"),
-        ({"safety": 1.1}, "safety"),
-        ({"evaluate_every": 0}, "evaluate_every must be a positive count"),
-        ({"fixed": -1e-7}, "fixed must be a positive time in s, got -1e-07"),
-        ({"safety": 2.0, "fixed": 0.0}, "safety.*; fixed"),
-    ],
-)
-def test_refusals(changes, message):
-    with pytest.raises(ValueError, match=message):
-        Stepping(**changes)

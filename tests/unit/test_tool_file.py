@@ -64,7 +64,7 @@ class TestTheDefaultToothOutAndBack:
             while simulation.state.time < 0.45e-3:  # 5.8 degrees: the teeth press on the film
                 for _ in range(20):
                     simulation.step()
-                curve.append(simulation.tool_terms.wrench[:, 5].sum())
+                curve.append(simulation.terms.wrench[:, 5].sum())
             torque.append(np.array(curve))
         built_in, read = torque
         assert np.abs(built_in).max() > 40.0

@@ -7,6 +7,7 @@ from shellcut.contact.self_contact import SelfContact
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.tool.pose import Pose
 
 H = 0.074
 ON = sc.Contact(self_contact=True)
@@ -59,7 +60,8 @@ def evaluated(state, term, x):
     n = state.node
     n.x[: n.count] = x
     n.force_rows[:] = 0.0
-    found = term.add_forces(state)
+    term.add_forces(state, Pose.at_origin())
+    found = term.forces
     return n.force[: n.count].copy(), found
 
 

@@ -217,15 +217,18 @@ MODEL_CASES: dict[str, Case] = {
 
 PARAMETER_CASES: dict[str, Case] = {
     "young": (lambda: ShellMaterial.homogeneous(young=-1.0), ("young", "MPa", "got -1.0")),
-    "poisson": (lambda: ShellMaterial.homogeneous(poisson=0.51), ("poisson", "above 0.5", "0.51")),
-    "density": (lambda: ShellMaterial.homogeneous(density=0.0), ("density", "t/mm³", "1e-9")),
+    "poisson": (
+        lambda: ShellMaterial.homogeneous(poisson=0.51),
+        ("poisson", "0.5 at most", "0.51"),
+    ),
+    "density": (lambda: ShellMaterial.homogeneous(density=0.0), ("density", "t/mm^3", "1e-9")),
     "density in g/cm³": (
         lambda: ShellMaterial.homogeneous(density=0.92),
         ("density must be in t/mm³", "got 0.92", "1 g/cm³ is 1e-9 t/mm³"),
     ),
     "thickness": (
         lambda: ShellMaterial.homogeneous(thickness=-0.07),
-        ("thickness must be positive in mm", "got -0.07"),
+        ("thickness must be positive", "got -0.07 mm"),
     ),
     "shear factor": (
         lambda: ShellMaterial.homogeneous(shear_factor=0.0),
@@ -233,16 +236,22 @@ PARAMETER_CASES: dict[str, Case] = {
     ),
     "no layer": (lambda: ShellMaterial([]), ("at least one layer",)),
     "penalty": (lambda: Contact(penalty=-1e4), ("penalty must be positive", "got -10000.0")),
-    "penalty without end": (lambda: Contact(penalty=INF), ("penalty must be positive", "inf")),
+    "penalty without end": (
+        lambda: Contact(penalty=INF),
+        ("penalty must be positive and finite", "inf"),
+    ),
     "smoothing": (lambda: Contact(smoothing=0.0), ("smoothing must be positive", "got 0.0")),
     "both at once": (lambda: Contact(penalty=0.0, smoothing=NAN), ("penalty", "; ", "smoothing")),
     "mass damping": (lambda: _simulate(damping_alpha=-0.1), ("damping_alpha", "got -0.1")),
     "stiffness damping": (lambda: _simulate(damping_beta=NAN), ("damping_beta", "got nan")),
-    "safety": (lambda: Stepping(safety=1.2), ("safety must lie in (0, 1]", "got 1.2")),
-    "safety not a number": (lambda: Stepping(safety=NAN), ("safety must lie in (0, 1]", "nan")),
-    "interval": (lambda: Stepping(evaluate_every=0), ("evaluate_every", "positive count", "0")),
-    "step": (lambda: Stepping(fixed=-1e-7), ("fixed must be a positive time in s", "-1e-07")),
-    "strength": (lambda: CohesiveLaw(strength=-18.0), ("strength", "not negative", "-18.0")),
+    "safety": (lambda: Stepping(safety=1.2), ("safety must be positive and 1 at most", "got 1.2")),
+    "safety not a number": (
+        lambda: Stepping(safety=NAN),
+        ("safety must be positive and 1 at most", "nan"),
+    ),
+    "interval": (lambda: Stepping(evaluate_every=0), ("evaluate_every", "1 or more", "0")),
+    "step": (lambda: Stepping(fixed=-1e-7), ("fixed must be positive", "-1e-07 s")),
+    "strength": (lambda: CohesiveLaw(strength=-18.0), ("strength", "positive", "-18.0 MPa")),
     "onset not a number": (lambda: CohesiveLaw(onset=NAN), ("onset", "nan")),
     "onset too long": (lambda: CohesiveLaw(onset=1.0), ("onset must be small", "4.0 mm", "1.0")),
     "rising law": (
@@ -263,10 +272,10 @@ PARAMETER_CASES: dict[str, Case] = {
     ),
     "criterion": (
         lambda: Fracture(criterion="strain"),
-        ("criterion must be one of ('force', 'stress')", "'strain'"),
+        ("criterion must be 'force' or 'stress'", "'strain'"),
     ),
     "turn limit": (lambda: Fracture(turn_limit_deg=180.0), ("turn_limit_deg", "180", "180.0")),
-    "check": (lambda: Fracture(check_every=0), ("check_every", "positive count", "0")),
+    "check": (lambda: Fracture(check_every=0), ("check_every", "1 or more", "0")),
     "speed": (
         lambda: StraightMotion((1.0, 0.0, 0.0), speed=-1.0),
         ("speed must be positive", "-1.0 mm/s"),

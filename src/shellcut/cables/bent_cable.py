@@ -16,6 +16,7 @@ from shellcut.tool.pose import Pose, to_body, to_space, turn
 
 from .around_edge import way_around
 from .cable_tables import CableRows, CableTables
+from .cohesive_law import SHORT_BRANCH
 from .joint_slip import drag_on_arc, grip, slide
 
 
@@ -59,14 +60,14 @@ def bend(
         at_minus, at_plus = to_body(minus, pose), to_body(plus, pose)
         way = way_around(c, at_minus, at_plus, edges, cables.edge, cables.joint_body)
         ell_minus, ell_plus, arc = way.minus, way.plus, way.arc
-        if ell_minus >= tables.law[8]:
+        if ell_minus >= tables.law[SHORT_BRANCH]:
             keep_direction(cables.branch, c, 0, turn(way.pull_minus, pose))
-        if ell_plus >= tables.law[8]:
+        if ell_plus >= tables.law[SHORT_BRANCH]:
             keep_direction(cables.branch, c, 1, turn(way.pull_plus, pose))
         moved_minus = sub(minus, to_space(at_minus, before))
         moved_plus = sub(plus, to_space(at_plus, before))
     else:
-        ell_minus, ell_plus = _branch_lengths(c, p, minus, plus, tables.law[8], cables)
+        ell_minus, ell_plus = _branch_lengths(c, p, minus, plus, tables.law[SHORT_BRANCH], cables)
     kappa = eta = 0.0
     slack: float = cables.joint_slack[c]
     if belt > 0.0:

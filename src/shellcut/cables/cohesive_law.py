@@ -16,12 +16,12 @@ while the opening grows past delta_0; a broken cable has dissipated exactly G A.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Literal, TypeAlias, get_args
+from dataclasses import dataclass
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.numerics.jit import inline, kernel
 
@@ -42,39 +42,21 @@ _START_OPENING = 1.0 / 80.0
 # sigma A / stick, is below that of a new cable.
 _STICK = 1.0 / 400.0
 
+STRENGTH, PLATEAU, OPENING_A, OPENING_P, OPENING_U = 0, 1, 2, 3, 4
+CAP, ELASTIC, ONSET, SHORT_BRANCH, START_OPENING = 5, 6, 7, 8, 9
+"""Places of the numbers of a law as kernels take it: those of :class:`CohesiveLaw` by their names,
+the steepest slope of unloading, the constant one (0 for none), and two lengths."""
+
 
 @checked
 @dataclass(frozen=True, kw_only=True)
 class CohesiveLaw:
     """Stress [MPa] of a cable against its length [mm]; defaults are [Frangi2010] 5.1.
 
-    Parameters
-    ----------
-    strength : float
-        sigma_F, stress at which a node splits and the cable is born [MPa].
-    plateau : float
-        sigma_C [MPa].
-    opening_a, opening_p, opening_u : float
-        l_A, l_P, l_U: ends of the drop, of the plateau, and of the cable [mm].
-    onset : float
-        delta_0, over which the direction of the force turns from the flanks' normal m to the
-        opening w [mm]. Zero is the literal form of the paper: m at the first step, w from then on.
-    unloading : {"secant", "elastic"}
-        How a cable unloads.
-    unloading_stiffness : float
-        Slope of the elastic unloading [MPa/mm].
-    joint : {"adhesion", "slip", "free"}
-        What a cable does where it is bent around the cutting edge
-        (:mod:`shellcut.cables.joint_slip`): its joint stays at its point of the edge, as in the
-        paper; slips along the edge, and the cable around it, against Coulomb friction; or slips
-        without friction.
-    joint_friction : float
-        Coefficient mu of ``joint="slip"``.
-
     Raises
     ------
     ValueError
-        If the law is not positive and decreasing, or the joint does not go with its friction.
+        If the law does not decrease, or the joint does not go with its friction.
 
     Examples
     --------
@@ -83,61 +65,66 @@ class CohesiveLaw:
     43.5
     """
 
-    strength: float = 18.0
-    plateau: float = 12.0
-    opening_a: float = 0.5
-    opening_p: float = 3.0
-    opening_u: float = 4.0
-    onset: float = 5e-3
-    unloading: Unloading = "secant"
-    unloading_stiffness: float = 1000.0
-    joint: Joint = "adhesion"
-    joint_friction: float = 0.0
+    strength: Annotated[
+        float, Option("MPa", "sigma_F, at which a node splits and the cable is born", above=0)
+    ] = 18.0
+    plateau: Annotated[float, Option("MPa", "sigma_C", above=0)] = 12.0
+    opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
+    opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
+    opening_u: Annotated[float, Option("mm", "l_U, at which the cable breaks", above=0)] = 4.0
+    onset: Annotated[
+        float,
+        Option(
+            "mm",
+            "delta_0, over which the force turns from the flanks' normal m to the opening w; 0: as "
+            "in the paper, m at the first step, w from then on",
+            least=0,
+        ),
+    ] = 5e-3
+    unloading: Annotated[Unloading, Option("", "how a cable unloads")] = "secant"
+    unloading_stiffness: Annotated[
+        float, Option("MPa/mm", "slope of the elastic unloading", least=0)
+    ] = 1000.0
+    joint: Annotated[
+        Joint,
+        Option(
+            "",
+            "what a cable does at the cutting edge: stick to its point, slip with friction, slide",
+        ),
+    ] = "adhesion"
+    joint_friction: Annotated[float, Option("", "mu of joint = slip", least=0)] = 0.0
 
     def __post_init__(self) -> None:
         problems = []
-        for f in fields(self):
-            value = getattr(self, f.name)
-            if f.name in ("unloading", "joint"):
-                continue
-            if not value >= 0:
-                problems.append(f"{f.name} must be a number that is not negative, got {value!r}")
-        if not problems:
-            if not 0 < self.plateau <= self.strength < math.inf:
-                problems.append(
-                    "the law must decrease: 0 < plateau <= strength, got "
-                    f"plateau {self.plateau} MPa, strength {self.strength} MPa"
-                )
-            if not 0 < self.opening_a <= self.opening_p < self.opening_u < math.inf:
-                problems.append(
-                    "the law must decrease: 0 < opening_a <= opening_p < opening_u, got "
-                    f"{self.opening_a}, {self.opening_p}, {self.opening_u} mm"
-                )
-            if self.onset > 0.1 * self.opening_u:
-                problems.append(
-                    f"onset must be small beside opening_u = {self.opening_u} mm, got {self.onset}"
-                )
-            if self.unloading not in get_args(Unloading):
-                problems.append(f"unloading must be 'secant' or 'elastic', got {self.unloading!r}")
-            problems += self._of_joint()
-            if self.unloading == "elastic" and self.unloading_stiffness * self.opening_a < (
-                self.strength - self.plateau
-            ):
-                problems.append(
-                    "unloading_stiffness must exceed the slope of the drop, "
-                    f"{(self.strength - self.plateau) / self.opening_a} MPa/mm, "
-                    f"got {self.unloading_stiffness}"
-                )
+        if not self.plateau <= self.strength:
+            problems.append(
+                "the law must decrease: 0 < plateau <= strength, got "
+                f"plateau {self.plateau} MPa, strength {self.strength} MPa"
+            )
+        if not self.opening_a <= self.opening_p < self.opening_u:
+            problems.append(
+                "the law must decrease: 0 < opening_a <= opening_p < opening_u, got "
+                f"{self.opening_a}, {self.opening_p}, {self.opening_u} mm"
+            )
+        if self.onset > 0.1 * self.opening_u:
+            problems.append(
+                f"onset must be small beside opening_u = {self.opening_u} mm, got {self.onset}"
+            )
+        problems += self._of_joint()
+        slope = (self.strength - self.plateau) / self.opening_a
+        if self.unloading == "elastic" and self.unloading_stiffness < slope:
+            problems.append(
+                f"unloading_stiffness must exceed the slope of the drop, {slope} MPa/mm, "
+                f"got {self.unloading_stiffness}"
+            )
         if problems:
             raise ValueError("; ".join(problems))
 
     def _of_joint(self) -> list[str]:
         mu, problems = self.joint_friction, []
-        if self.joint not in get_args(Joint):
-            problems.append(f"joint must be 'adhesion', 'slip' or 'free', got {self.joint!r}")
-        elif self.joint == "slip" and not 0.0 < mu < math.inf:
+        if self.joint == "slip" and not mu:
             problems.append(
-                "joint = 'slip' needs a joint_friction that is positive and finite, "
+                "joint = 'slip' needs a joint_friction that is positive, "
                 f"got {mu!r}; without friction take joint = 'free'"
             )
         elif self.joint != "slip" and mu:
@@ -169,7 +156,7 @@ class CohesiveLaw:
         return _STICK * self.opening_u
 
     def parameters(self) -> Floats:
-        """Return the law as kernels take it, see :func:`envelope` and :func:`traction`."""
+        """Return the law as kernels take it, in the order of ``STRENGTH`` and the rest."""
         cap = self.strength / self.onset if self.onset > 0 else math.inf
         elastic = self.unloading_stiffness if self.unloading == "elastic" else 0.0
         return np.array(
@@ -203,24 +190,24 @@ class CohesiveLaw:
 def envelope(opening: float, law: Floats) -> float:
     """Return the stress of first loading [MPa]. [Frangi2010] Fig. 4."""
     if opening <= 0.0:
-        return float(law[0])
-    if opening < law[2]:
-        return float(law[0] - (law[0] - law[1]) * opening / law[2])
-    if opening < law[3]:
-        return float(law[1])
-    if opening < law[4]:
-        return float(law[1] * (law[4] - opening) / (law[4] - law[3]))
+        return float(law[STRENGTH])
+    if opening < law[OPENING_A]:
+        return float(law[STRENGTH] - (law[STRENGTH] - law[PLATEAU]) * opening / law[OPENING_A])
+    if opening < law[OPENING_P]:
+        return float(law[PLATEAU])
+    if opening < law[OPENING_U]:
+        return float(law[PLATEAU] * (law[OPENING_U] - opening) / (law[OPENING_U] - law[OPENING_P]))
     return 0.0
 
 
 @inline
 def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
     """Return the slope of unloading [MPa/mm] from the point (opening_max, peak)."""
-    if law[6] > 0.0:
-        return float(law[6])
-    if peak < law[5] * opening_max:
+    if law[ELASTIC] > 0.0:
+        return float(law[ELASTIC])
+    if peak < law[CAP] * opening_max:
         return peak / opening_max
-    return float(law[5])
+    return float(law[CAP])
 
 
 @inline
@@ -240,14 +227,14 @@ def area_below(opening: float, law: Floats) -> float:
     """Return the integral of the envelope from 0 to ``opening`` [N/mm]."""
     if opening <= 0.0:
         return 0.0
-    la, lp, lu = law[2], law[3], law[4]
+    la, lp, lu = law[OPENING_A], law[OPENING_P], law[OPENING_U]
     a = min(opening, la)
-    area = law[0] * a - 0.5 * (law[0] - law[1]) * a * a / la
+    area = law[STRENGTH] * a - 0.5 * (law[STRENGTH] - law[PLATEAU]) * a * a / la
     if opening > la:
-        area += law[1] * (min(opening, lp) - la)
+        area += law[PLATEAU] * (min(opening, lp) - la)
     if opening > lp:
         left = lu - min(opening, lu)
-        area += 0.5 * law[1] * ((lu - lp) - left * left / (lu - lp))
+        area += 0.5 * law[PLATEAU] * ((lu - lp) - left * left / (lu - lp))
     return float(area)
 
 

@@ -47,6 +47,7 @@ from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 from shellcut.tool.touch import Booking, Touch
@@ -54,7 +55,7 @@ from shellcut.tool.touch import Booking, Touch
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
-from .cohesive_law import CohesiveLaw, energies, envelope, traction
+from .cohesive_law import ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
 from .meeting import find_joint
 
@@ -88,8 +89,8 @@ class CableForces(NamedTuple):
 _N_SUM = 8  # the numbers of CableForces and, last, its couple
 
 
-class CableSet:
-    """Forces of all cables, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+class CableSet(ForceTerm):
+    """Forces of all cables.
 
     Parameters
     ----------
@@ -107,6 +108,7 @@ class CableSet:
         Booking("joint_friction", 2),
     )
     """What goes from the sums into the ledger."""
+    n_search = -1  # cables turn, and pull, from step to step
 
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
         self.name = "joints"
@@ -211,11 +213,6 @@ class CableSet:
         self.touch.take(saved["touch"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
-    @property
-    def n_search(self) -> int:
-        """As of a term that does not search: cables turn, and pull, from step to step."""
-        return -1
-
     def stiffness(self, state: State, _counted: HeldBy) -> Held:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
         c, room = state.cable, 2 * state.n_cable
@@ -279,7 +276,7 @@ def _add_cable_forces(
     couple = sums[5:]
     law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
     status, opening_max = cables.status, cables.opening_max
-    start_opening = law[9]
+    start_opening = law[START_OPENING]
     work = 0.0
     start_work = 0.0
     friction_work = 0.0
@@ -302,7 +299,7 @@ def _add_cable_forces(
         if jointed:
             ell, joint = bend(c, minus, plus, pose, before, tables)
         else:
-            ell = _straight_length(c, minus, plus, law[7], cables)
+            ell = _straight_length(c, minus, plus, law[ONSET], cables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell

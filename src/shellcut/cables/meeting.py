@@ -33,6 +33,7 @@ from shellcut.tool.pose import Pose, to_body, to_space, turn_back
 
 from .around_edge import way_around
 from .cable_tables import CableTables
+from .cohesive_law import ONSET
 from .joint_slip import slide
 
 # A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
@@ -91,7 +92,7 @@ def find_joint(
     if edges.radius > 0.0:
         way = way_around(c, minus, plus, edges, cables.edge, cables.joint_body)
         to_minus, to_plus = way.minus, way.plus
-    straight = norm(combine(1.0, sub(x_plus, x_minus), tables.law[7], m)) - tables.law[7]
+    straight = norm(combine(1.0, sub(x_plus, x_minus), tables.law[ONSET], m)) - tables.law[ONSET]
     cables.joint_slack[c] = to_minus + to_plus - straight
     cables.transport[c] = 0.5 * (to_minus - to_plus)
     return True

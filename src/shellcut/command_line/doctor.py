@@ -23,7 +23,6 @@ import numpy as np
 from shellcut.numerics.kernel_cache import LEVELS, KernelCache
 from shellcut.numerics.source_digest import PACKAGE
 from shellcut.numerics.threads import Workers, available_cores
-from shellcut.view import why_not_pyvista
 
 from .exit_code import BAD_INPUT, DONE
 
@@ -37,8 +36,7 @@ _FIRST_RIGHT_VTK = (9, 3)
 # Purpose of the optional packages, and the extra that installs them.
 _EXTRAS = {
     "matplotlib": ("pictures", "pip install shellcut[plot]"),
-    "pyvista": ("3-D scenes and movies", "pip install shellcut[view]"),
-    "vtk": ("3-D scenes, no VTK files beyond those of meshio", "pip install shellcut[view]"),
+    "vtk": ("VTK files beyond those of meshio", "pip install shellcut[vtk]"),
     "imageio-ffmpeg": ("movies as mp4", "pip install shellcut[movie]"),
     "gmsh": ("meshes of outlines, no tools from STEP and IGES", "pip install shellcut[mesh]"),
     "ezdxf": ("outlines from DXF", "pip install shellcut[outline]"),
@@ -216,20 +214,11 @@ def _numbers(found: str) -> tuple[int, ...]:
     return tuple(int(part) for part in found.split(".") if part.isdecimal())
 
 
-def _rendering() -> Iterator[Finding]:
-    reason = why_not_pyvista()
-    if reason is None:
-        yield Finding("ok", "rendering", "PyVista draws off-screen")
-    else:
-        yield Finding("note", "rendering", f"by Matplotlib; {reason}")
-
-
 CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
     _versions,
     _cores,
     _compiler,
     _files,
     _extras,
-    _rendering,
 )
-"""In the order of the report; the slow one last."""
+"""In the order of the report."""

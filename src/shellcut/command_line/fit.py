@@ -6,7 +6,10 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from shellcut.study.fit import Search
+
 from .compare import parted
+from .declared_options import add_options, made_of
 from .exit_code import DONE, FAILED, refuse
 from .named_path import named
 from .run import add_settings_to, settings_of
@@ -41,17 +44,12 @@ def add_to(commands: Any) -> None:
         default=[],
         help="of a key, in its unit; by default a third of its value to three times it",
     )
-    parser.add_argument(
-        "--keep-energy",
-        action="store_true",
-        help="keep the fracture energy of the law: the last free key follows from the others",
-    )
-    parser.add_argument("--max-runs", metavar="N", type=int, default=40, help="40 by default")
-    parser.add_argument(
-        "--method",
-        choices=("local", "global"),
-        default="local",
-        help="least squares from the model's values, or a search of all values within the bounds",
+    add_options(
+        parser,
+        Search,
+        keep_energy="--keep-energy",
+        max_runs="--max-runs",
+        method="--method",
     )
     parser.add_argument(
         "--x", metavar="NAME[=COLUMN]", default="", help="the coordinate, as of compare"
@@ -81,7 +79,7 @@ def add_to(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Fit, print the result."""
     from shellcut.files.folder_lock import FolderInUse
-    from shellcut.study.fit import Search, fit
+    from shellcut.study.fit import fit
 
     try:
         with engine_given(arguments) as executor:
@@ -91,12 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
                 [key.strip() for key in arguments.free.split(",") if key.strip()],
                 arguments.out,
                 settings=settings_of(arguments),
-                search=Search(
-                    bounds=_bounds(arguments),
-                    keep_energy=arguments.keep_energy,
-                    max_runs=arguments.max_runs,
-                    method=arguments.method,
-                ),
+                search=made_of(arguments, Search, bounds=_bounds(arguments)),
                 executor=executor,
             )
     except (FolderInUse, OSError, ImportError, ValueError) as problem:

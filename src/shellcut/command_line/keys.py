@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Iterator
 from typing import Any
 
 from shellcut.model_file.key_index import Table, found
+from shellcut.model_file.schema import schema
 
 from .exit_code import DONE, refuse
 
@@ -21,11 +23,17 @@ def add_to(commands: Any) -> None:
         epilog="example: shellcut keys notch",
     )
     parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
+    parser.add_argument(
+        "--schema", action="store_true", help="print a JSON Schema of model files, for editors"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the sections and keys found."""
+    """Print the sections and keys found, or the schema."""
+    if arguments.schema:
+        print(json.dumps(schema(), indent=1, ensure_ascii=False))
+        return DONE
     try:
         chosen = found(arguments.words)
     except ValueError as problem:
@@ -35,16 +43,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lines(table: Table) -> Iterator[str]:
-    kind = f' kind = "{table.kind}"' if table.kind else ""
-    yield f"{table.title or 'before the first section'}{kind}  ({table.where}: {table.doc})"
+    kind = f' kind = "{table.kind.name}"' if table.kind.name else ""
+    yield f"{table.title or 'before the first section'}{kind}  ({table.where}: {table.kind.doc})"
     rows = [
         (
-            f"{entry.name} or {entry.also}" if entry.also else entry.name,
-            f"{entry.wants} [{entry.unit}]" if entry.unit else entry.wants,
-            f"= {entry.default}" if entry.has_default else f"({entry.default})",
-            entry.doc,
+            f"{name} or {key.also}" if key.also else name,
+            f"{key.wants} [{key.option.unit}]" if key.option.unit else key.wants,
+            f"= {key.told}" if key.has_default else f"({key.told})",
+            key.option.text,
         )
-        for entry in table.entries
+        for name, key in table.keys.items()
     ]
     width = [max(len(row[k]) for row in rows) for k in range(3)]
     for *cells, doc in rows:

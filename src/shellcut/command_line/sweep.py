@@ -7,6 +7,9 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from shellcut.study.design import Design
+
+from .declared_options import add_options, made_of
 from .exit_code import DONE, FAILED, refuse
 from .named_path import named
 from .run import add_settings_to
@@ -32,9 +35,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
     add_settings_to(parser)
-    parser.add_argument("--design", choices=("grid", "sobol", "lhs"), help="by default a grid")
-    parser.add_argument("--n", metavar="N", type=int, help="number of runs of sobol or lhs")
-    parser.add_argument("--seed", metavar="K", type=int, help="of sobol and lhs, 0 by default")
+    add_options(parser, Design, kind="--design", n="--n", seed="--seed")
     add_engine_to(parser)
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
     parser.set_defaults(run=run)
@@ -73,7 +74,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _planned(arguments: argparse.Namespace) -> Plan:
     """Return the plan of a model with its factors, or of a study file."""
-    from shellcut.study.design import Design
     from shellcut.study.factors import factors_of
     from shellcut.study.plan import plan
     from shellcut.study.study import FEW_FILES
@@ -83,16 +83,14 @@ def _planned(arguments: argparse.Namespace) -> Plan:
     if is_study(arguments.model):
         study = read_study(arguments.model)
         several, _ = factors_of(given)
-        if several or arguments.design or arguments.n is not None or arguments.seed is not None:
+        if several or made_of(arguments, Design) != Design():
             raise ValueError(
                 f"{arguments.model} is a study: its factors and its design are in the file; --set "
                 "takes one value a key here"
             )
         return study.plan({**FEW_FILES, **factors_of(given)[1]})
     several, single = factors_of(given)
-    seed = arguments.seed if arguments.seed is not None else 0
-    design = Design(arguments.design or "grid", arguments.n, seed)
-    return plan(arguments.model, {**FEW_FILES, **single}, several, design)
+    return plan(arguments.model, {**FEW_FILES, **single}, several, made_of(arguments, Design))
 
 
 def _texts(arguments: argparse.Namespace) -> Iterator[tuple[str, str]]:

@@ -61,6 +61,7 @@ from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import add, add_scaled, add_to, dot, load, norm, scale, store, sub
 from shellcut.state import State
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
@@ -142,8 +143,8 @@ class FrictionForces(NamedTuple):
 _WORK, _DISSIPATED, _STORED = 0, 1, 2  # columns of Touch.sums, in the order of these fields
 
 
-class CoulombFriction:
-    """Friction of all that a term presses, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+class CoulombFriction(ForceTerm):
+    """Friction of all that a term presses.
 
     Parameters
     ----------
@@ -189,14 +190,10 @@ class CoulombFriction:
         work, dissipated, stored, n_slipping = self.touch.sums.tolist()
         return FrictionForces(self.touch.wrench.copy(), work, dissipated, stored, int(n_slipping))
 
-    @property
-    def n_search(self) -> int:
-        """Searches of the other term: this one acts where that does."""
-        return self._pressing.n_search
-
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
+        self.n_search = self._pressing.n_search  # it acts where that does
         presses = self._pressing.touch.sums[TOUCHING] > 0.0
         quiet = not presses and bool(self.touch.sums[_STORED] == 0.0)
         if self._of is not self._pressing.tables:
@@ -230,6 +227,7 @@ class CoulombFriction:
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the other term's."""
         self._pose, self._rests = pose, False
+        self.n_search = self._pressing.n_search
         self.touch.take(saved["touch"])
         if "springs" in saved:
             self.springs = Springs(**{k: rows.copy() for k, rows in saved["springs"].items()})

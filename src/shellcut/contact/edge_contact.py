@@ -77,7 +77,7 @@ _SOON = 0.5
 
 
 class EdgeContact(PressTerm):
-    """Contact of the film's edges, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+    """Contact of the film's edges.
 
     Parameters
     ----------

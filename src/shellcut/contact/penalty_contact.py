@@ -83,7 +83,7 @@ _UNDECIDED = 0.1
 
 
 class PenaltyContact(PressTerm):
-    """Contact forces of all nodes, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+    """Contact forces of all nodes.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ _ROUND_OFF = 1e-10
 
 
 class PointContact(PressTerm):
-    """Contact of the tool's points, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+    """Contact of the tool's points.
 
     Parameters
     ----------

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.held_table import Holder
 from shellcut.state import State
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 from .contact_tables import Carriers
@@ -35,7 +36,7 @@ WORK, ABSORBED, STORED, TOUCHING = 0, 1, 2, 3
 """Columns of :attr:`shellcut.tool.touch.Touch.sums`, in the order of the fields."""
 
 
-class PressTerm:
+class PressTerm(ForceTerm):
     """The part of a term that presses film and tool together that is the same for all.
 
     Parameters
@@ -62,8 +63,6 @@ class PressTerm:
 
     def __init__(self, name: str, n_body: int, carriers: Carriers, kept: Ints | None) -> None:
         self.name, self.carriers, self.kept = name, carriers, kept
-        self.n_search = 0
-        """How often it has made its list."""
         self.touch = Touch.none(n_body, len(PressForces._fields) - 1)
         self._touch = Holder()(self.touch)
 

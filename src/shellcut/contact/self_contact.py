@@ -33,6 +33,9 @@ from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
+from shellcut.tool.force_term import ForceTerm
+from shellcut.tool.pose import Pose
+from shellcut.tool.touch import Booking, Touch
 
 from .close_pairs import CloseQuads, Film, Own, Pairs
 from .film_law import FilmLaw
@@ -75,13 +78,9 @@ class SelfContactForces(NamedTuple):
     n_looked: int
     """Number of points looked at."""
 
-    def add_works(self, entries: dict[str, float]) -> None:
-        """Add to the entries of the ledger."""
-        entries["self_contact_work"] -= self.work
 
-
-class SelfContact:
-    """Forces of the film on itself, a :class:`shellcut.simulation.film_terms.FilmTerm`.
+class SelfContact(ForceTerm):
+    """Forces of the film on itself.
 
     Parameters
     ----------
@@ -96,6 +95,7 @@ class SelfContact:
     """
 
     name = "self_contact"
+    booked = (Booking("self_contact_work", 0, -1.0),)
 
     def __init__(
         self,
@@ -128,10 +128,9 @@ class SelfContact:
         """Largest depth so far [mm]."""
         self.n_looked = 0
         """Points looked at so far, the work that it has cost."""
-        self.n_search = 0
-        """Searches so far."""
+        self.touch = Touch.none(0, 1)
 
-    def add_forces(self, state: State) -> SelfContactForces:
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add its forces at t_n to the nodal forces."""
         if self._is_out_of_date(state):
             self._search(state)
@@ -139,7 +138,7 @@ class SelfContact:
         self.forces, self._walked = SelfContactForces(*found[:5]), found[5]
         self.deepest = max(self.deepest, self.forces.deepest)
         self.n_looked += self.forces.n_looked
-        return self.forces
+        self.touch.sums[0] = self.forces.work
 
     def stiffness(self, _state: State, _counted: HeldBy) -> Held:
         """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
@@ -277,13 +276,14 @@ class SelfContact:
             }
         return saved
 
-    def restore(self, state: State, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`; ``state`` is restored already."""
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
         self._choose_points(state)
         self._known.restore(saved["revision"], state)
         self._x_then, self._walked = saved["x_then"].copy(), saved["walked"]
         self._walk_to, self._look_at = saved["walk_to"], saved["look_at"]
         self.forces, self.deepest = SelfContactForces(**saved["forces"]), saved["deepest"]
+        self.touch.sums[0] = self.forces.work
         self.n_looked, self.n_search = saved["n_looked"], saved["n_search"]
         if "pairs" not in saved:
             self.tables = None

@@ -45,6 +45,9 @@ from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import State
+from shellcut.tool.force_term import ForceTerm
+from shellcut.tool.pose import Pose
+from shellcut.tool.touch import Booking, Touch
 
 from .coulomb_friction import TANGENTIAL, return_mapping, stiffer_by
 from .quad_distance import Corners, corners_of, normal_at, place_in, tangents_at, weights_at
@@ -66,17 +69,12 @@ class SelfFrictionForces(NamedTuple):
     n_slipping: int
     """Number of points that slip."""
 
-    def add_works(self, entries: dict[str, float]) -> None:
-        """Add to the entries of the ledger."""
-        entries["friction_work"] -= self.work
-        entries["friction_dissipated"] += self.dissipated
-
 
 _IDLE = SelfFrictionForces(0.0, 0.0, 0.0, 0)
 
 
-class SelfFriction:
-    """Friction of the film on itself, a :class:`shellcut.simulation.film_terms.FilmTerm`.
+class SelfFriction(ForceTerm):
+    """Friction of the film on itself.
 
     Parameters
     ----------
@@ -87,6 +85,7 @@ class SelfFriction:
     """
 
     name = "self_friction"
+    booked = Booking("friction_work", 0, -1.0), Booking("friction_dissipated", 1)
 
     def __init__(self, contact: SelfContact, coefficient: float) -> None:
         self._contact, self.coefficient = contact, coefficient
@@ -97,24 +96,23 @@ class SelfFriction:
         self._call = BoundOnce(_add_self_friction)
         self.forces = SelfFrictionForces(0.0, 0.0, 0.0, 0)
         """Results of the last evaluation."""
+        self.touch = Touch.none(0, 2)
 
-    def add_forces(self, state: State) -> SelfFrictionForces:
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the friction at t_n to the nodal forces."""
+        self.n_search = self._contact.n_search  # it acts where that does
+        self.forces = self._evaluate(state)
+        self.touch.sums[:] = self.forces.work, self.forces.dissipated
+
+    def _evaluate(self, state: State) -> SelfFrictionForces:
         tables = self._contact.tables
         if tables is not None and self._of is not tables:
             self._take(tables, Presses.with_room(len(tables.presses.node), self._drags))
         if tables is None or not (tables.presses.n[0] or self._drags.n[0]):
-            self.forces = _IDLE  # nothing presses, and nothing was held: the usual case
-            return self.forces
+            return _IDLE  # nothing presses, and nothing was held: the usual case
         held, before = self._contact.held, self.forces.stored
         work, stored, n_slipping = self._call.code(state.dt, self.coefficient, held, self._held)
-        self.forces = SelfFrictionForces(work, stored, before - stored - work, n_slipping)
-        return self.forces
-
-    @property
-    def n_search(self) -> int:
-        """Searches of the contact: this acts where that does."""
-        return self._contact.n_search
+        return SelfFrictionForces(work, stored, before - stored - work, n_slipping)
 
     def stiffness(self, _state: State, counted: HeldBy) -> Held:
         """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
@@ -129,9 +127,11 @@ class SelfFriction:
         """Return the last forces; the springs are in the contact's memory."""
         return {"drags": self._drags.saved(), "forces": self.forces._asdict()}
 
-    def restore(self, _state: State, saved: dict[str, Any]) -> None:
+    def restore(self, _state: State, _pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, after the contact's."""
+        self.n_search = self._contact.n_search
         self.forces = SelfFrictionForces(**saved["forces"])
+        self.touch.sums[:] = self.forces.work, self.forces.dissipated
         tables = self._contact.tables
         room = 0 if tables is None else len(tables.presses.node)
         self._take(tables, Presses.of_saved(saved["drags"], room))

@@ -43,11 +43,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline
@@ -81,32 +81,7 @@ _THIN = 0.125
 @checked
 @dataclass(frozen=True)
 class Contact:
-    """Parameters of the penalty contact.
-
-    Parameters
-    ----------
-    penalty : float, optional
-        lambda [N/mm³]; if given it applies to every node, whatever the size of its quads. By
-        default it follows the film: 1e4 for 74 µm of 1678 MPa, see
-        :mod:`shellcut.contact.settings`.
-    smoothing : float
-        g_M as a fraction of the thickness; reduced for a thin tool.
-    self_contact : bool
-        Whether film near cracks and loose pieces also touch the film
-        (:mod:`shellcut.contact.self_contact`).
-    self_friction : float
-        Coefficient mu of Coulomb friction there, see :mod:`shellcut.contact.self_friction`; 0 for
-        none.
-    friction : float
-        Coefficient mu of Coulomb friction between the film and the tool, see
-        :mod:`shellcut.contact.coulomb_friction`; 0 for none.
-    tool_points : bool
-        Whether corners and edges of the tool push the film between its nodes, see
-        :mod:`shellcut.contact.point_contact`.
-    film_edges : bool, optional
-        Whether rims and flanks of the film touch edges of the tool between their nodes, see
-        :mod:`shellcut.contact.edge_contact`. By default they do in the opening test only. Where it
-        is off, how deep they go in is measured, and the verdict of a run says so.
+    """Parameters of the penalty contact; see the modules ``*_contact`` and ``*_friction``.
 
     Examples
     --------
@@ -114,32 +89,46 @@ class Contact:
     0.0
     """
 
-    penalty: float | None = None
-    smoothing: float = 0.25
-    friction: float = 0.0
-    tool_points: bool = True
-    film_edges: bool | None = None
-    self_contact: bool = False
-    self_friction: float = 0.0
+    penalty: Annotated[
+        float | None,
+        Option(
+            "N/mm^3",
+            "lambda, of every node, whatever the size of its quads",
+            above=0,
+            unset="1e4 for 74 um of 1678 MPa, in proportion to E h",
+        ),
+    ] = None
+    smoothing: Annotated[
+        float, Option("", "g_M as a fraction of the thickness; less for a thin tool", above=0)
+    ] = 0.25
+    friction: Annotated[
+        float, Option("", "Coulomb coefficient of tool and film; 0 for none", least=0)
+    ] = 0.0
+    tool_points: Annotated[
+        bool, Option("", "whether the tool's corners and edges push between nodes")
+    ] = True
+    film_edges: Annotated[
+        bool | None,
+        Option(
+            "",
+            "whether rims and flanks touch the tool's edges between nodes; how deep they go in "
+            "without is measured, and the verdict says so",
+            unset="in the opening test only",
+        ),
+    ] = None
+    self_contact: Annotated[
+        bool, Option("", "whether film near cracks and loose pieces touch the film")
+    ] = False
+    self_friction: Annotated[
+        float, Option("", "Coulomb coefficient of film and film; 0 for none", least=0)
+    ] = 0.0
 
     def __post_init__(self) -> None:
-        problems = [
-            f"{name} must be positive, got {value!r}"
-            for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
-            if value is not None and not (math.isfinite(value) and value > 0)
-        ]
-        problems += [
-            f"{name} must be a coefficient of 0 (none) or more, got {value!r}"
-            for name, value in (("friction", self.friction), ("self_friction", self.self_friction))
-            if not (math.isfinite(value) and value >= 0)
-        ]
         if self.self_friction and not self.self_contact:
-            problems.append(
+            raise ValueError(
                 f"self_friction = {self.self_friction!r} needs self_contact = true: without it the "
                 "film does not touch itself; friction is that of the tool"
             )
-        if problems:
-            raise ValueError("; ".join(problems))
 
 
 class PenaltyLaw(NamedTuple):

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from math import isfinite
 from numbers import Real
+from typing import Annotated, TypeAlias
 
+from shellcut.arguments import Option
 from shellcut.unit import LENGTH
 
 MILLIMETRES = {
@@ -24,6 +26,16 @@ _LIKELY = (0.1, 2000.0)
 
 _TAKEN_FOR_MM = (2.0, 2000.0)
 _TAKEN_FOR_M = (0.002, 0.1)
+
+FileUnit: TypeAlias = Annotated[
+    str | float | None,
+    Option(
+        "",
+        f"of the file: {', '.join(MILLIMETRES)}",
+        form="unit",
+        unset="stated by the file; guessed from the size and logged",
+    ),
+]
 
 
 def unit_in_mm(

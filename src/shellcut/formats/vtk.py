@@ -1,7 +1,7 @@
 """VTK files: cells, and integer arrays as groups.
 
 meshio reads them. What it cannot (other versions, LZ4, .vtp, polygons of legacy files, several
-pieces, ...) VTK itself rewrites for it, if it is installed (``pip install 'shellcut[view]'``, BSD).
+pieces, ...) VTK itself rewrites for it, if it is installed (``pip install 'shellcut[vtk]'``, BSD).
 
 An integer or boolean array on points or cells becomes groups: one with the array's name if it
 contains only 0 and 1, otherwise ``name_7`` and the like for each value.
@@ -59,7 +59,7 @@ def read_vtk(path: str | Path) -> FileMesh:
     except _Unread as reason:
         if not _VTK.installed:
             raise FileError(
-                path, f"{reason}; VTK reads more of these files: pip install 'shellcut[view]'"
+                path, f"{reason}; VTK reads more of these files: pip install 'shellcut[vtk]'"
             ) from None
         problem = str(reason)
     with tempfile.TemporaryDirectory() as folder:

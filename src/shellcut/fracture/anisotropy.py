@@ -17,10 +17,11 @@ follows from :mod:`.free_direction`, without any rule of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, unit
 
 
@@ -33,13 +34,11 @@ class Anisotropy:
     ----------
     direction : sequence of float
         MD in the reference film, of any length; its part in the sheet counts.
-    along, across : float
-        f of a crack along MD and of one across it, positive, 1 by default [-].
 
     Raises
     ------
     ValueError
-        If a factor is not positive, or the direction is zero or not finite.
+        If the direction is zero or not finite.
 
     Examples
     --------
@@ -51,20 +50,13 @@ class Anisotropy:
     """
 
     direction: tuple[float, float, float]
-    along: float = 1.0
-    across: float = 1.0
+    along: Annotated[float, Option("", "f of a crack along MD", above=0)] = 1.0
+    across: Annotated[float, Option("", "f of a crack across MD", above=0)] = 1.0
 
     def __post_init__(self) -> None:
         way = np.asarray(self.direction, float)
-        problems = [
-            f"{name} must be a positive number, got {value!r}"
-            for name, value in (("along", self.along), ("across", self.across))
-            if not 0.0 < value < np.inf
-        ]
         if way.shape != (3,) or not np.isfinite(way).all() or not way.any():
-            problems.append(f"direction must be a vector that is not zero, got {self.direction!r}")
-        if problems:
-            raise ValueError("; ".join(problems))
+            raise ValueError(f"direction must be a vector that is not zero, got {self.direction!r}")
 
     def factors(self, ways: Floats, normal: Floats) -> Floats:
         """Return f for cracks along some ways, shape (n,).

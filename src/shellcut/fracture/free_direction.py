@@ -3,7 +3,7 @@
 A crack needs energy, G h per mm, and it needs stress, sigma_F, where it is to open. A sharp tip has
 stress enough and lacks energy; film under an even stress has energy enough and lacks stress. With
 J(e) the energy released per mm of a crack along e (:mod:`.tip_force`) and p(e) the stress across
-it, the measure of both,
+it in the sheet, the measure of both,
 
     phi(e) = J(e) / R + (p(e) / sigma_F)²,
 
@@ -20,13 +20,17 @@ so does a tear out of the plane, where the energy does not depend on the stress 
 tension, s = 1, it runs across the largest principal stress. Nothing else enters. Where strength and
 energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
 
-p is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far as it
-pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
+The stress ahead of a tip, sigma(e), is that of the sheet and the tip's own, which J counts already:
+p(e) = sigma(e) p / max sigma with what p is by J and max sigma (:mod:`.sheet_stress`). Without that
+a fold, which pulls most along the tears beside it, would turn them from where energy is released.
+
+sigma is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far
+as it pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
 process zone is long, and ``AVERAGE`` edge lengths at least: nearer than that stress is what the
-cables hold. On a curved film each stress is first turned into the sheet at the tip by the least
-rotation that takes one normal to the other: the mean of tensors in planes that lean against each
-other would lose the part across the lean. Film that does not hang together with the tip's counts
-for neither J nor p.
+cables hold. Their mean distance is sqrt(pi / 2) of that width. On a curved film each stress is
+first turned into the sheet at the tip by the least rotation that takes one normal to the other: the
+mean of tensors in planes that lean against each other would lose the part across the lean. Film
+that does not hang together with the tip's counts for neither J nor p.
 
 All film goes along that is no farther from the tip than the cables hold, measured along the crack,
 so that J is what goes into all of the process zone. Over that length film bends that is torn out of
@@ -61,6 +65,7 @@ from .crack_path import CrackPath
 from .cut_topology import CutTopology
 from .film_edges import GAP, FilmEdges
 from .quad_polygon import shape_functions
+from .sheet_stress import sheet_stress
 from .tip import Tip
 from .tip_domain import TipDomain
 from .tip_force import TipForce, gives_back
@@ -114,6 +119,8 @@ class _Ahead(NamedTuple):
     """Rows ahead whose stress counts, shape (n,)."""
     weight: Floats
     """Of each, their sum being one, shape (n,)."""
+    distance: float
+    """Of a large sheet the mean distance with these weights [mm]."""
 
 
 class FreeDirection:
@@ -142,6 +149,9 @@ class FreeDirection:
     ) -> None:
         self._shell, self._path = shell, path
         self._strength = law.strength
+        # Length of the process zone in a sheet [mm] over J [N].
+        self._zone_of = math.pi * shell.material.stretching_stiffness
+        self._zone_of /= 8.0 * (law.strength * shell.material.thickness) ** 2
         self._anisotropy, self._loads = anisotropy, loads
         self._known = KnownTopology()
         self._edges = FilmEdges(shell, topology)
@@ -180,11 +190,16 @@ class FreeDirection:
         if not alone:
             yield unit(moved[0])
         ways = product(_WAYS, moved)
-        phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
+        stress = self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)
+        phi = stress**2
         if ahead.force is not None or ahead.straight:
             force = _ALONG if ahead.force is None else ahead.force.of(state, moved)
             released = product(_WAYS, force) / ahead.factors
-            phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
+            most = max(float(np.abs(released).max()), _TINY)
+            if ahead.force is not None:
+                top = max(float(stress.max()), _TINY)
+                phi *= (sheet_stress(top, self._zone_of * most / ahead.distance) / top) ** 2
+            phi += max(1.0 - phi.max(), 0.0) * released / most
         angle = _between(phi, int(np.argmax(phi)))
         yield unit(product(np.array([math.cos(angle), math.sin(angle)]), moved))
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
@@ -226,7 +241,8 @@ class FreeDirection:
         known, force = gives_back(self._shell.material), None
         if known and domain.room > LEAST * size:
             force = TipForce(state, self._shell, domain, base, self._loads)
-        near, weight = self._near(state, domain.rows, place, forward, max(AVERAGE, zone) * size)
+        width = max(AVERAGE, zone) * size
+        near, weight = self._near(state, domain.rows, place, forward, width)
         return _Ahead(
             row=row,
             weights=np.array(shape_functions(entry)),
@@ -236,6 +252,7 @@ class FreeDirection:
             straight=known and force is None,
             quads=near,
             weight=weight,
+            distance=math.sqrt(0.5 * math.pi) * width,
         )
 
     def _near(

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, Number, product
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
@@ -53,7 +53,7 @@ class Gravity:
     >>> load = Gravity((0.0, 0.0, -9810.0))
     """
 
-    acceleration: Sequence[float]
+    acceleration: Annotated[Sequence[float], Option("mm/s^2", "times mass", form="3 numbers")]
     factor: Factor = steady
 
 
@@ -70,9 +70,9 @@ class Pressure:
     >>> load = Pressure(0.01, following=True)  # 10 kPa
     """
 
-    value: float
-    following: bool = False
-    quads: str | None = None
+    value: Annotated[float, Option("MPa", "towards the directors' side")]
+    following: Annotated[bool, Option("", "turns and stretches with the surface")] = False
+    quads: Annotated[str | None, Option("", "quad set", unset="all quads")] = None
     factor: Factor = steady
 
 
@@ -87,7 +87,7 @@ class NodalForce:
     """
 
     nodes: NodeChoice
-    force: Sequence[float]
+    force: Annotated[Sequence[float], Option("N", "on each", form="3 numbers")]
     factor: Factor = steady
 
 
@@ -104,7 +104,7 @@ class NodalMoment:
     """
 
     nodes: NodeChoice
-    moment: Sequence[float]
+    moment: Annotated[Sequence[float], Option("N*mm", "on each", form="3 numbers")]
     factor: Factor = steady
 
 
@@ -119,7 +119,7 @@ class EdgeTraction:
     """
 
     nodes: NodeChoice
-    traction: Sequence[float]
+    traction: Annotated[Sequence[float], Option("N/mm", "dead", form="3 numbers")]
     factor: Factor = steady
 
 

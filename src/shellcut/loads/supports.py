@@ -28,10 +28,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.state import KnownTopology, State
@@ -42,7 +43,9 @@ _AXES = "xyz"
 _ALONG = math.cos(math.radians(30.0))
 _NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
 Rate = Callable[[float], float]
-NodeChoice = str | Sequence[int] | Ints
+NodeChoice: TypeAlias = Annotated[
+    str | Sequence[int] | Ints, Option("", "which nodes", form="nodes")
+]
 
 
 def choose_nodes(mesh: Mesh, nodes: NodeChoice) -> Ints:
@@ -65,16 +68,9 @@ def choose_nodes(mesh: Mesh, nodes: NodeChoice) -> Ints:
 class Support:
     """Hold components of the motion of a set of nodes.
 
-    Parameters
-    ----------
-    nodes : str or sequence of int
-        Node set or ids.
-    translation, rotation : str
-        Held axes, a subset of "xyz", of the position and of the director's spin. With two axes of
-        spin held the director only turns about the third, whatever its direction.
-    velocity, spin : mapping from axis to function of time, optional
-        Prescribed velocity [mm/s] of the position, and angular velocity [rad/s] of the director,
-        about held axes; at rest otherwise. A director turns only about axes normal to it.
+    With two axes of spin held the director only turns about the third, whatever its direction. A
+    director turns only about axes normal to it. ``velocity`` and ``spin`` map axes to functions of
+    time.
 
     Examples
     --------
@@ -83,10 +79,14 @@ class Support:
     """
 
     nodes: NodeChoice
-    translation: str = "xyz"
-    rotation: str = "xyz"
-    velocity: Mapping[str, Rate] = field(default_factory=dict)
-    spin: Mapping[str, Rate] = field(default_factory=dict)
+    translation: Annotated[str, Option("", "held axes of the position", form="axes")] = "xyz"
+    rotation: Annotated[str, Option("", "held axes of the director's spin", form="axes")] = "xyz"
+    velocity: Annotated[
+        Mapping[str, Rate], Option("mm/s", "of held axes", form="rates", unset="at rest")
+    ] = field(default_factory=dict)
+    spin: Annotated[
+        Mapping[str, Rate], Option("rad/s", "of held axes", form="rates", unset="at rest")
+    ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         problems = []

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.lane_functions import larger, square_root
 
-from .material import Material, density_problems, refuse
+from .material import Density, Material, refuse_density
 from .point_law import History, PointLaw, register
 
 
@@ -38,15 +37,6 @@ def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
 class Elastic(Material):
     """Isotropic St.Venant-Kirchhoff material in plane stress ([Frangi2010] 5.1).
 
-    Parameters
-    ----------
-    young : float
-        Young's modulus [MPa].
-    poisson : float
-        Poisson's ratio.
-    density : float
-        Reference density [t/mm³].
-
     Examples
     --------
     >>> aluminium = Elastic(young=70_000.0, poisson=0.33, density=2.7e-9)
@@ -58,17 +48,12 @@ class Elastic(Material):
         PointLaw("St.Venant-Kirchhoff", linear_stress, _thickness_stretch, linear=True)
     )
 
-    young: float
-    poisson: float
-    density: float
+    young: Annotated[float, Option("MPa", "Young's modulus", above=0)]
+    poisson: Annotated[float, Option("", "Poisson's ratio", above=-1, most=0.5)]
+    density: Density
 
     def __post_init__(self) -> None:
-        problems = []
-        if not (math.isfinite(self.young) and self.young > 0):
-            problems.append(f"young must be a positive modulus in MPa, got {self.young!r}")
-        if not -1.0 < self.poisson <= 0.5:
-            problems.append(f"poisson must lie above -1 and not above 0.5, got {self.poisson!r}")
-        refuse(problems + density_problems(self.density))
+        refuse_density(self.density)
 
     def plane_stress(self) -> Floats:
         """Return C, shape (3, 3) [MPa], with S = C (E_11, E_22, 2 E_12) in a Cartesian frame."""

@@ -21,11 +21,11 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number
 from shellcut.numerics.lane_exponentials import any_above, exponential, power
 from shellcut.numerics.lane_functions import larger, where_above
@@ -151,36 +151,18 @@ def hardening_problems(hardening: object) -> list[str]:
     return [f"the hardening {kind.__name__} lacks {'; '.join(missing)}"]
 
 
-def not_negative(**values: float) -> list[str]:
-    """Return in words which of some numbers are negative."""
-    return [
-        f"{name} must not be negative (a film that softens localises in one row of quads), "
-        f"got {value!r}"
-        for name, value in values.items()
-        if not (math.isfinite(value) and value >= 0.0)
-    ]
-
-
-def positive(**values: float) -> list[str]:
-    """Return in words which of some numbers are not positive."""
-    return [
-        f"{name} must be positive, got {value!r}"
-        for name, value in values.items()
-        if not (math.isfinite(value) and value > 0.0)
-    ]
+SOFTENING = "a film that softens localises in one row of quads"
+YieldStress: TypeAlias = Annotated[float, Option("MPa", "at which it yields, true", above=0)]
+Modulus: TypeAlias = Annotated[
+    float,
+    Option("MPa", "H, rise of the yield stress over plastic strain", least=0, why=SOFTENING),
+]
 
 
 @checked
 @dataclass(frozen=True)
 class Linear(Hardening):
     """σ_0 + H p.
-
-    Parameters
-    ----------
-    yield_stress : float
-        σ_0 [MPa].
-    modulus : float
-        H [MPa], 0 by default: perfectly plastic.
 
     Examples
     --------
@@ -192,11 +174,8 @@ class Linear(Hardening):
     slope = staticmethod(_linear_slope)
     kind = "linear"
 
-    yield_stress: float
-    modulus: float = 0.0
-
-    def __post_init__(self) -> None:
-        refuse(positive(yield_stress=self.yield_stress) + not_negative(modulus=self.modulus))
+    yield_stress: YieldStress
+    modulus: Modulus = 0.0
 
     @property
     def first_yield(self) -> float:
@@ -218,15 +197,6 @@ class Linear(Hardening):
 class Swift(Hardening):
     """K (ε_0 + p)^n.
 
-    Parameters
-    ----------
-    strength : float
-        K [MPa].
-    start : float
-        ε_0, positive: with 0 the film would yield at no stress.
-    exponent : float
-        n, from 0 to 1.
-
     Examples
     --------
     >>> foil = Swift(strength=150.0, start=0.002, exponent=0.2)
@@ -238,15 +208,13 @@ class Swift(Hardening):
     slope = staticmethod(_swift_slope)
     kind = "Swift"
 
-    strength: float
-    start: float
-    exponent: float
-
-    def __post_init__(self) -> None:
-        problems = positive(strength=self.strength, start=self.start)
-        if not 0.0 <= self.exponent <= 1.0:
-            problems.append(f"exponent must lie between 0 and 1, got {self.exponent!r}")
-        refuse(problems)
+    strength: Annotated[
+        float, Option("MPa", "K of the yield stress K (start + p)^exponent", above=0)
+    ]
+    start: Annotated[
+        float, Option("", "of Swift's law; with 0 the film would yield at no stress", above=0)
+    ]
+    exponent: Annotated[float, Option("", "of Swift's law", least=0, most=1)]
 
     @property
     def first_yield(self) -> float:
@@ -263,17 +231,6 @@ class Swift(Hardening):
 class Voce(Hardening):
     """σ_0 + Q (1 - exp(-p/p_c)) + H p.
 
-    Parameters
-    ----------
-    yield_stress : float
-        σ_0 [MPa].
-    gain : float
-        Q [MPa].
-    strain : float
-        p_c, after which 63 % of the gain is reached.
-    modulus : float
-        H [MPa], 0 by default: the yield stress saturates.
-
     Examples
     --------
     >>> Voce(20.0, 10.0, 0.05).saturation
@@ -284,16 +241,12 @@ class Voce(Hardening):
     slope = staticmethod(_voce_slope)
     kind = "Voce"
 
-    yield_stress: float
-    gain: float
-    strain: float
-    modulus: float = 0.0
-
-    def __post_init__(self) -> None:
-        refuse(
-            positive(yield_stress=self.yield_stress, strain=self.strain)
-            + not_negative(gain=self.gain, modulus=self.modulus)
-        )
+    yield_stress: YieldStress
+    gain: Annotated[
+        float, Option("MPa", "Voce: further rise, which saturates", least=0, why=SOFTENING)
+    ]
+    strain: Annotated[float, Option("", "Voce: strain at 63 % of the gain", above=0)]
+    modulus: Modulus = 0.0
 
     @property
     def first_yield(self) -> float:
@@ -315,13 +268,6 @@ class Voce(Hardening):
 class Table(Hardening):
     """Straight between given points, constant beyond the last.
 
-    Parameters
-    ----------
-    plastic_strain : sequence of float
-        Equivalent (true) plastic strains, from 0, increasing; up to 24 of them.
-    stress : sequence of float
-        True yield stresses at these [MPa], not decreasing.
-
     Examples
     --------
     >>> float(Table((0.0, 0.1, 1.0), (20.0, 30.0, 48.0)).stress(0.55))
@@ -335,7 +281,13 @@ class Table(Hardening):
     plastic_strain: tuple[float, ...]
     stress_at: tuple[float, ...]
 
-    def __init__(self, plastic_strain: Any, stress: Any) -> None:
+    def __init__(
+        self,
+        plastic_strain: Annotated[
+            Any, Option("", "plastic strains, true, from 0; up to 24", form="numbers")
+        ],
+        stress: Annotated[Any, Option("MPa", "true yield stresses at these", form="numbers")],
+    ) -> None:
         object.__setattr__(self, "plastic_strain", tuple(float(one) for one in plastic_strain))
         object.__setattr__(self, "stress_at", tuple(float(one) for one in stress))
         p, sigma = self.plastic_strain, self.stress_at

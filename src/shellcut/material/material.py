@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import Annotated, ClassVar, TypeAlias
 
+from shellcut.arguments import Option
 from shellcut.arrays import Floats
 from shellcut.numerics.small_matrices import inverse
 
@@ -63,18 +64,24 @@ class Material(ABC):
         raise NotImplementedError(f"{type(self).__name__} has a linear law but no thickness_slope")
 
 
-def density_problems(density: float) -> list[str]:
-    """Return the problems of a density [t/mm³], in sentences."""
-    if not (math.isfinite(density) and density > 0):
-        return [
-            f"density must be positive in t/mm³, got {density!r}; a polymer film has about 1e-9"
-        ]
+Density: TypeAlias = Annotated[
+    float,
+    Option(
+        "t/mm^3",
+        "reference density; 1 g/cm^3 is 1e-9 t/mm^3",
+        above=0,
+        why="a polymer film has about 1e-9",
+    ),
+]
+
+
+def refuse_density(density: float) -> None:
+    """Refuse a density [t/mm³] in another unit."""
     if density > 1e-7:
-        return [
+        raise ValueError(
             f"density must be in t/mm³, got {density!r}, heavier than any matter; "
             "1 g/cm³ is 1e-9 t/mm³"
-        ]
-    return []
+        )
 
 
 def refuse(problems: list[str]) -> None:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number, Vector, product
 from shellcut.numerics.lane_functions import larger, square_root
 from shellcut.numerics.small_matrices import inverse
 
 from .elastic import linear_stress
-from .material import Material, density_problems, refuse
+from .material import Density, Material, refuse_density
 from .point_law import History, PointLaw, register
 
 
@@ -49,25 +49,6 @@ class Orthotropic(Material):
     Axis 1 is the film's direction (:attr:`.shell_material.ShellMaterial.direction`), usually the
     machine direction MD, turned by ``angle_deg`` about the film's normal.
 
-    Parameters
-    ----------
-    young_along, young_across : float
-        Young's moduli along and across [MPa].
-    poisson : float
-        ν_12, the contraction across of a pull along; ν_21 = ν_12 young_across/young_along.
-    shear : float
-        Shear modulus in the plane [MPa].
-    density : float
-        Reference density [t/mm³].
-    shear_through : float, optional
-        Transverse shear modulus G_13 [MPa]; that of the plane by default.
-    poisson_through : float, optional
-        ν_13 = ν_23 of the thinning; that of the plane by default.
-    angle_deg : float
-        From the film's direction to axis 1 [degrees].
-    shear_through_across : float, optional
-        Transverse shear modulus G_23 [MPa]; that of ``shear_through`` by default.
-
     Raises
     ------
     ValueError
@@ -92,37 +73,46 @@ class Orthotropic(Material):
         )
     )
 
-    young_along: float
-    young_across: float
-    poisson: float
-    shear: float
-    density: float
-    shear_through: float | None = None
-    poisson_through: float | None = None
-    angle_deg: float = 0.0
-    shear_through_across: float | None = None
+    young_along: Annotated[float, Option("MPa", "Young's modulus along axis 1", above=0)]
+    young_across: Annotated[
+        float,
+        Option(
+            "MPa",
+            "modulus across the film's direction; young, poisson are then along it",
+            above=0,
+        ),
+    ]
+    poisson: Annotated[
+        float,
+        Option(
+            "", "Poisson's ratio; with young_across ν_12, the contraction across of a pull along"
+        ),
+    ]
+    shear: Annotated[float, Option("MPa", "shear modulus in the plane", above=0)]
+    density: Density
+    shear_through: Annotated[
+        float | None,
+        Option("MPa", "G_13, transverse shear along young", above=0, unset="shear"),
+    ] = None
+    poisson_through: Annotated[
+        float | None,
+        Option("", "ν_13 = ν_23 of the thinning", above=-1, below=1, unset="that of the plane"),
+    ] = None
+    angle_deg: Annotated[float, Option("deg", "from the film's direction to axis 1")] = 0.0
+    shear_through_across: Annotated[
+        float | None,
+        Option("MPa", "G_23, along young_across", above=0, unset="shear_through"),
+    ] = None
 
     def __post_init__(self) -> None:
-        problems = []
-        moduli = ("young_along", "young_across", "shear", "shear_through", "shear_through_across")
-        for name in moduli:
-            value = getattr(self, name)
-            if not (value is None or (math.isfinite(value) and value > 0.0)):
-                problems.append(f"{name} must be a positive modulus in MPa, got {value!r}")
-        if not math.isfinite(self.angle_deg):
-            problems.append(f"angle_deg must be an angle in degrees, got {self.angle_deg!r}")
-        if not problems:
-            most = math.sqrt(self.young_along / self.young_across)
-            if not -most < self.poisson < most:
-                problems.append(
-                    "poisson must lie between minus and plus the root of young_along over "
-                    f"young_across, {most:.4g}, or the film would give energy when it is "
-                    f"stretched, got {self.poisson!r}"
-                )
-            through = self.poisson_through
-            if through is not None and not -1.0 < through < 1.0:
-                problems.append(f"poisson_through must lie between -1 and 1, got {through!r}")
-        refuse(problems + density_problems(self.density))
+        refuse_density(self.density)
+        most = math.sqrt(self.young_along / self.young_across)
+        if not -most < self.poisson < most:
+            raise ValueError(
+                "poisson must lie between minus and plus the root of young_along over "
+                f"young_across, {most:.4g}, or the film would give energy when it is "
+                f"stretched, got {self.poisson!r}"
+            )
 
     def compliance(self) -> Floats:
         """Return C⁻¹ in the material's own axes, shape (3, 3) [1/MPa]."""

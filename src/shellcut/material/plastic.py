@@ -30,11 +30,11 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number, Vector, product
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above, exponential
@@ -255,7 +255,7 @@ def hill_matrix(r_values: tuple[float, float, float]) -> Floats:
 @checked
 @dataclass(frozen=True)
 class Plastic(WithElasticPart):
-    """A film that yields, up to any strain.
+    """A film that yields, up to any strain; an Orthotropic is turned by its own angle.
 
     Parameters
     ----------
@@ -265,20 +265,13 @@ class Plastic(WithElasticPart):
         Yield stress in tension, along MD if ``r_values`` are given, by the equivalent plastic
         strain: :class:`~.hardening.Linear`, :class:`~.hardening.Swift`, :class:`~.hardening.Voce`
         or :class:`~.hardening.Table`. True stress by true strain.
-    r_values : tuple of three floats, optional
-        r0, r45 and r90 of Hill's criterion; von Mises without.
-    kinematic : float
-        H_k [MPa], slope of linear kinematic hardening, 0 by default.
     rate : RateFactor, optional
         :class:`~.rate_factor.CowperSymonds` or :class:`~.rate_factor.JohnsonCook`.
-    angle_deg : float
-        Of the axes of ``r_values`` against the film's direction; those of an Orthotropic are
-        turned by its own angle.
 
     Raises
     ------
     ValueError
-        If r-values are not positive, or the kinematic modulus is negative.
+        If r-values are not positive.
 
     Notes
     -----
@@ -295,17 +288,18 @@ class Plastic(WithElasticPart):
 
     elastic: Elastic | Orthotropic
     hardening: Hardening
-    r_values: tuple[float, float, float] | None = None
-    kinematic: float = 0.0
+    r_values: Annotated[
+        tuple[float, float, float] | None,
+        Option("", "Hill's r at 0, 45 and 90 deg", form="3 numbers", unset="von Mises"),
+    ] = None
+    kinematic: Annotated[float, Option("MPa", "H_k, linear kinematic hardening", least=0)] = 0.0
     rate: RateFactor | None = None
-    angle_deg: float = 0.0
+    angle_deg: Annotated[
+        float, Option("deg", "of the axes of r_values from the film's direction")
+    ] = 0.0
 
     def __post_init__(self) -> None:
         problems = hardening_problems(self.hardening) + rate_problems(self.rate)
-        if not (math.isfinite(self.kinematic) and self.kinematic >= 0.0):
-            problems.append(f"kinematic must not be negative in MPa, got {self.kinematic!r}")
-        if not math.isfinite(self.angle_deg):
-            problems.append(f"angle_deg must be an angle in degrees, got {self.angle_deg!r}")
         if self.r_values is not None:
             object.__setattr__(self, "r_values", tuple(self.r_values))
             r = self.r_values

@@ -12,18 +12,14 @@ proportion. It multiplies all of the yield stress, :math:`σ_y = [σ_0 + R(p)] f
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number
 from shellcut.numerics.lane_exponentials import logarithm, power
 from shellcut.numerics.lane_functions import larger, where_above
-
-from .hardening import not_negative, positive
-from .material import refuse
 
 
 def _no_rate(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
@@ -61,13 +57,6 @@ class RateFactor:
 class CowperSymonds(RateFactor):
     """f = 1 + (p'/D)^(1/q).
 
-    Parameters
-    ----------
-    rate : float
-        D [1/s], at which the yield stress is doubled.
-    exponent : float
-        q, at least 1.
-
     Examples
     --------
     >>> CowperSymonds(rate=40.0, exponent=5.0).row()
@@ -77,14 +66,8 @@ class CowperSymonds(RateFactor):
     function = staticmethod(_cowper_symonds)
     kind = "Cowper-Symonds"
 
-    rate: float
-    exponent: float
-
-    def __post_init__(self) -> None:
-        problems = positive(rate=self.rate)
-        if not (math.isfinite(self.exponent) and self.exponent >= 1.0):
-            problems.append(f"exponent must be 1 or more, got {self.exponent!r}")
-        refuse(problems)
+    rate: Annotated[float, Option("1/s", "D, rate that doubles the yield stress", above=0)]
+    exponent: Annotated[float, Option("", "q", least=1)]
 
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""
@@ -96,13 +79,6 @@ class CowperSymonds(RateFactor):
 class JohnsonCook(RateFactor):
     """f = 1 + C ln(p'/p'_0) where the rate p' is above p'_0, else 1.
 
-    Parameters
-    ----------
-    factor : float
-        C, not negative.
-    rate : float
-        p'_0 [1/s], that of the tests behind the hardening.
-
     Examples
     --------
     >>> JohnsonCook(factor=0.02, rate=1.0).row()
@@ -112,11 +88,8 @@ class JohnsonCook(RateFactor):
     function = staticmethod(_johnson_cook)
     kind = "Johnson-Cook"
 
-    factor: float
-    rate: float
-
-    def __post_init__(self) -> None:
-        refuse(positive(rate=self.rate) + not_negative(factor=self.factor))
+    factor: Annotated[float, Option("", "C of 1 + C ln(rate / rate of the tests)", least=0)]
+    rate: Annotated[float, Option("1/s", "p'_0, rate of the tests", above=0)]
 
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product
 
 from .elastic import Elastic
@@ -37,18 +36,6 @@ Direction: TypeAlias = tuple[float, float, float] | Callable[[Floats], Floats]
 class Layer:
     """One ply of a film.
 
-    Parameters
-    ----------
-    material : Elastic
-        Its material.
-    thickness : float
-        Its thickness [mm].
-
-    Raises
-    ------
-    ValueError
-        If the thickness is not positive.
-
     Examples
     --------
     Aluminium foil on polyethylene:
@@ -60,11 +47,7 @@ class Layer:
     """
 
     material: Material
-    thickness: float
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.thickness) and self.thickness > 0):
-            refuse([f"thickness must be positive in mm, got {self.thickness!r}"])
+    thickness: Annotated[float, Option("mm", "of the layer", above=0)]
 
 
 @checked
@@ -76,13 +59,6 @@ class ShellMaterial:
     ----------
     layers : sequence of Layer
         At least one.
-    shear_factor : float, optional
-        Factor on the transverse shear moduli of every layer, in place of those that follow from the
-        layers (:attr:`shear_factors`); many published benchmarks take 1.
-    points_per_layer : int, optional
-        Integrate with this many points (1 to 9) in each layer, at every step. By default a section
-        of linear layers is integrated once, before the run; one with a law that keeps a history
-        has five points per layer, elastic ones two or three.
     direction : sequence of float, or callable
         Of the film, usually the machine direction MD, for layers with axes of their own: a vector,
         of which the part in the sheet counts, or a function that returns a vector, shape (n, 3),
@@ -102,8 +78,25 @@ class ShellMaterial:
     """
 
     layers: Sequence[Layer]
-    shear_factor: float | None = None
-    points_per_layer: int | None = None
+    shear_factor: Annotated[
+        float | None,
+        Option(
+            "",
+            "on the transverse shear moduli of every layer; many published benchmarks take 1",
+            above=0,
+            unset="what follows from the layers, 5/6 of one",
+        ),
+    ] = None
+    points_per_layer: Annotated[
+        int | None,
+        Option(
+            "",
+            "points through the thickness of each layer, at every step",
+            least=1,
+            most=9,
+            unset="once before the run; for a law that is not linear 2 to 5",
+        ),
+    ] = None
     direction: Direction = (1.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -120,13 +113,6 @@ class ShellMaterial:
                 object.__setattr__(self, "direction", tuple(way.tolist()))
         if not self.layers:
             problems.append("layers must name at least one layer, got none")
-        factor = self.shear_factor
-        if not (factor is None or (math.isfinite(factor) and factor > 0)):
-            problems.append(f"shear_factor must be positive, got {factor!r}")
-        if self.points_per_layer is not None and self.points_per_layer not in range(1, 10):
-            problems.append(
-                f"points_per_layer must be a count from 1 to 9, got {self.points_per_layer!r}"
-            )
         refuse(problems)
 
     @classmethod

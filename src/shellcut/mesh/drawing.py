@@ -9,23 +9,24 @@ from __future__ import annotations
 import logging
 from collections.abc import Collection
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
+from typing import Annotated, TypeAlias
 
 import numpy as np
 import scipy
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
 from shellcut.formats.errors import FileError
-from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
 
 from .loops import Meeting, area_of, levels, meetings
 from .mesh import Mesh, MeshError
-from .outline import mesh_from_outline
+from .outline import QuadSize, mesh_from_outline
 
 _log = logging.getLogger("shellcut.drawing")
 
@@ -64,31 +65,36 @@ class FilmOutline:
         return area_of(self.outline) - sum(area_of(hole) for hole in self.holes)
 
 
+DrawingFile: TypeAlias = Annotated[
+    str | Path, Option("", "the drawing; its suffix gives the format", form="path")
+]
+Layers: TypeAlias = Annotated[
+    str | Collection[str],
+    Option("", "layers to read; of SVG labels and ids; all shown if there are none", form="names"),
+]
+ChordDeviation: TypeAlias = Annotated[
+    float | None,
+    Option("mm", "of polygons from arcs and splines", above=0, unset="1e-4 of the diagonal"),
+]
+Join: TypeAlias = Annotated[
+    float | None,
+    Option("mm", "ends of curves closer than this meet", above=0, unset="1e-6 of the diagonal"),
+]
+
+
+@checked
 def read_drawing(
-    path: str | Path,
+    path: DrawingFile,
     *,
-    unit: str | float | None = None,
-    layers: Collection[str] = (),
-    chord_deviation: float | None = None,
-    join: float | None = None,
+    unit: FileUnit = None,
+    layers: Layers = (),
+    chord_deviation: ChordDeviation = None,
+    join: Join = None,
 ) -> FilmOutline:
     """Read the outline of a film with its holes: DXF, SVG (extra ``outline``).
 
-    Parameters
-    ----------
-    path : str or Path
-        The suffix gives the format.
-    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
-        Unit of the file's coordinates, or its length in mm. By default the one that the file
-        states (DXF ``$INSUNITS``, SVG ``width`` and ``viewBox``), otherwise guessed from the size
-        where that is safe.
-    layers : collection of str
-        Layers to read; of SVG labels and ids. By default all that are shown.
-    chord_deviation : float, optional, [mm]
-        Largest distance of the polygons from arcs, ellipses and splines; by default 1e-4 of the
-        diagonal. They turn by 10 degrees at most in each point.
-    join : float, optional, [mm]
-        Ends of curves closer than this meet; by default 1e-6 of the diagonal.
+    DXF states its unit as ``$INSUNITS``, SVG by ``width`` and ``viewBox``. Polygons turn by 10
+    degrees at most in each point.
 
     Returns
     -------
@@ -119,9 +125,6 @@ def read_drawing(
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
-    for name, value in (("chord_deviation", chord_deviation), ("join", join)):
-        if value is not None and not (isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be a finite length above 0 in mm, got {value!r}")
     wanted = (layers,) if isinstance(layers, str) else tuple(layers)
     drawing = reader(path, wanted)  # coarse, for the size and the unit
     factor, extent, note = _factor(drawing, unit)
@@ -142,23 +145,17 @@ def read_drawing(
     return _with_holes(path, loops, reach + 2.0 * factor * fine)
 
 
+@checked
 def mesh_from_drawing(
-    path: str | Path,
+    path: DrawingFile,
     *,
-    size: float,
-    unit: str | float | None = None,
-    layers: Collection[str] = (),
-    chord_deviation: float | None = None,
-    join: float | None = None,
+    size: QuadSize,
+    unit: FileUnit = None,
+    layers: Layers = (),
+    chord_deviation: ChordDeviation = None,
+    join: Join = None,
 ) -> Mesh:
     """Return a mesh of quads within the outline of a drawing, with Gmsh.
-
-    Parameters
-    ----------
-    path, unit, layers, chord_deviation, join
-        See :func:`read_drawing`.
-    size : float, [mm]
-        Desired edge length.
 
     Returns
     -------

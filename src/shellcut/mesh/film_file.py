@@ -10,17 +10,18 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import scipy
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.formats.abaqus import read_abaqus
 from shellcut.formats.errors import FileError, named
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
-from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.lsdyna import read_lsdyna
 from shellcut.formats.vtk import read_vtk
 from shellcut.numerics.connected_parts import connected_parts
@@ -51,38 +52,34 @@ READERS: dict[str, Callable[[str | Path], FileMesh]] = {
 _COINCIDENT = 1e-9  # relative to the film's size: nodes closer than this coincide
 
 
+@checked
 def read_film(
-    path: str | Path,
+    path: Annotated[str | Path, Option("", "the mesh; its suffix selects the format", form="path")],
     *,
-    unit: str | float | None = None,
-    triangles: Triangles = "refuse",
-    quadratic: Quadratic = "refuse",
-    leave_out: Collection[str] = (),
-    merge: float | None = None,
-    max_fold_deg: float = 60.0,
+    unit: FileUnit = None,
+    triangles: Annotated[
+        Triangles,
+        Option(
+            "",
+            "what to do with triangles, and quads with a repeated node: split makes three quads of "
+            "each, then four of every quad",
+        ),
+    ] = "refuse",
+    quadratic: Annotated[
+        Quadratic,
+        Option("", "what to do with quadratic cells: corners takes these, and straight sides"),
+    ] = "refuse",
+    leave_out: Annotated[
+        Collection[str],
+        Option("", "kinds of other cells to leave out, as the refusal names them", form="names"),
+    ] = (),
+    merge: Annotated[
+        float | None,
+        Option("mm", "merge nodes closer than this", above=0, unset="no merging"),
+    ] = None,
+    max_fold_deg: Annotated[float, Option("deg", "sharpest fold allowed")] = 60.0,
 ) -> Mesh:
     """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu, .vtp and .vtk.
-
-    Parameters
-    ----------
-    path : str or Path
-        The suffix selects the format.
-    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
-        Unit of the file's coordinates, or its length in mm. By default guessed from the size
-        where that is safe, and logged.
-    triangles : {"refuse", "split"}
-        Treatment of triangles, including quads with a repeated node: refuse the mesh, or split
-        every triangle into three quads and then, to stay conforming, every quad into four.
-    quadratic : {"refuse", "corners"}
-        Treatment of quadratic quads, triangles and lines: refuse the mesh, or take their corners
-        and straight sides.
-    leave_out : collection of str
-        Kinds of other cells (named in the refusal) to leave out: solids, beams, quadratic shells.
-    merge : float, optional, [mm]
-        Merge nodes closer than this, for instances that only touch. By default nodes are not
-        merged.
-    max_fold_deg : float
-        See :meth:`Mesh.from_arrays`.
 
     Returns
     -------
@@ -117,12 +114,6 @@ def read_film(
     Mesh(4 nodes, 1 quads, node_sets=['left'], quad_sets=[])
     """
     path = Path(path)
-    if triangles not in ("refuse", "split"):
-        raise ValueError(f'triangles must be "refuse" or "split", got {triangles!r}')
-    if quadratic not in ("refuse", "corners"):
-        raise ValueError(f'quadratic must be "refuse" or "corners", got {quadratic!r}')
-    if merge is not None and not merge > 0.0:
-        raise ValueError(f"merge must be a length above 0 in mm, got {merge!r}")
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise FileError(path, f"the name must end in one of {', '.join(READERS)}")

@@ -12,13 +12,13 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from math import atan2, isfinite
-from typing import Any
+from math import atan2
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, each
 
 from .film_size import check_film_size
@@ -44,22 +44,24 @@ _OPTIONS = {
 }
 
 
+QuadSize: TypeAlias = Annotated[float, Option("mm", "edge length of the quads, about", above=0)]
+
+
 @checked
 def mesh_from_outline(
-    outline: npt.ArrayLike, *, size: float, holes: Sequence[npt.ArrayLike] = ()
+    outline: Annotated[
+        npt.ArrayLike, Option("mm", "vertices in order, without the first again", form="polygon")
+    ],
+    *,
+    size: QuadSize,
+    holes: Annotated[
+        Sequence[npt.ArrayLike], Option("mm", "polygons inside", form="polygons")
+    ] = (),
 ) -> Mesh:
     """Return a plane mesh of quads within a polygon, with Gmsh.
 
-    Parameters
-    ----------
-    outline : array_like, shape (n, 2), [mm]
-        Vertices in order, in either direction, without repeating the first. Between corners
-        (:data:`CORNER_DEG`) the polygon stands for a smooth curve: nodes lie on it, but not on
-        its vertices.
-    size : float, [mm]
-        Desired edge length.
-    holes : sequence of array_like
-        Polygons inside, as ``outline``.
+    Between corners (:data:`CORNER_DEG`) the polygon stands for a smooth curve: nodes lie on it, but
+    not on its vertices.
 
     Returns
     -------
@@ -77,8 +79,6 @@ def mesh_from_outline(
     --------
     >>> mesh = mesh_from_outline([(0, 0), (10, 0), (10, 6), (0, 6)], size=1.0)  # doctest: +SKIP
     """
-    if not isfinite(size) or size <= 0.0:
-        raise MeshError(f"size must be a finite length above 0, got {size!r}")
     names = ["outline", *(f"hole_{k}" for k in range(1, len(holes) + 1))]
     polygons = [
         _polygon(vertices, name) for vertices, name in zip((outline, *holes), names, strict=True)

@@ -21,13 +21,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import ceil, cos, isfinite, pi, sin, sqrt
-from typing import Literal
+from math import ceil, cos, pi, sin, sqrt
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, each
 
 from .film_size import MOST_QUADS, check_film_size
@@ -52,23 +52,28 @@ _OPENINGS: dict[str, tuple[int, int, tuple[float, ...]]] = {
 
 @checked
 def rectangle(
-    length: float,
-    width: float,
+    length: Annotated[float, Option("mm", "along x", above=0)],
+    width: Annotated[float, Option("mm", "along y", above=0)],
     *,
-    size: float | None = None,
-    n_x: int | None = None,
-    n_y: int | None = None,
+    size: Annotated[
+        float | None,
+        Option("mm", "edge length of the quads, about", above=0, unset="from n_x, n_y"),
+    ] = None,
+    n_x: Annotated[
+        int | None, Option("", "quads along x", least=1, most=MOST_QUADS, unset="from size")
+    ] = None,
+    n_y: Annotated[
+        int | None,
+        Option(
+            "",
+            "quads along y; an even n_y has nodes on y = 0",
+            least=1,
+            most=MOST_QUADS,
+            unset="from size",
+        ),
+    ] = None,
 ) -> Mesh:
     """Return a plane sheet, 0 <= x <= length, -width/2 <= y <= width/2.
-
-    Parameters
-    ----------
-    length, width : float, [mm]
-    size : float, optional, [mm]
-        Desired edge length; each side gets the nearest whole number of divisions.
-    n_x, n_y : int, optional
-        Divisions along x and y, instead of ``size``. An even n_y puts a row of nodes exactly on
-        y = 0.
 
     Returns
     -------
@@ -81,16 +86,13 @@ def rectangle(
     >>> rectangle(20.0, 8.0, size=0.8).n_quad
     250
     """
-    _check_positive(length=length, width=width)
     if size is not None:
         if n_x is not None or n_y is not None:
             raise MeshError("specify either size or n_x and n_y, got both; leave one out")
-        _check_positive(size=size)
         check_film_size(length / size * (width / size), "enlarge size, or shrink the sheet")
         n_x, n_y = max(1, round(length / size)), max(1, round(width / size))
     elif n_x is None or n_y is None:
         raise MeshError("specify either size or both n_x and n_y, got neither; add size=...")
-    _check_whole(n_x=n_x, n_y=n_y)
     check_film_size(n_x * n_y, "lower n_x or n_y, or enlarge size")
     x = length * (np.arange(n_x + 1) / n_x)
     y = width * ((2 * np.arange(n_y + 1) - n_y) / (2 * n_y))
@@ -101,26 +103,21 @@ def rectangle(
 
 @checked
 def disc(
-    radius: float,
+    radius: Annotated[float, Option("mm", "of the rim", above=0)],
     *,
-    n_side: int,
-    n_layer: int | None = None,
-    ring_radii: Sequence[float] = (),
+    n_side: Annotated[int, Option("", "quads along a side of the core", least=1, most=MOST_QUADS)],
+    n_layer: Annotated[
+        int | None,
+        Option("", "layers of quads around the core", least=1, unset="square quads"),
+    ] = None,
+    ring_radii: Annotated[
+        Sequence[float], Option("mm", "circles on which nodes lie, decreasing", form="numbers")
+    ] = (),
 ) -> Mesh:
     """Return a plane disc about the origin: a core of quads with layers of quads around it.
 
-    Parameters
-    ----------
-    radius : float, [mm]
-    n_side : int
-        Quads along a side of the core; every circle has 4 n_side evenly spaced nodes, the first on
-        the x axis.
-    n_layer : int, optional
-        Layers around the core, including those between exact rings. By default the number for
-        which the quads inside the innermost ring are about square.
-    ring_radii : sequence of float, optional, [mm]
-        Radii of circles on which nodes lie exactly, decreasing; may include the rim. The layers
-        between the innermost ring and the core are free.
+    Every circle has 4 n_side evenly spaced nodes, the first on the x axis. The layers between the
+    innermost ring and the core are free; ``ring_radii`` may include the rim.
 
     Returns
     -------
@@ -152,13 +149,10 @@ def disc(
     >>> mesh.n_quad, len(mesh.node_set("ring_9.4"))
     (2660, 152)
     """
-    _check_positive(radius=radius)
-    _check_whole(n_side=n_side)
     rings = _check_rings(radius, ring_radii)
     n_exact = len(rings) - 1
     n_free = ceil(n_side * (1.0 / pi - 0.25))  # chord of the ring = mean spacing inside, or above
     if n_layer is not None:
-        _check_whole(n_layer=n_layer)
         n_free = n_layer - n_exact
         if n_free < 1:
             raise MeshError(
@@ -189,48 +183,42 @@ def disc(
 
 
 @checked
-def opening_disc(name: OpeningName) -> Mesh:
+def opening_disc(
+    name: Annotated[OpeningName, Option("", "612, 2660 or 8625 quads")],
+) -> Mesh:
     """Return the sheet of the opening problem: radius 10.2 mm, a ring of edges at r = 9.4 mm.
 
-    Parameters
-    ----------
-    name : {"quick", "M1", "M2"}
-        612, 2,660 or 8,625 quads; the meshes of [Frangi2010] have 2,634 (M1) and 8,647 (M2).
-        The ring has 72, 152 or 276 nodes: four teeth a quarter turn apart all start on nodes.
-        Rows every 0.8, 0.4 or 0.2 mm from the rim down to 8.6, 8.2 or 9.0 mm.
+    The meshes of [Frangi2010] have 2,634 (M1) and 8,647 (M2) quads. The ring has 72, 152 or 276
+    nodes: four teeth a quarter turn apart all start on nodes. Rows every 0.8, 0.4 or 0.2 mm from
+    the rim down to 8.6, 8.2 or 9.0 mm.
 
     Returns
     -------
     Mesh
         As from :func:`disc`, with a further node set "ring", the nodes at r = 9.4 by angle from 0.
     """
-    if name not in _OPENINGS:
-        raise MeshError(f"name must be one of {', '.join(_OPENINGS)}, got {name!r}")
     n_side, n_layer, ring_radii = _OPENINGS[name]
     mesh = disc(_OPENING_RADIUS, n_side=n_side, n_layer=n_layer, ring_radii=ring_radii)
     return mesh.with_sets(node_sets={"ring": mesh.node_set(f"ring_{_OPENING_PATH:g}")})
 
 
 @checked
-def annulus(r_inner: float, r_outer: float, *, n_around: int, n_radial: int) -> Mesh:
+def annulus(
+    r_inner: Annotated[float, Option("mm", "inner radius", above=0)],
+    r_outer: Annotated[float, Option("mm", "outer radius", above=0)],
+    *,
+    n_around: Annotated[int, Option("", "quads around", least=3, most=MOST_QUADS)],
+    n_radial: Annotated[int, Option("", "quads across", least=1, most=MOST_QUADS)],
+) -> Mesh:
     """Return a plane ring about the origin, nodes evenly spaced by angle and by radius.
-
-    Parameters
-    ----------
-    r_inner, r_outer : float, [mm]
-    n_around, n_radial : int
-        Quads around (3 at least) and across.
 
     Returns
     -------
     Mesh
         Node sets "inner" and "outer", by angle from 0.
     """
-    _check_positive(r_inner=r_inner, r_outer=r_outer)
     if r_inner >= r_outer:
         raise MeshError(f"r_inner must be below r_outer, got {r_inner:g} and {r_outer:g}")
-    _check_whole(n_radial=n_radial)
-    _check_whole(least=3, n_around=n_around)
     check_film_size(n_around * n_radial, "lower n_around or n_radial")
     t = np.arange(n_radial + 1) / n_radial
     radii = (1.0 - t) * r_inner + t * r_outer
@@ -245,20 +233,19 @@ def annulus(r_inner: float, r_outer: float, *, n_around: int, n_radial: int) -> 
 
 @checked
 def cylinder(
-    radius: float, length: float, *, n_around: int, n_along: int, arc_deg: float = 360.0
+    radius: Annotated[float, Option("mm", "of the cylinder", above=0)],
+    length: Annotated[float, Option("mm", "along the axis", above=0)],
+    *,
+    n_around: Annotated[int, Option("", "quads around the arc", least=1, most=MOST_QUADS)],
+    n_along: Annotated[int, Option("", "quads along the axis", least=1, most=MOST_QUADS)],
+    arc_deg: Annotated[
+        float, Option("deg", "of the arc; 360 closes the cylinder", above=0, most=360)
+    ] = 360.0,
 ) -> Mesh:
     """Return a cylinder or a barrel roof: a sheet bent about the y axis, directors outward.
 
     The middle of the arc is at the top, (0, y, radius), and -length/2 <= y <= length/2. The
     directors are radial to round-off, not means of quad normals.
-
-    Parameters
-    ----------
-    radius, length : float, [mm]
-    n_around, n_along : int
-        Quads around the arc and along the axis.
-    arc_deg : float
-        Angle of the arc [degrees]; 360 closes the cylinder.
 
     Returns
     -------
@@ -266,10 +253,6 @@ def cylinder(
         Node sets "bottom" and "top" (y = -/+ length/2); unless closed, "left" and "right" (the
         straight sides at smaller and larger x for an arc up to 180 degrees).
     """
-    _check_positive(radius=radius, length=length, arc_deg=arc_deg)
-    if arc_deg > 360.0:
-        raise MeshError(f"arc_deg must be 360 at most, got {arc_deg:g}; 360 closes the cylinder")
-    _check_whole(n_around=n_around, n_along=n_along)
     check_film_size(n_around * n_along, "lower n_around or n_along")
     closed = arc_deg == 360.0
     n_column = n_around if closed else n_around + 1
@@ -351,20 +334,6 @@ def _four_sides(ids: Ints) -> dict[str, npt.ArrayLike]:
 
 
 # --- checks of arguments -------------------------------------------------------------------------
-
-
-def _check_positive(**lengths: float) -> None:
-    for name, value in lengths.items():
-        if not isfinite(value) or value <= 0.0:
-            raise MeshError(f"{name} must be a finite number above 0, got {value!r}")
-
-
-def _check_whole(*, least: int = 1, **counts: int) -> None:
-    for name, value in counts.items():
-        if value < least:
-            raise MeshError(f"{name} must be a whole number of {least} or more, got {value!r}")
-        if value > MOST_QUADS:
-            raise MeshError(f"{name} must be {MOST_QUADS:,} at most, the quads of the largest film")
 
 
 def _check_rings(radius: float, ring_radii: Sequence[float]) -> list[float]:

@@ -14,9 +14,11 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.formats.errors import FileError
 from shellcut.formats.number_table import NumberTable, read_number_table
@@ -27,7 +29,17 @@ from shellcut.unit import conversion
 _OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
 
 
-def read_hardening(path: str | Path) -> Table:
+@checked
+def read_hardening(
+    path: Annotated[
+        str | Path,
+        Option(
+            "",
+            "table of plastic strain and true stress, as shellcut tensile writes it",
+            form="path",
+        ),
+    ],
+) -> Table:
     """Return the hardening in a file.
 
     Raises

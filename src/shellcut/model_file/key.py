@@ -1,338 +1,200 @@
-"""Keys of a model file (type, unit, meaning), and sections made of keys.
+"""Keys of a model file, and the kinds of sections that they make.
 
-A section is a frozen dataclass whose fields carry their :class:`Key` as metadata. If the section
-holds arguments of a constructor, the defaults come from its signature.
+A key is an argument of a constructor with its :class:`~shellcut.arguments.Option`: type, unit,
+bounds, meaning and default are declared there, and nowhere else. A model file may call it by
+another name, or give it the default of a ready model.
 """
 
 from __future__ import annotations
 
 import inspect
-import math
-from collections.abc import Callable
-from dataclasses import MISSING, dataclass, field, fields
-from numbers import Real
-from typing import Any, ClassVar, TypeVar
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from .quantity import quantity
+from shellcut.arguments import Option, declared
 
-# No quantity of a film and its cut comes near these limits in mm, N, s and t, and their fourth
-# powers are still within the range of a double.
-_SMALLEST, _LARGEST = 1e-18, 1e18
+from .forms import FORMS, Form, form_of, written
 
-_LARGEST_COUNT = 10**9  # of anything: quads, teeth, rows, steps between two checks
-
-T = TypeVar("T")
 Constructor = Callable[..., Any]
-
-
-@dataclass(frozen=True)
-class Kind:
-    """Type of a value."""
-
-    wants: str
-    """Description for the table of keys."""
-    read: Callable[[Any], Any]
-    """Converts the TOML value; raises ValueError with "must be ..., got ..."."""
-    unit: str = ""
-    is_file: bool = False
-    tables: type[Section] | None = None
-    """Section class of the tables, if the value is an array of tables."""
+REQUIRED = inspect.Parameter.empty
+"""Default of a key that must be given."""
 
 
 @dataclass(frozen=True)
 class Key:
     """A key of a section."""
 
-    kind: Kind
-    doc: str
-    default: Any = MISSING
-    """If missing, the constructor's default; a key with neither must be given."""
+    form: Form
+    option: Option
+    default: Any = REQUIRED
+    owner: Constructor | None = None
+    """Whose argument it is."""
     parameter: str = ""
-    """Name in the constructor, if different."""
+    """Its name there."""
     also: str = ""
     """A second accepted name."""
-    unset: str = ""
-    """Meaning of leaving out a key whose default is None."""
+    tables: Kind | None = None
+    """Of the tables, if the value is an array of tables."""
+
+    @property
+    def wants(self) -> str:
+        """Type and bounds of the value, in words."""
+        return ", ".join(filter(None, (self.form.wants, self.option.bounds)))
+
+    @property
+    def has_default(self) -> bool:
+        """Whether there is a value if none is given."""
+        return self.default is not REQUIRED and self.default is not None
+
+    @property
+    def told(self) -> str:
+        """The default as in a model file, or what holds without."""
+        if self.has_default:
+            return written(self.default)
+        return "required" if self.default is REQUIRED else self.option.unset
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the value is the path of a file."""
+        return self.form is FORMS["path"]
+
+    def read(self, value: Any) -> Any:
+        """Return the value converted; raise ValueError with "must be ..., got ..."."""
+        read = self.form.read(value, self.option.unit)
+        if beyond := self.option.problem(read):
+            raise ValueError(beyond)
+        return read
 
 
-def key(
-    kind: Kind,
-    doc: str,
-    *,
-    default: Any = MISSING,
-    parameter: str = "",
-    also: str = "",
-    unset: str = "",
-) -> Any:
-    """Return a :class:`Key`, as the default of a field of any type."""
-    return Key(kind, doc, default, parameter, also, unset)
+def keys_of(
+    owner: Constructor,
+    *only: str,
+    renamed: Mapping[str, str] | None = None,
+    defaults: Mapping[str, Any] | None = None,
+    like: object = None,
+    also: Mapping[str, str] | None = None,
+) -> dict[str, Key]:
+    """Return the keys that are arguments of a constructor.
+
+    Parameters
+    ----------
+    owner : callable
+        A class or function whose arguments have options.
+    *only : str
+        Names of the keys; all by default.
+    renamed : mapping from parameter to key, optional
+    defaults : mapping from key to value, optional
+        Defaults of the file that differ.
+    like : object, optional
+        Something made by the constructor, whose attributes are the defaults.
+    also : mapping from key to its second name, optional
+    """
+    found = {}
+    for parameter, (kind, option, default) in declared(owner).items():
+        name = (renamed or {}).get(parameter, parameter)
+        default = default if like is None else getattr(like, parameter)
+        found[name] = Key(
+            form_of(kind, option),
+            option,
+            (defaults or {}).get(name, default),
+            owner,
+            parameter,
+            (also or {}).get(name, ""),
+        )
+    return {name: found[name] for name in only or found}
 
 
+def own_key(form: Form, text: str, default: Any = REQUIRED, **of_option: Any) -> Key:
+    """Return a key that is no argument of a constructor."""
+    return Key(form, Option(of_option.pop("unit", ""), text, **of_option), default)
+
+
+def optional(key: Key, unset: str) -> Key:
+    """Return a key that may be left out, and what holds then."""
+    return replace(key, default=None, option=replace(key.option, unset=unset))
+
+
+@dataclass(frozen=True)
 class Section:
-    """A section of a model file, or one kind of it."""
+    """A section of a model file; its values are attributes too."""
 
-    title: ClassVar[str] = ""
-    kind: ClassVar[str] = ""
-    """Value of its key ``kind``; empty if the section has only one kind."""
-    sign: ClassVar[str] = ""
-    """A key that identifies the kind if ``kind`` is not given."""
-    constructor: ClassVar[Constructor | None] = None
-    deferred: ClassVar[bool] = False
-    """Whether it is constructed only when the model is built, because that reads a file."""
+    of: Kind
+    values: Mapping[str, Any]
 
-    @classmethod
-    def keys(cls) -> dict[str, Key]:
-        """Return the keys by name."""
-        return {f.name: f.metadata["key"] for f in fields(cls)}  # type: ignore[arg-type]
+    def __getattr__(self, name: str) -> Any:
+        """Return the value of a key."""
+        if name.startswith("__") or name not in self.values:
+            raise AttributeError(name)
+        return self.values[name]
 
-    @classmethod
-    def names(cls) -> list[str]:
-        """Return all names allowed in the section, including second names."""
-        keys = cls.keys()
-        own = ["kind"] if cls.kind else []
-        return [*own, *keys, *(key.also for key in keys.values() if key.also)]
+    @property
+    def kind(self) -> str:
+        """Value of its key ``kind``, or ""."""
+        return self.of.name
+
+    def with_values(self, **values: Any) -> Section:
+        """Return the section with other values."""
+        return replace(self, values={**self.values, **values})
 
     def arguments(self) -> dict[str, Any]:
-        """Return the values of the constructor's arguments."""
-        assert self.constructor is not None
-        known = inspect.signature(self.constructor).parameters
-        given = {key.parameter or name: getattr(self, name) for name, key in self.keys().items()}
-        return {name: value for name, value in given.items() if name in known}
+        """Return those values that are arguments of the constructor, and not None."""
+        assert self.of.constructor is not None
+        known = inspect.signature(self.of.constructor).parameters
+        given = {key.parameter: self.values[name] for name, key in self.of.keys.items()}
+        given = {name: value for name, value in given.items() if value is not None}
+        return {name: value for name, value in given.items() if name in known} | dict(self.of.fixed)
+
+    def called(self, **more: Any) -> Any:
+        """Call the constructor with the values."""
+        assert self.of.constructor is not None
+        return self.of.constructor(**self.arguments(), **more)
 
     def made(self) -> Any:
-        """Call the constructor with the values.
+        """Return what the section describes.
 
         Raises
         ------
         ValueError
             If the values do not fit together.
         """
-        assert self.constructor is not None
-        return self.constructor(**self.arguments())
+        return self.called() if self.of.make is None else self.of.make(self)
 
 
-def section(
-    title: str,
-    *,
-    of: Constructor | None = None,
-    kind: str = "",
-    sign: str = "",
-    deferred: bool = False,
-) -> Callable[[type[T]], type[T]]:
-    """Make a section from a class whose attributes are keys."""
+@dataclass(eq=False, repr=False)
+class Kind:
+    """A section, or one kind of it: which keys it has, and what is made of them.
 
-    def make(cls: type[T]) -> type[T]:
-        for name, key in list(vars(cls).items()):
-            if isinstance(key, Key):
-                default = key.default
-                if default is MISSING and of is not None:
-                    default = _default(of, key.parameter or name)
-                setattr(cls, name, field(default=default, metadata={"key": key}))
-        for name, value in (
-            ("title", title),
-            ("kind", kind),
-            ("sign", sign),
-            ("constructor", None if of is None else staticmethod(of)),
-            ("deferred", deferred),
-        ):
-            setattr(cls, name, value)
-        return dataclass(frozen=True, kw_only=True)(cls)
-
-    return make
-
-
-def default_of(constructor: Constructor, parameter: str) -> Any:
-    """Return the default of a parameter."""
-    return inspect.signature(constructor).parameters[parameter].default
-
-
-def _default(constructor: Constructor, parameter: str) -> Any:
-    parameters = inspect.signature(constructor).parameters
-    found = parameters[parameter].default if parameter in parameters else inspect.Parameter.empty
-    return MISSING if found is inspect.Parameter.empty else found
-
-
-# --- kinds of values -----------------------------------------------------------------------------
-
-
-def _number(value: Any, unit: str, *, smallest: float = _SMALLEST) -> float:
-    wants = f"a number in {unit}" if unit else "a number"
-    if isinstance(value, str):
-        x = quantity(value, unit)
-    elif isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise ValueError(f"must be {wants}, got {value!r}")
-    else:
-        x = float(value)
-    if x and not smallest <= abs(x) <= _LARGEST:
-        raise ValueError(
-            f"must be {wants}, 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, got {value!r}"
-        )
-    return x
-
-
-def number(unit: str = "", *, least: float | None = None, above: float | None = None) -> Kind:
-    """Return the kind of a number; with a unit it may be a text such as "12 um".
-
-    Give bounds only where no constructor checks the value before the model is built.
+    Called with values, it returns a :class:`Section` with the defaults filled in.
     """
 
-    def read(value: Any) -> float:
-        x = _number(value, unit)
-        if least is not None and x < least:
-            raise ValueError(f"must be {least:g} or more, got {value!r}")
-        if above is not None and x <= above:
-            raise ValueError(f"must be above {above:g}, got {value!r}")
-        return x
+    doc: str
+    keys: Mapping[str, Key]
+    constructor: Constructor | None = None
+    name: str = ""
+    """Value of its key ``kind``; empty if the section has only one kind."""
+    sign: str = ""
+    """A key that identifies the kind if ``kind`` is not given."""
+    deferred: bool = False
+    """Whether it is made only when the model is built, because that reads a file."""
+    spread: bool = False
+    """Whether the model's builder takes the values, not what is made of them."""
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    """Further arguments of the constructor."""
+    make: Callable[[Section], Any] | None = None
+    """Makes it; by default the constructor does."""
 
-    return Kind("number", read, unit)
+    def __call__(self, **values: Any) -> Section:
+        """Return a section with the defaults filled in."""
+        return Section(self, {name: key.default for name, key in self.keys.items()} | values)
 
+    def names(self) -> list[str]:
+        """Return all names allowed in the section, including second names."""
+        own = ["kind"] if self.name else []
+        return [*own, *self.keys, *(key.also for key in self.keys.values() if key.also)]
 
-def _whole(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"must be a whole number, got {value!r}")
-    if abs(value) > _LARGEST_COUNT:
-        raise ValueError(f"must be a whole number up to {_LARGEST_COUNT:,}, got a larger one")
-    return value
-
-
-def _flag(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"must be true or false, got {value!r}")
-    return value
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str) or not value:
-        raise ValueError(f"must be a text, got {value!r}")
-    return value
-
-
-whole = Kind("whole number", _whole)
-flag = Kind("true or false", _flag)
-text = Kind("text", _text)
-file = Kind("path", _text, is_file=True)
-
-
-def count(least: int) -> Kind:
-    """Return the kind of a whole number with a lower bound."""
-
-    def read(value: Any) -> int:
-        if _whole(value) < least:
-            raise ValueError(f"must be {least} or more, got {value!r}")
-        return _whole(value)
-
-    return Kind(f"whole number from {least} on", read)
-
-
-def choice(*allowed: str, instead_of: Callable[[Any], str] = lambda _: "") -> Kind:
-    """Return the kind of a name out of several; a refusal ends with what to write instead."""
-    listed = ", ".join(f'"{name}"' for name in allowed)
-
-    def read(value: Any) -> str:
-        if value not in allowed:
-            raise ValueError(f"must be one of {listed}, got {value!r}{instead_of(value)}")
-        return str(value)
-
-    return Kind(listed, read)
-
-
-def numbers(unit: str = "", *, count: int | None = None) -> Kind:
-    """Return the kind of an array of numbers."""
-    wants = "numbers" if count is None else f"{count} numbers"
-
-    def read(value: Any) -> tuple[float, ...]:
-        if not isinstance(value, list | tuple) or (count is not None and len(value) != count):
-            raise ValueError(f"must be an array of {wants}, got {value!r}")
-        # components may be as small as the round-off of a sine
-        return tuple(_number(one, unit, smallest=0.0) for one in value)
-
-    return Kind(f"array of {wants}", read, unit)
-
-
-def _whole_numbers(value: Any) -> tuple[int, ...]:
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"must be an array of whole numbers, got {value!r}")
-    return tuple(_whole(one) for one in value)
-
-
-def _names(value: Any) -> tuple[str, ...]:
-    if isinstance(value, str):
-        return (_text(value),)
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"must be a name or an array of names, got {value!r}")
-    return tuple(_text(one) for one in value)
-
-
-def _set_or_ids(value: Any) -> str | tuple[int, ...]:
-    if isinstance(value, str):
-        return _text(value)
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"must be the name of a node set or an array of node ids, got {value!r}")
-    return _whole_numbers(value)
-
-
-def _axes(value: Any) -> str:
-    if not isinstance(value, str) or set(value) - set("xyz"):
-        raise ValueError(f"must be made of the letters x, y, z, got {value!r}")
-    return value
-
-
-axes = Kind("of the letters x, y, z", _axes)
-whole_numbers = Kind("array of whole numbers", _whole_numbers)
-names = Kind("name or names", _names)
-set_or_ids = Kind("node set or ids", _set_or_ids)
-
-
-def polygon() -> Kind:
-    """Return the kind of a polygon, an array of points [mm]."""
-    return Kind("array of [x, y]", _polygon, "mm")
-
-
-def polygons() -> Kind:
-    """Return the kind of an array of polygons [mm]."""
-
-    def read(value: Any) -> tuple[Any, ...]:
-        if not isinstance(value, list | tuple):
-            raise ValueError(f"must be an array of polygons, got {value!r}")
-        return tuple(_polygon(one) for one in value)
-
-    return Kind("array of polygons", read, "mm")
-
-
-def _polygon(value: Any) -> tuple[tuple[float, ...], ...]:
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"must be an array of points [x, y] in mm, got {value!r}")
-    point = numbers("mm", count=2).read
-    return tuple(point(one) for one in value)
-
-
-def _length_unit(value: Any) -> str | float:
-    return _text(value) if isinstance(value, str) else _number(value, "mm")
-
-
-def _direction(value: Any) -> str | tuple[float, ...]:
-    if isinstance(value, str):
-        return _text(value)
-    read: Callable[[Any], tuple[float, ...]] = numbers(count=3).read
-    return read(value)
-
-
-length_unit = Kind("name of a unit, or its length in mm", _length_unit)
-direction = Kind('"x", "y", "z", "-x", ... or 3 numbers', _direction)
-
-
-def rates(unit: str) -> Kind:
-    """Return the kind of a table from axes to constant rates, as {x = 3.0}."""
-
-    def read(value: Any) -> tuple[tuple[str, float], ...]:
-        pairs = value.items() if isinstance(value, dict) else value
-        if not isinstance(value, dict | tuple) or {axis for axis, _ in pairs} - set("xyz"):
-            raise ValueError(f"must be a table of numbers for x, y, z, got {value!r}")
-        return tuple((axis, _number(one, unit)) for axis, one in pairs)
-
-    return Kind("table of x, y, z", read, unit)
-
-
-def tables(of: type[Section]) -> Kind:
-    """Return the kind of an array of tables."""
-    return Kind("array of tables", lambda value: value, tables=of)
+    def with_keys(self, keys: Mapping[str, Key] | None = None, **defaults: Any) -> Kind:
+        """Return the kind with further keys, and with other defaults."""
+        every = {**self.keys, **(keys or {})}
+        own = {name: replace(every[name], default=value) for name, value in defaults.items()}
+        return replace(self, keys=every | own)

@@ -2,54 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import MISSING, dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from .errors import guess
-from .key import Key, Section
-from .run_sections import Head
-from .section_table import LISTS, SECTIONS
-from .writer import written
-
-
-@dataclass(frozen=True)
-class Entry:
-    """Description of a key.
-
-    Examples
-    --------
-    >>> pitch = found(["pitch"])[0].entries[0]
-    >>> pitch.wants, pitch.unit, pitch.default, pitch.doc
-    ('number', 'mm', '12.0', 'advance a turn')
-    """
-
-    name: str
-    also: str
-    """A second name, or ""."""
-    wants: str
-    """Type of the value."""
-    unit: str
-    default: str
-    """As in a model file if :attr:`has_default`; otherwise the meaning of leaving it out."""
-    has_default: bool
-    doc: str
+from .key import Key, Kind
+from .section_table import HEAD, LISTS, SECTIONS
 
 
 @dataclass(frozen=True)
 class Table:
-    """The keys of one section, or of one kind of it."""
+    """The keys of one section, or of one kind of it.
+
+    Examples
+    --------
+    >>> pitch = found(["pitch"])[0].keys["pitch"]
+    >>> pitch.wants, pitch.option.unit, pitch.told, pitch.option.text
+    ('number', 'mm', '12.0', 'advance per turn; 0 for a pure rotation')
+    """
 
     title: str
     """As written in a model file, ``[tool]``; empty before the first section."""
-    kind: str
-    """Value of its key ``kind``, or ""."""
-    sign: str
-    """Key that identifies the kind without ``kind``, or ""."""
+    kind: Kind
     models: tuple[str, ...]
     """Models that have the section."""
-    doc: str
-    entries: tuple[Entry, ...]
+    keys: Mapping[str, Key]
 
     @property
     def where(self) -> str:
@@ -62,14 +39,14 @@ class Table:
 def tables() -> Iterator[Table]:
     """Yield all sections and their kinds, in order."""
     every = tuple(SECTIONS)
-    yield _table("", Head, every)
+    yield Table("", HEAD, every, HEAD.keys)
     for title, kinds in _owners().items():
         brackets = f"[[{title}]]" if title in LISTS["free"] else f"[{title}]"
         for kind, models in kinds.items():
-            yield _table(brackets, kind, tuple(models))
-            for name, key in kind.keys().items():
-                if key.kind.tables is not None:
-                    yield _table(f"[[{title}.{name}]]", key.kind.tables, tuple(models))
+            yield Table(brackets, kind, tuple(models), kind.keys)
+            for name, key in kind.keys.items():
+                if (of := key.tables) is not None:
+                    yield Table(f"[[{title}.{name}]]", of, tuple(models), of.keys)
 
 
 def found(words: Sequence[str]) -> list[Table]:
@@ -85,50 +62,34 @@ def found(words: Sequence[str]) -> list[Table]:
 
     Examples
     --------
-    >>> [(table.title, entry.name) for table in found(["young"]) for entry in table.entries]
+    >>> [(table.title, name) for table in found(["young"]) for name in table.keys]
     [('[material]', 'young'), ('[[material.layers]]', 'young')]
     """
     wanted = [word.lower() for word in words]
     chosen = []
     for table in tables():
-        own = " ".join((table.title, table.kind, table.doc)).lower()
-        entries = [entry for entry in table.entries if _has(own, entry, wanted)]
-        if entries:
-            chosen.append(
-                Table(table.title, table.kind, table.sign, table.models, table.doc, tuple(entries))
-            )
+        own = " ".join((table.title, table.kind.name, table.kind.doc)).lower()
+        keys = {name: key for name, key in table.keys.items() if _has(own, name, key, wanted)}
+        if keys:
+            chosen.append(replace(table, keys=keys))
     if not chosen:
-        names = {entry.name for table in tables() for entry in table.entries}
+        names = {name for table in tables() for name in table.keys}
         near = "".join(guess(word, sorted(names)) for word in words)
         raise ValueError(f"no key contains {' and '.join(map(repr, words))}{near}")
     return chosen
 
 
-def _has(own: str, entry: Entry, wanted: Sequence[str]) -> bool:
-    text = " ".join((entry.name, entry.also, entry.wants, entry.unit, entry.doc)).lower()
+def _has(own: str, name: str, key: Key, wanted: Sequence[str]) -> bool:
+    text = " ".join((name, key.also, key.wants, key.option.unit, key.option.text)).lower()
     return all(word in own or word in text for word in wanted)
 
 
-def _owners() -> dict[str, dict[type[Section], list[str]]]:
+def _owners() -> dict[str, dict[Kind, list[str]]]:
     """Return the kinds of each section, each with the models that have it."""
-    owners: dict[str, dict[type[Section], list[str]]] = {}
+    owners: dict[str, dict[Kind, list[str]]] = {}
     for layout in (SECTIONS, LISTS):
         for model, sections in layout.items():
             for title, kinds in sections.items():
                 for kind in kinds:
                     owners.setdefault(title, {}).setdefault(kind, []).append(model)
     return owners
-
-
-def _table(title: str, kind: type[Section], models: tuple[str, ...]) -> Table:
-    doc = (kind.__doc__ or "").split("\n")[0]
-    entries = tuple(_entry(kind, name, key) for name, key in kind.keys().items())
-    return Table(title, kind.kind, kind.sign, models, doc, entries)
-
-
-def _entry(kind: type[Section], name: str, key: Key) -> Entry:
-    default: Any = kind.__dataclass_fields__[name].default  # type: ignore[attr-defined]
-    without = {True: "required", False: key.unset}
-    has_default = default is not MISSING and default is not None
-    text = written(default) if has_default else without[default is MISSING]
-    return Entry(name, key.also, key.kind.wants, key.kind.unit, text, has_default, key.doc)

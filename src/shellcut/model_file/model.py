@@ -12,7 +12,6 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
 
 from .key import Section
-from .run_sections import Head
 from .source import Source
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ class Model:
 
     Attributes
     ----------
-    head : Head
+    head : Section
         The keys before the first section.
     sections : dict of str to Section
         Sections that occur once, by title; all of them.
@@ -45,16 +44,16 @@ class Model:
     20.0
     """
 
-    head: Head
-    sections: Mapping[str, Any]
-    lists: Mapping[str, tuple[Any, ...]]
+    head: Section
+    sections: Mapping[str, Section]
+    lists: Mapping[str, tuple[Section, ...]]
     recorded: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
     source: Source = field(default_factory=Source.empty, compare=False, repr=False)
 
     @property
     def name(self) -> str:
         """Stem of the result file."""
-        return self.head.name or self.head.model
+        return str(self.head.name or self.head.model)
 
     def build(self) -> Case:
         """Build the case, ready to run.
@@ -79,8 +78,7 @@ class Model:
 
     def with_threads(self, threads: int) -> Model:
         """Return the same model with another number of threads."""
-        head = Head(**{**vars(self.head), "threads": threads})
-        return replace(self, head=head)
+        return replace(self, head=self.head.with_values(threads=threads))
 
     def run_options(self) -> dict[str, Any]:
         """Return the arguments of :meth:`Case.run` given in ``[output]``."""
@@ -96,10 +94,10 @@ class Model:
     def files(self) -> list[str]:
         """Return the absolute paths of the files the model reads."""
         return [
-            str(getattr(one, name))
+            str(one.values[name])
             for one in self.all_sections()
-            for name, key in one.keys().items()
-            if key.kind.is_file and getattr(one, name) is not None
+            for name, key in one.of.keys.items()
+            if key.is_file and one.values[name] is not None
         ]
 
     def changed_files(self) -> list[str]:
@@ -110,9 +108,9 @@ class Model:
         """Yield every section, including those of lists and the tables in a section."""
         for section in self.sections.values():
             yield section
-            for name, key in section.keys().items():
-                if key.kind.tables is not None:
-                    yield from getattr(section, name)
+            for name, key in section.of.keys.items():
+                if key.tables is not None:
+                    yield from section.values[name]
         for several in self.lists.values():
             yield from several
 

@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from .errors import ModelFileError, Problem, guess, listed
-from .presets import named_material
-from .run_sections import Head
-from .section_table import LISTS, SECTIONS, Kinds
+from .preset_keys import named_material
+from .section_table import HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, beyond_all
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
@@ -71,7 +70,7 @@ def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) ->
     and are refused later.
     """
     for kind in kinds:
-        if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also):
+        if kind.sign and key in (kind.sign, kind.keys[kind.sign].also):
             known = {name for other in kinds for name in other.names()}
             foreign = known - set(kind.names()) | {"kind"}
             return {
@@ -83,8 +82,7 @@ def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) ->
 
 
 def _path_of(name: str, model: str) -> KeyPath:
-    head = Head.keys()
-    if name in head:
+    if name in HEAD.keys:
         return (name,)
     if name == "material":
         return ("material", "preset")
@@ -106,4 +104,4 @@ def _path_of(name: str, model: str) -> KeyPath:
         candidates = ", ".join(f"{owner}.{name}" for owner in owners)
         raise ValueError(f"several sections have this key: write one of {candidates}")
     everything = {known for kinds in layout.values() for kind in kinds for known in kind.names()}
-    raise ValueError(f"no section has this key{guess(name, sorted(everything | set(head)))}")
+    raise ValueError(f"no section has this key{guess(name, sorted(everything | set(HEAD.keys)))}")

@@ -1,22 +1,13 @@
-"""Films by name, from ``presets.toml``: their keys, and how these fill those of a model file.
-
-``[material] preset = "pet"`` gives every key that the section does not give itself; the same holds
-in ``[[material.layers]]``. Keys that cannot go with a given one, as those of another hardening,
-are left out. ``material = "pet"`` before the first section, and ``--set material=pet``, stand for a
-section with this key alone.
-"""
+"""Films by name, from ``presets.toml``."""
 
 from __future__ import annotations
 
 import functools
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
-
-from .material_of_keys import HARDENINGS, PLASTIC
-from .source import Source
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -70,49 +61,3 @@ def presets() -> dict[str, Preset]:
 def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
     """Return the names; of laminates, or of single layers, only if asked for."""
     return tuple(n for n, one in presets().items() if layers in (None, "layers" in one.keys))
-
-
-def named_material(source: Source) -> Source:
-    """Return the source with a section ``[material]`` for a name in its place."""
-    name = source.values.get("material")
-    if not isinstance(name, str):
-        return source
-    lines = dict(source.lines)
-    if ("material",) in lines:
-        lines["material", "preset"] = lines["material",]
-    return replace(source, values={**source.values, "material": {"preset": name}}, lines=lines)
-
-
-def with_presets(source: Source) -> Source:
-    """Return the source with the keys of its presets filled in."""
-    table = source.values.get("material")
-    if not isinstance(table, dict):
-        return source
-    filled = filled_in(table)
-    return replace(source, values={**source.values, "material": filled})
-
-
-def filled_in(table: dict[str, Any]) -> dict[str, Any]:
-    """Return the keys of a material, or of a layer, with those of its preset."""
-    preset = presets().get(str(table.get("preset", "")))
-    keys = table
-    if preset is not None and not ("layers" in table and "layers" not in preset.keys):
-        keys = {**_fitting(preset.keys, table), **table}
-    layers = keys.get("layers")
-    if isinstance(layers, list):
-        keys = {
-            **keys,
-            "layers": [filled_in(one) if isinstance(one, dict) else one for one in layers],
-        }
-    return keys
-
-
-def _fitting(preset: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a preset that can go with the given ones."""
-    gone: set[str] = set()
-    if given.get("law") in ("elastic", "hencky"):
-        gone |= set(PLASTIC)
-    for group in HARDENINGS:
-        if any(name in given for name in group):
-            gone |= {name for other in HARDENINGS if other is not group for name in other}
-    return {name: value for name, value in preset.items() if name not in gone}

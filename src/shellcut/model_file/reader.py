@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -13,12 +12,11 @@ from typing import Any
 from shellcut.files.regular_file import read_regular
 
 from .errors import ModelFileError, Problem, guess, is_refusal, listed
-from .key import Key, Section
+from .key import REQUIRED, Key, Kind, Section
 from .model import Model
 from .overrides import overridden
-from .presets import named_material, with_presets
-from .run_sections import Head
-from .section_table import GONE, LISTS, SECTIONS, Kinds
+from .preset_keys import named_material, with_presets
+from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 
 FILES = "files"
@@ -27,7 +25,6 @@ FILES = "files"
 _LARGEST = 10_000_000  # bytes of a model file; the shipped ones have a few thousand
 
 _LONGEST_TEXT = 1000  # characters of a problem; it may quote a value of any length
-_STEM = re.compile(r"[\w.-]+")
 
 
 def read_model(
@@ -73,6 +70,21 @@ def model_of_text(text: str, name: str) -> Model:
         Lists every problem; ``name`` stands for the file.
     """
     return _Reading(parse(text, name, Path.cwd())).model()
+
+
+def read_section(source: Source, kind: Kind, title: str) -> Section:
+    """Return a section of another file than a model.
+
+    Raises
+    ------
+    ModelFileError
+        Lists every problem.
+    """
+    reading = _Reading(source)
+    section = reading.section((kind,), reading.table(title), (title,), "")
+    reading.raise_if_wrong()
+    assert section is not None
+    return section
 
 
 class ModelVariants:
@@ -159,14 +171,11 @@ class _Reading:
     def model(self) -> Model:
         values = self.source.values
         tables = {k: v for k, v in values.items() if isinstance(v, dict | list)}
-        head_keys = Head.keys()
-        misplaced = {k: v for k, v in tables.items() if k in head_keys}
+        misplaced = {k: v for k, v in tables.items() if k in HEAD.keys}
         head_table = {k: v for k, v in values.items() if k not in tables} | misplaced
         model = head_table.get("model")
         known = model if isinstance(model, str) and model in SECTIONS else ""
-        head = self.section((Head,), head_table, (), known)
-        if isinstance(head, Head) and head.name and not _STEM.fullmatch(head.name):
-            self.say(("name",), f"name must be letters, digits, '.', '_', '-', got {head.name!r}")
+        head = self.section((HEAD,), head_table, (), known)
         if not known:
             self.raise_if_wrong()
         sections, lists = SECTIONS[known], LISTS[known]
@@ -188,10 +197,9 @@ class _Reading:
         if self.problems:
             whole = {title: section for title, section in read.items() if section is not None}
             those = {title: tuple(one for one in each if one) for title, each in several.items()}
-            named = Head(**{"model": known})
-            self.raise_if_wrong(Model(named, whole, those, {}, self.source))
-        assert isinstance(head, Head)
-        return Model(head, read, several, recorded, self.source)
+            self.raise_if_wrong(Model(HEAD(model=known), whole, those, {}, self.source))
+        assert head is not None
+        return Model(head, read, several, recorded, self.source)  # type: ignore[arg-type]
 
     def say(self, path: KeyPath, text: str) -> None:
         shown = text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} ..."
@@ -235,11 +243,11 @@ class _Reading:
         cls = self.choose(kinds, table, path)
         if cls is None:
             return None
-        keys, title = cls.keys(), _shown(path)
+        keys, title = cls.keys, _shown(path)
         values: dict[str, Any] = {}
         aliases = {key.also: name for name, key in keys.items() if key.also}
         for given, value in table.items():
-            if given == "kind" and cls.kind:
+            if given == "kind" and cls.name:
                 continue
             name = aliases.get(given, given)
             if name not in keys:
@@ -249,9 +257,8 @@ class _Reading:
             else:
                 values[name] = self.value(keys[name], value, (*path, given), f"{title}{given}")
         for name, key in keys.items():
-            default = cls.__dataclass_fields__[name].default  # type: ignore[attr-defined]
-            if name not in values and default is MISSING:
-                self.say(path, f"{title}{name} must be given: {key.doc}")
+            if name not in values and key.default is REQUIRED:
+                self.say(path, f"{title}{name} must be given: {key.option.text}")
         if len(self.problems) > before:
             return None
         made = cls(**values)
@@ -259,8 +266,8 @@ class _Reading:
             self.try_out(made, path)
         return made
 
-    def choose(self, kinds: Kinds, table: dict[str, Any], path: KeyPath) -> type[Section] | None:
-        by_name = {kind.kind: kind for kind in kinds if kind.kind}
+    def choose(self, kinds: Kinds, table: dict[str, Any], path: KeyPath) -> Kind | None:
+        by_name = {kind.name: kind for kind in kinds if kind.name}
         if by_name and "kind" in table:
             given = str(table["kind"])
             if given in by_name:
@@ -269,7 +276,7 @@ class _Reading:
             self.say((*path, "kind"), f"{_shown(path)}kind {given!r} is unknown{hint}")
             return None
         for kind in kinds:
-            also = kind.keys()[kind.sign].also if kind.sign else ""
+            also = kind.keys[kind.sign].also if kind.sign else ""
             if kind.sign and (kind.sign in table or (also and also in table)):
                 return kind
         if path and len(path) > 1 and len(kinds) > 1:
@@ -277,9 +284,7 @@ class _Reading:
             return None
         return kinds[0]
 
-    def unknown_key(
-        self, name: str, cls: type[Section], kinds: Kinds, path: KeyPath, model: str
-    ) -> None:
+    def unknown_key(self, name: str, cls: Kind, kinds: Kinds, path: KeyPath, model: str) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
         owner = ".".join(map(str, path))
         if gone := GONE.get((owner, name)):
@@ -287,8 +292,8 @@ class _Reading:
             return
         for kind in kinds:
             if kind is not cls and name in kind.names():
-                chosen = f'kind = "{cls.kind}"' if cls.kind else "this one"
-                theirs = f'kind = "{kind.kind}"' if kind.kind else f"one with {kind.sign}"
+                chosen = f'kind = "{cls.name}"' if cls.name else "this one"
+                theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
                 self.say(place, f"key {shown} belongs to {theirs}, not to {chosen}")
                 return
         owners = [
@@ -302,18 +307,19 @@ class _Reading:
         self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")
 
     def value(self, key: Key, value: Any, path: KeyPath, shown: str) -> Any:
-        if key.kind.tables is not None:
+        if key.tables is not None:
             if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
                 self.say(path, f"{shown} must be an array of tables, got {value!r}")
                 return ()
-            of = key.kind.tables
+            of = key.tables
             return tuple(self.section((of,), one, (*path, n), "") for n, one in enumerate(value))
         try:
-            read = key.kind.read(value)
+            read = key.read(value)
         except ValueError as problem:
-            self.say(path, f"{shown} {problem}")
+            instead = GONE.get((str(path[0]), f"{path[-1]} = {value}"), "")
+            self.say(path, f"{shown} {problem}{instead and f'; {instead}'}")
             return None
-        if not key.kind.is_file:
+        if not key.is_file:
             return read
         try:
             found = (self.source.base(path) / Path(read).expanduser()).resolve()
@@ -328,7 +334,7 @@ class _Reading:
 
     def try_out(self, made: Section, path: KeyPath) -> None:
         """Record an error of the constructor, at the line of the first key that it names."""
-        if made.constructor is None or made.deferred or made.title == "output":
+        if made.of.constructor is None or made.of.deferred:
             return
         try:
             made.made()
@@ -349,7 +355,7 @@ def _line(problem: Problem) -> int:
 def _named_key(made: Section, path: KeyPath, reason: str) -> KeyPath:
     words = re.findall(r"\w+", reason)
     for word in words:
-        for name, key in made.keys().items():
+        for name, key in made.of.keys.items():
             if word in (name, key.parameter):
                 return (*path, name)
     return path

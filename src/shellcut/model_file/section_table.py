@@ -1,137 +1,376 @@
-"""Sections of each model and their kinds; the first kind is the default."""
+"""Sections of each model and their kinds; the first kind is the default.
+
+What a key is stands at the argument of the constructor. Here stands which constructors a section
+describes, and which defaults a ready model gives them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
-from .film_sections import (
-    Disc,
-    DrawnFilm,
-    FilmFile,
-    FreeDrawnFilm,
-    FreeFile,
-    FreeOpeningDisc,
-    FreeOutline,
-    OpeningDisc,
-    Outline,
-    Rectangle,
-    Strip,
-    StripFile,
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.settings import Contact
+from shellcut.fracture.options import NO_IMPRINT, Fracture
+from shellcut.mesh.drawing import mesh_from_drawing
+from shellcut.mesh.film_file import read_film
+from shellcut.mesh.outline import mesh_from_outline
+from shellcut.mesh.structured import disc, opening_disc, rectangle
+from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
+from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
+from shellcut.models.oscillating import (
+    CONTACT as BAR_CONTACT,
 )
-from .key import Section
-from .material_sections import Homogeneous, Laminate
-from .oscillating_sections import (
-    BandedStrip,
-    Bar,
-    BarWay,
-    BrittleFilm,
-    BrittleLaw,
-    FreeFracture,
-    LittleDamping,
-    SoftContact,
+from shellcut.models.oscillating import (
+    FILM as BAR_FILM,
 )
-from .run_sections import (
-    Cohesive,
-    ContactSection,
-    Damping,
-    ForceLoad,
-    FractureSection,
-    GravityLoad,
-    MomentLoad,
-    OpeningContact,
-    Output,
-    PressureLoad,
-    SupportSection,
-    Time,
-    TractionLoad,
+from shellcut.models.oscillating import (
+    FRACTURE as BAR_FRACTURE,
 )
-from .tool_sections import (
-    Blade,
-    OpeningScrew,
-    Screw,
-    Straight,
-    StripBlade,
-    StripWay,
-    Table,
-    Teeth,
-    ToolFile,
+from shellcut.models.oscillating import (
+    LAW as BAR_LAW,
 )
-from .trouser_sections import (
-    LegWay,
-    TornDamping,
-    TornFilm,
-    TornFracture,
-    TornLaw,
-    TrouserStrip,
+from shellcut.models.oscillating import STIFFNESS_DAMPING, bar_before, way_of
+from shellcut.models.trouser import (
+    FRACTURE as TEAR_FRACTURE,
+)
+from shellcut.models.trouser import (
+    LAW as TEAR_LAW,
+)
+from shellcut.models.trouser import MASS_DAMPING, THICKNESS, trouser_strip
+from shellcut.recording.run_options import RunOptions
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
+from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.table_motion import TableMotion
+from shellcut.tool.tool_file import read_tool
+
+from .forms import FORMS, choice
+from .key import Constructor, Kind, Section, keys_of, optional, own_key
+from .load_sections import LOADS, SUPPORT
+from .material_keys import HOMOGENEOUS, LAMINATE
+
+Kinds = tuple[Kind, ...]
+
+HEAD = Kind(
+    "Keys before the first section.",
+    {
+        "model": own_key(
+            choice("opening", "guillotine", "free", "trouser", "oscillating"), "kind of model"
+        ),
+        "name": own_key(FORMS["stem"], "stem of the result file", None, unset="the model's name"),
+        **keys_of(Simulation, "directional", "imperfection", "threads"),
+    },
+    spread=True,
 )
 
-Kinds = tuple[type[Section], ...]
+# --- [membrane] ----------------------------------------------------------------------------------
+
+_FREE = keys_of(free_cut, "clamp", "notch")
+_RIM = keys_of(opening_test, "clamp")
+
+OPENING_DISC = Kind(
+    "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre.",
+    keys_of(opening_disc, renamed={"name": "mesh"}, defaults={"mesh": "M1"}),
+    opening_disc,
+    name="opening",
+    sign="mesh",
+)
+STRIP = Kind(
+    "A strip from x = 0 with its long sides clamped.",
+    keys_of(guillotine, "length", "width", "size", "notch"),
+    strip_of,
+    name="strip",
+    sign="length",
+    spread=True,
+)
+RECTANGLE = Kind(
+    "A sheet, x from 0, y about 0, with node sets left, right, bottom and top.",
+    keys_of(rectangle) | _FREE,
+    rectangle,
+    name="rectangle",
+    sign="length",
+)
+DISC = Kind(
+    "A disc about the origin, with node sets rim and centre and one per ring.",
+    keys_of(disc) | _FREE,
+    disc,
+    name="disc",
+    sign="radius",
+)
+FILM_FILE = Kind(
+    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, but in free models.",
+    keys_of(read_film, renamed={"path": "file"}, also={"unit": "scale"}),
+    read_film,
+    name="file",
+    sign="file",
+    deferred=True,
+)
+OUTLINE = Kind(
+    "A mesh of a polygon with holes, made by Gmsh; node sets outline, hole_1, ...",
+    keys_of(mesh_from_outline),
+    mesh_from_outline,
+    name="outline",
+    sign="outline",
+    deferred=True,
+)
+DRAWING = Kind(
+    "A mesh of the outline in a drawing, DXF or SVG, by Gmsh; node sets outline, hole_1, ...",
+    keys_of(mesh_from_drawing, renamed={"path": "drawing"}),
+    mesh_from_drawing,
+    name="drawing",
+    sign="drawing",
+    deferred=True,
+)
+
+# --- [tool] --------------------------------------------------------------------------------------
+
+_SHIFT = {
+    "shift": own_key(
+        FORMS["3 numbers"], "moves the tool before the run", (0.0, 0.0, 0.0), unit="mm"
+    )
+}
 
 
-def _sections(
-    membrane: Kinds, tool: Kinds, motion: Kinds, contact: Kinds = (ContactSection,)
+def _shifted(section: Section) -> Any:
+    tool = section.called()
+    return tool.translated(section.shift) if any(section.shift) else tool
+
+
+TEETH = Kind(
+    "A ring of teeth about the z axis that goes down through the film z = 0.",
+    keys_of(tooth_ring, renamed={"n_teeth": "teeth"}) | _SHIFT,
+    tooth_ring,
+    name="teeth",
+    sign="teeth",
+    make=_shifted,
+)
+BLADE = Kind(
+    "A wedge that moves along +x, its edge through the origin.",
+    keys_of(straight_blade) | _SHIFT,
+    straight_blade,
+    name="blade",
+    sign="edge_angle_deg",
+    make=_shifted,
+)
+STRIP_BLADE = Kind(
+    "A wedge that moves along +x, its edge opening_u / 80 before the strip.",
+    {**BLADE.keys, "length": optional(BLADE.keys["length"], "as long as the strip")},
+    straight_blade,
+    name="blade",
+    sign="edge_angle_deg",
+    make=_shifted,
+).with_keys(height=BLADE_HEIGHT)
+TOOL_FILE = Kind(
+    "A surface or solids from a CAD program: STL, OBJ, PLY, and with Gmsh STEP, IGES.",
+    keys_of(read_tool, renamed={"path": "file"}, also={"file": "stl", "unit": "scale"}),
+    read_tool,
+    name="file",
+    sign="file",
+    deferred=True,
+)
+BAR = Kind(
+    "A round bar without cutting edges, as long as 8 of its diameters.",
+    keys_of(oscillating, "diameter", "tilt_deg"),
+    bar_before,
+    name="bar",
+    sign="diameter",
+    spread=True,
+)
+
+# --- [motion] ------------------------------------------------------------------------------------
+
+OPENING_SCREW = Kind(
+    "The screw of the opening test: about z, downwards, with a ramp over the first 3 %.",
+    keys_of(opening_test, "angle_deg", "duration", "pitch"),
+    ScrewMotion.over,
+    name="screw",
+    spread=True,
+)
+SCREW = Kind(
+    "Turn about an axis and advance in proportion, from rest.",
+    keys_of(ScrewMotion.over),
+    ScrewMotion.over,
+    name="screw",
+    sign="angle_deg",
+)
+STRAIGHT = Kind(
+    "Along a line, from rest.",
+    keys_of(StraightMotion) | keys_of(free_cut, "duration"),
+    StraightMotion,
+    name="straight",
+    sign="direction",
+)
+TABLE = Kind(
+    "Through poses of a CSV file, with a unit in each heading.",
+    keys_of(TableMotion.read_csv, renamed={"path": "file"})
+    | {"duration": optional(keys_of(free_cut)["duration"], "to the last time")},
+    TableMotion.read_csv,
+    name="table",
+    sign="file",
+    deferred=True,
+)
+
+
+def _way(doc: str, builder: Constructor, names: tuple[str, ...], constructor: Any = None) -> Kind:
+    return Kind(doc, keys_of(builder, *names), constructor, name="straight", spread=True)
+
+
+# --- cracks, contact, step, output ---------------------------------------------------------------
+
+COHESIVE = Kind("Cable stress as a function of cable length.", keys_of(CohesiveLaw), CohesiveLaw)
+CONTACT = Kind(
+    "Penalty contact with the tool, and of the film with itself.",
+    keys_of(Contact, defaults={"film_edges": False}),
+    Contact,
+)
+FRACTURE = Kind("How cracks start and run.", keys_of(Fracture), Fracture)
+TIME = Kind("Choice of the time step.", keys_of(Stepping), Stepping)
+DAMPING = Kind(
+    "Rayleigh damping.",
+    keys_of(
+        Simulation, "alpha", "beta", renamed={"damping_alpha": "alpha", "damping_beta": "beta"}
+    ),
+    spread=True,
+)
+OUTPUT = Kind(
+    "Output of a run; see also the flags of ``shellcut run``.",
+    keys_of(
+        RunOptions,
+        renamed={
+            "n_row": "rows",
+            "n_frame": "frames",
+            "n_snapshot": "snapshots",
+            "checkpoint_every": "checkpoint_every_s",
+        },
+    ),
+    RunOptions,
+)
+
+
+def _law(like: CohesiveLaw) -> Kind:
+    return replace(COHESIVE, keys=keys_of(CohesiveLaw, like=like))
+
+
+def _unsteered(like: Fracture, *names: str) -> Kind:
+    keys = keys_of(Fracture, "check_every", "largest_speed", *names, like=like)
+    doc = "The crack goes through the quads; nothing steers it."
+    return Kind(doc, keys, Fracture, fixed={"path": "free"})
+
+
+# --- the models ----------------------------------------------------------------------------------
+
+
+def _layout(
+    membrane: Kinds,
+    motion: Kinds,
+    tool: Kinds = (),
+    *,
+    film: Kind = HOMOGENEOUS,
+    law: Kind = COHESIVE,
+    contact: Kind | None = CONTACT,
+    fracture: Kind = FRACTURE,
+    damping: Kind = DAMPING,
 ) -> dict[str, Kinds]:
     return {
         "membrane": membrane,
-        "material": (Homogeneous, Laminate),
-        "cohesive": (Cohesive,),
-        "tool": tool,
+        "material": (film, LAMINATE),
+        "cohesive": (law,),
+        **({"tool": tool} if tool else {}),
         "motion": motion,
-        "contact": contact,
-        "fracture": (FractureSection,),
-        "time": (Time,),
-        "damping": (Damping,),
-        "output": (Output,),
+        **({"contact": (contact,)} if contact else {}),
+        "fracture": (fracture,),
+        "time": (TIME,),
+        "damping": (damping,),
+        "output": (OUTPUT,),
     }
 
 
 SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
-    "opening": _sections(
-        (OpeningDisc, FilmFile, Outline, DrawnFilm),
-        (Teeth, ToolFile),
-        (OpeningScrew,),
-        (OpeningContact,),
+    "opening": _layout(
+        (
+            OPENING_DISC,
+            FILM_FILE.with_keys(_RIM),
+            OUTLINE.with_keys(_RIM, clamp=("outline",)),
+            DRAWING.with_keys(_RIM, clamp=("outline",)),
+        ),
+        (OPENING_SCREW,),
+        (TEETH, TOOL_FILE),
+        contact=CONTACT.with_keys(film_edges=True),
     ),
-    "guillotine": _sections(
-        (Strip, StripFile),
-        (StripBlade, ToolFile),
-        (StripWay,),
+    "guillotine": _layout(
+        (STRIP, FILM_FILE.with_keys(keys_of(guillotine, "clamp", "notch"))),
+        (
+            _way(
+                "Along the strip, with a ramp over the first 0.1 ms.",
+                guillotine,
+                ("speed", "slice_ratio", "travel"),
+            ),
+        ),
+        (STRIP_BLADE, TOOL_FILE),
     ),
-    "free": _sections(
-        (FreeOpeningDisc, Rectangle, Disc, FreeFile, FreeOutline, FreeDrawnFilm),
-        (Teeth, Blade, ToolFile),
-        (Screw, Straight, Table),
+    "free": _layout(
+        (
+            OPENING_DISC.with_keys(_FREE),
+            RECTANGLE,
+            DISC,
+            FILM_FILE.with_keys(_FREE),
+            OUTLINE.with_keys(_FREE),
+            DRAWING.with_keys(_FREE),
+        ),
+        (SCREW, STRAIGHT, TABLE),
+        (TEETH, BLADE, TOOL_FILE),
     ),
-    "trouser": {
-        "membrane": (TrouserStrip,),
-        "material": (TornFilm, Laminate),
-        "cohesive": (TornLaw,),
-        "motion": (LegWay,),
-        "fracture": (TornFracture,),
-        "time": (Time,),
-        "damping": (TornDamping,),
-        "output": (Output,),
-    },
-    "oscillating": {
-        "membrane": (BandedStrip,),
-        "material": (BrittleFilm, Laminate),
-        "cohesive": (BrittleLaw,),
-        "tool": (Bar,),
-        "motion": (BarWay,),
-        "contact": (SoftContact,),
-        "fracture": (FreeFracture,),
-        "time": (Time,),
-        "damping": (LittleDamping,),
-        "output": (Output,),
-    },
+    "trouser": _layout(
+        (
+            Kind(
+                "A strip from x = 0, where it is notched and pulled; its other end is clamped.",
+                keys_of(trouser, "length", "width", "notch", "size"),
+                trouser_strip,
+                name="strip",
+                sign="length",
+                spread=True,
+            ),
+        ),
+        (_way("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),),
+        film=HOMOGENEOUS.with_keys(thickness=THICKNESS),
+        law=_law(TEAR_LAW),
+        contact=None,
+        fracture=_unsteered(TEAR_FRACTURE),
+        damping=DAMPING.with_keys(alpha=MASS_DAMPING),
+    ),
+    "oscillating": _layout(
+        (
+            Kind(
+                "A strip from x = 0 with its long sides clamped, fine about its middle line.",
+                keys_of(oscillating, "size", "length", "width", "band", "notch", "offset"),
+                name="strip",
+                sign="size",
+                spread=True,
+            ),
+        ),
+        (
+            _way(
+                "Along the strip, with a ramp over the first ms.",
+                oscillating,
+                ("speed", "travel"),
+                way_of,
+            ),
+        ),
+        (BAR,),
+        film=HOMOGENEOUS.with_keys(**BAR_FILM),
+        law=_law(BAR_LAW),
+        contact=CONTACT.with_keys(penalty=BAR_CONTACT.penalty),
+        fracture=_unsteered(BAR_FRACTURE, "cable_places"),
+        damping=DAMPING.with_keys(beta=STIFFNESS_DAMPING),
+    ),
 }
 """By model: the sections that occur once."""
 
 LISTS: Mapping[str, Mapping[str, Kinds]] = {
-    model: {
-        **({"supports": (SupportSection,)} if model == "free" else {}),
-        "loads": (GravityLoad, PressureLoad, ForceLoad, MomentLoad, TractionLoad),
-    }
+    model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
     for model in SECTIONS
 }
 """By model: the sections that may occur several times, like [[loads]]."""
@@ -141,7 +380,8 @@ GONE: Mapping[tuple[str, str], str] = {
     ("output", "pvd"): "leave it out: ParaView reads the .vtkhdf file from 5.12 on",
     ("fracture", "stress_place"): "leave it out: the stress is read at the mid-surface",
     ("fracture", "candidates"): "leave it out: crack tips and what an edge has pierced may split",
+    ("fracture", "path = imprint"): NO_IMPRINT,
     ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
     '"edges" along the edges there are',
 }
-"""Keys of earlier versions, by section, and what to write instead."""
+"""Keys and values of earlier versions, by section, and what to write instead."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterator
 from importlib.metadata import version
-from typing import Any
 
+from .forms import written
 from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
@@ -44,41 +43,28 @@ def is_as_written(text: str) -> bool:
 
 def _section(section: Section, title: str) -> Iterator[str]:
     if section.kind:
-        yield _commented(f'kind = "{section.kind}"', (section.__doc__ or "").split("\n")[0])
+        yield _commented(f'kind = "{section.kind}"', section.of.doc)
     yield from _keys(section)
-    for name, key in section.keys().items():
-        if key.kind.tables is not None:
-            for one in getattr(section, name):
+    for name, key in section.of.keys.items():
+        if key.tables is not None:
+            for one in section.values[name]:
                 yield from ["", f"[[{title}.{name}]]", *_keys(one)]
 
 
 def _keys(section: Section) -> Iterator[str]:
-    for name, key in section.keys().items():
-        value = getattr(section, name)
-        if key.kind.tables is not None:
+    for name, key in section.of.keys.items():
+        value = section.values[name]
+        if key.tables is not None:
             continue
         if value is None:
-            yield _commented(f"# {name} =", f"{_meaning(key)} (not given: {key.unset})")
+            yield _commented(f"# {name} =", f"{_meaning(key)} (not given: {key.option.unset})")
         else:
             yield _commented(f"{name} = {written(value)}", _meaning(key))
 
 
 def _meaning(key: Key) -> str:
-    return f"[{key.kind.unit}] {key.doc}" if key.kind.unit else key.doc
+    return f"[{key.option.unit}] {key.option.text}" if key.option.unit else key.option.text
 
 
 def _commented(text: str, comment: str) -> str:
     return f"{text.ljust(_COLUMN)}  # {comment}"
-
-
-def written(value: Any) -> str:
-    """Return a value in TOML."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if value and all(isinstance(one, tuple) and isinstance(one[0], str) for one in value):
-        return "{ " + ", ".join(f"{axis} = {rate!r}" for axis, rate in value) + " }"
-    return "[" + ", ".join(written(one) for one in value) + "]"

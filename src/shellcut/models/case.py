@@ -7,8 +7,9 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, TypeAlias
 
+from shellcut.arguments import Option
 from shellcut.checks import ModelCheck, check_model
 from shellcut.recording.recorder import Recorder, RunEnded
 from shellcut.recording.signals import Interruption
@@ -19,6 +20,14 @@ _MOST_STEPS = 1e11
 """Steps of the longest run allowed: two months with the smallest film."""
 
 _log = logging.getLogger(__name__)
+
+Clamp: TypeAlias = Annotated[
+    Sequence[str], Option("", "node set or sets that are clamped", form="names")
+]
+Notch: TypeAlias = Annotated[
+    float,
+    Option("mm", "length of the cut in which the blade starts; 0 for none", least=0),
+]
 
 
 def check_length(simulation: Simulation, duration: float) -> None:

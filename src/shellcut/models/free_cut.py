@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.notch_line import row_at
+from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
-from .case import Case, check_length
+from .case import Case, Clamp, Notch, check_length
 from .crack_way import crack_way
 
 _ROUND_OFF = 1e-9
@@ -30,13 +31,18 @@ def free_cut(
     *,
     tool: Tool,
     motion: Motion,
-    duration: float,
-    notch: float = 0.0,
+    duration: Annotated[float, Option("s", "of the run", above=0)],
+    notch: Notch = 0.0,
+    clamp: Clamp = (),
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
 ) -> Case:
     """Build a cut from its parts.
+
+    The notch lies along the path of the first edge that meets the film, from where it does. Along
+    edges it ends at the last node of the path within its length, through quads at the first side of
+    the mesh at or beyond it.
 
     Parameters
     ----------
@@ -44,16 +50,11 @@ def free_cut(
         The film, flat or curved.
     tool, motion : Tool, Motion
         The cutter and how it moves.
-    duration : float
-        End of the run [s].
-    notch : float
-        Length of a cut along the path of the first edge that meets the film, from where it does
-        [mm]; 0 for none. Along edges it ends at the last node of the path within that length,
-        through quads at the first side of the mesh at or beyond it.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
-        Options of :class:`Simulation`: ``supports``, ``loads``, ``contact``, ... Without a
+        Options of :class:`Simulation`: ``supports`` besides ``clamp``, ``loads``, ``contact``,
+        ... Without a
         ``fracture.path`` cracks follow edges where a line of them lies under the whole path, and go
         through quads elsewhere.
 
@@ -61,14 +62,11 @@ def free_cut(
     -------
     Case
     """
-    if not (np.isfinite(duration) and duration > 0):
-        raise ValueError(f"duration must be a positive time in s, got {duration!r}")
-    if not (np.isfinite(notch) and notch >= 0):
-        raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
     fracture = crack_way(mesh, tool, motion, duration, options.pop("fracture", None))
     through_quads, film = fracture.path == "free", mesh
     if notch and not through_quads:
         film = mesh.cut(_first_edges(Sweep.of(mesh, tool, motion, duration), notch))
+    held = [*map(Support.clamped, clamp), *options.pop("supports", ())]
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
@@ -76,6 +74,7 @@ def free_cut(
         motion=motion,
         law=law or CohesiveLaw(),
         fracture=fracture,
+        supports=held,
         **options,
     )
     if notch and through_quads and tool.n_edge:

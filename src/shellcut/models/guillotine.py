@@ -14,11 +14,11 @@ along the strip and H that along the edge, V + xi H = G h as long as nothing rub
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
@@ -26,13 +26,14 @@ from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
-from .case import Case, check_length
+from .case import Case, Clamp, Notch, check_length
 from .crack_way import crack_way
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
@@ -62,15 +63,26 @@ def strip_of(length: float, width: float, size: float) -> Mesh:
 
 @checked
 def guillotine(
-    size: float = 0.4,
+    size: QuadSize = 0.4,
     *,
     mesh: Mesh | None = None,
-    length: float = 30.0,
-    width: float = 8.0,
-    notch: float = 2.0,
-    travel: float | None = None,
-    speed: float = 6000.0,
-    slice_ratio: float = 0.0,
+    length: Annotated[float, Option("mm", "along the cut", above=0)] = 30.0,
+    width: Annotated[float, Option("mm", "between the clamped sides", above=0)] = 8.0,
+    notch: Notch = 2.0,
+    travel: Annotated[
+        float | None,
+        Option(
+            "mm",
+            "of the blade",
+            above=0,
+            unset="up to 0.625 opening_u before the end of the strip",
+        ),
+    ] = None,
+    speed: Annotated[float, Option("mm/s", "after a ramp of 0.1 ms", above=0)] = 6000.0,
+    slice_ratio: Annotated[
+        float, Option("", "speed of the blade along its edge, upwards, over that along the strip")
+    ] = 0.0,
+    clamp: Clamp = ("bottom", "top"),
     tool: Tool | None = None,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
@@ -78,25 +90,14 @@ def guillotine(
 ) -> Case:
     """Build the guillotine.
 
+    Along edges the notch ends at the last node of the path within its length, through quads at the
+    first side of the mesh at or beyond it. An edge that slices must be long enough for it.
+
     Parameters
     ----------
-    size : float
-        Edge length of the quads [mm].
     mesh : Mesh, optional
-        A flat strip of your own in z = 0 instead, with node sets ``bottom`` and ``top`` at its
-        long sides; ``size``, ``length`` and ``width`` are then unused. The blade enters at the
-        strip's end, on the y of its edge, 0 by default.
-    length, width, notch : float
-        Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. Along
-        edges the notch ends at the last node of the path within ``notch``, through quads at the
-        first side of the mesh at or beyond it; 0 for none.
-    travel : float, optional
-        Travel of the blade [mm]; by default up to 0.625 ``opening_u`` before the end of the strip,
-        2.5 mm with the paper's law.
-    speed : float
-        Speed after a ramp of 0.1 ms [mm/s].
-    slice_ratio : float
-        Speed of the blade along its edge, upwards, over ``speed``; the edge must be long enough.
+        A flat strip of your own in z = 0 instead; ``size``, ``length`` and ``width`` are then
+        unused. The blade enters at the strip's end, on the y of its edge, 0 by default.
     tool : Tool, optional
         Moves along +x from x = 0, where its edge must be, on the y at which that goes through the
         film; the notch lies there too. :func:`straight_blade` by default: edge at 90°
@@ -121,8 +122,6 @@ def guillotine(
     """
     strip = strip_of(length, width, size) if mesh is None else mesh
     cables = law or CohesiveLaw()
-    if not (np.isfinite(notch) and notch >= 0.0):
-        raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
     blade, motion, duration = blade_before(
         strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables
     )
@@ -137,7 +136,7 @@ def guillotine(
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
-        supports=[Support.clamped("bottom"), Support.clamped("top")],
+        supports=[Support.clamped(name) for name in clamp],
         tool=blade,
         motion=motion,
         law=cables,
@@ -163,10 +162,8 @@ def blade_before(
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     way = extent - _LEFT * law.opening_u if travel is None else travel
-    if not (np.isfinite(way) and way > 0.0):
+    if not way > 0.0:
         raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
-    if not np.isfinite(slice_ratio):
-        raise ValueError(f"slice_ratio must be a finite number, got {slice_ratio!r}")
     blade = tool or straight_blade(
         length=extent, height=BLADE_HEIGHT + 2.0 * abs(slice_ratio) * way
     )

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.loads.supports import Support
@@ -26,38 +26,33 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import OpeningName, opening_disc
 from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.motion import Pitch, ScrewMotion
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
-from .case import Case, check_length
+from .case import Case, Clamp, check_length
 from .crack_way import crack_way
 
 
 @checked
 def opening_test(
-    mesh: OpeningName | Mesh = "M1",
+    mesh: Annotated[OpeningName | Mesh, Option("", "612, 2660 or 8625 quads")] = "M1",
     *,
     tool: Tool | None = None,
-    pitch: float = 12.0,
-    angle_deg: float = 95.0,
-    duration: float = 6.0e-3,
+    pitch: Pitch = 12.0,
+    angle_deg: Annotated[float, Option("deg", "of the whole motion", above=0)] = 95.0,
+    duration: Annotated[float, Option("s", "of the run", above=0)] = 6.0e-3,
+    clamp: Clamp = ("rim",),
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
 ) -> Case:
-    """Build the opening test.
+    """Build the opening test: a disc of the package, or a flat film of your own.
 
     Parameters
     ----------
-    mesh : {"quick", "M1", "M2"} or Mesh
-        A disc of the package, or a flat film of your own with a node set ``rim``.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
-    pitch : float
-        Advance of the screw per turn, downwards [mm].
-    angle_deg, duration : float
-        Angle [degrees] and time [s] of the whole motion.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
@@ -87,7 +82,7 @@ def opening_test(
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
-        supports=[Support.clamped("rim")],
+        supports=[Support.clamped(name) for name in clamp],
         tool=cutter,
         motion=motion,
         law=law or CohesiveLaw(),

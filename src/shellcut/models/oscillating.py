@@ -13,22 +13,22 @@ and 1 mm some bursts behind bars of 9 to 18 mm end in a tip that points backward
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
-from shellcut.fracture.options import CablePlaces, Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
-from shellcut.tool.round_bar import round_bar
+from shellcut.tool.round_bar import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
@@ -39,18 +39,14 @@ LAW = CohesiveLaw(
 """Default law: 3.0 N/mm, softening over 0.1 mm. With an onset of 0.002 mm young cables are so stiff
 that the step is a quarter shorter."""
 
-YOUNG, POISSON, DENSITY, THICKNESS = 2200.0, 0.35, 0.9e-9, 0.1
+FILM: dict[str, Any] = {"young": 2200.0, "poisson": 0.35, "density": 0.9e-9, "thickness": 0.1}
 """Default film: modulus [MPa] and density [t/mm³] as of bi-oriented polypropylene."""
 
-CHECK_EVERY = 20
-"""Default steps between two checks."""
+FRACTURE = Fracture(path="free", check_every=20, cable_places="gauss")
+"""Default. With cables at the ends of segments quads snap, and 1.5 times as much work is damped."""
 
-PENALTY = 200.0
-"""Default contact penalty [N/mm³]: the bar presses with tenths of a newton."""
-
-CABLE_PLACES: CablePlaces = "gauss"
-"""Where the default cables are. At the ends of segments quads snap, and 1.5 times as much work is
-damped."""
+CONTACT = Contact(penalty=200.0)
+"""Default: the bar presses with tenths of a newton."""
 
 STIFFNESS_DAMPING = 3e-9
 """Default stiffness damping [s]. With less, 1e-9 s, the film swings so much that runs fail."""
@@ -115,18 +111,37 @@ def _rows(half: float, size: float, band: float) -> Floats:
 
 @checked
 def oscillating(
-    size: float = 0.5,
+    size: Annotated[float, Option("mm", "edge length of the fine quads", above=0)] = 0.5,
     *,
     mesh: Mesh | None = None,
-    diameter: float = 6.0,
-    tilt_deg: float = 10.0,
-    length: float | None = None,
-    width: float | None = None,
-    band: float | None = None,
-    notch: float | None = None,
-    offset: float | None = None,
-    travel: float | None = None,
-    speed: float = 3000.0,
+    diameter: Diameter = 6.0,
+    tilt_deg: Tilt = 10.0,
+    length: Annotated[
+        float | None, Option("mm", "along the cut", unset="125/6 diameters of the bar")
+    ] = None,
+    width: Annotated[
+        float | None, Option("mm", "between the clamped sides", unset="6 diameters")
+    ] = None,
+    band: Annotated[
+        float | None, Option("mm", "half the breadth of the fine quads", unset="1.2 diameters")
+    ] = None,
+    notch: Annotated[
+        float | None,
+        Option("mm", "length of the cut in which the bar starts", unset="1.5 diameters"),
+    ] = None,
+    offset: Annotated[
+        float | None,
+        Option(
+            "mm",
+            "distance of that cut from the bar's line, which starts the oscillation",
+            unset="0.35 diameters",
+        ),
+    ] = None,
+    travel: Annotated[
+        float | None,
+        Option("mm", "of the bar", above=0, unset="up to 2 diameters before the end of the strip"),
+    ] = None,
+    speed: Annotated[float, Option("mm/s", "after a ramp of 1 ms", above=0)] = 3000.0,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
@@ -135,23 +150,9 @@ def oscillating(
 
     Parameters
     ----------
-    size : float
-        Edge length of the quads that the crack may come to [mm].
     mesh : Mesh, optional
         A flat strip of your own in z = 0, from x = 0 on and about y = 0, with node sets ``bottom``
         and ``top`` at its long sides; ``size``, ``width`` and ``band`` are then unused.
-    diameter, tilt_deg : float
-        Of the bar, see :func:`round_bar` [mm], [degrees].
-    length, width, band : float, optional
-        Of the strip, and half the breadth of its fine quads [mm]; by default 125/6, 6 and 1.2
-        diameters.
-    notch, offset : float, optional
-        Length of the notch, and how far it lies beside the bar's line, the kick that starts the
-        oscillation [mm]; by default 1.5 and 0.35 diameters.
-    travel : float, optional
-        Of the bar [mm]; by default up to two diameters before the end of the strip.
-    speed : float
-        After a ramp of 1 ms [mm/s].
     material, law : ShellMaterial, CohesiveLaw, optional
         By default a film of 0.1 mm with modulus and density of bi-oriented polypropylene, and 3
         N/mm with 60 MPa: less strength than such a film has, so that its process zone is some
@@ -171,17 +172,13 @@ def oscillating(
     >>> case.simulation.mesh.n_quad, round(1e3 * case.duration, 2)
     (432, 9.83)
     """
-    if not (np.isfinite(diameter) and diameter > 0.0):
-        raise ValueError(f"diameter must be positive in mm, got {diameter!r}")
-    if not (np.isfinite(speed) and speed > 0.0):
-        raise ValueError(f"speed must be positive in mm/s, got {speed!r}")
     if mesh is None:
         mesh = film_before(diameter, size=size, length=length, width=width, band=band)
     extent = float(np.ptp(mesh.nodes[:, 0]))
     duration = duration_of(diameter, extent, travel=travel, speed=speed)
     chosen = {
-        "contact": Contact(penalty=PENALTY),
-        "fracture": Fracture(path="free", check_every=CHECK_EVERY, cable_places=CABLE_PLACES),
+        "contact": CONTACT,
+        "fracture": FRACTURE,
         "damping_beta": STIFFNESS_DAMPING,
         **options,
     }
@@ -216,9 +213,7 @@ def way_of(speed: float) -> StraightMotion:
 
 def film() -> ShellMaterial:
     """Return the default film."""
-    return ShellMaterial.homogeneous(
-        young=YOUNG, poisson=POISSON, density=DENSITY, thickness=THICKNESS
-    )
+    return ShellMaterial.homogeneous(**FILM)
 
 
 def film_before(

@@ -10,16 +10,15 @@ a free crack goes through the quads (docs/theory/free-cracks.md).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
-
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
@@ -33,8 +32,8 @@ LAW = CohesiveLaw(
 THICKNESS = 0.2
 """Default thickness [mm]: the legs are stiff in bending beside their width."""
 
-CHECK_EVERY = 20
-"""Default steps between two checks; a crack advances by one quad in that time at most."""
+FRACTURE = Fracture(path="free", check_every=20)
+"""Default; a crack advances by one quad between two checks at most."""
 
 MASS_DAMPING = 50.0
 """Default mass damping [1/s]: legs swing, and little else damps them."""
@@ -83,10 +82,6 @@ def duration_of(
     length: float, width: float, *, travel: float | None, speed: float, ramp: float
 ) -> float:
     """Return the duration of a test [s], with the parameters of :func:`trouser`."""
-    if not (np.isfinite(speed) and speed > 0.0):
-        raise ValueError(f"speed must be positive in mm/s, got {speed!r}")
-    if not (np.isfinite(ramp) and ramp >= 0.0):
-        raise ValueError(f"ramp must be a time in s that is not negative, got {ramp!r}")
     way = length - _LEFT * width if travel is None else travel
     if not way > 0.0:
         raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
@@ -95,14 +90,17 @@ def duration_of(
 
 @checked
 def trouser(
-    size: float = 0.5,
+    size: QuadSize = 0.5,
     *,
-    length: float = 19.0,
-    width: float = 6.0,
-    notch: float = 6.0,
-    travel: float | None = None,
-    speed: float = 2500.0,
-    ramp: float = 3e-4,
+    length: Annotated[float, Option("mm", "along the tear", above=0)] = 19.0,
+    width: Annotated[float, Option("mm", "of both legs together", above=0)] = 6.0,
+    notch: Annotated[float, Option("mm", "length of the cut between the legs", above=0)] = 6.0,
+    travel: Annotated[
+        float | None,
+        Option("mm", "way of each end", above=0, unset="length less 2/3 of the width"),
+    ] = None,
+    speed: Annotated[float, Option("mm/s", "of each end, one up and one down", above=0)] = 2500.0,
+    ramp: Annotated[float, Option("s", "time over which it rises", least=0)] = 3e-4,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
@@ -111,15 +109,6 @@ def trouser(
 
     Parameters
     ----------
-    size : float
-        Edge length of the quads [mm].
-    length, width, notch : float
-        Of the strip and of the notch that parts its legs [mm].
-    travel : float, optional
-        Way of each leg's end [mm]; by default ``length`` - 2/3 ``width``, when about that much of
-        the strip is left.
-    speed, ramp : float
-        Of each end, one up and one down, after a ramp [mm/s], [s].
     material, law : ShellMaterial, CohesiveLaw, optional
         By default the elastic constants of the paper's film, 0.2 mm thick, and 11.5 N/mm torn over
         2.4 mm.
@@ -137,8 +126,8 @@ def trouser(
     >>> case.simulation.mesh.n_quad, round(1e3 * case.duration, 2)
     (60, 2.55)
     """
-    if not 0.0 < notch < length:
-        raise ValueError(f"notch must lie between 0 and the length of {length} mm, got {notch}")
+    if not notch < length:
+        raise ValueError(f"notch must lie within the length of {length} mm, got {notch}")
     duration = duration_of(length, width, travel=travel, speed=speed, ramp=ramp)
     mesh = trouser_strip(length, width, size)
     simulation = Simulation(
@@ -153,7 +142,7 @@ def trouser(
         ],
         law=law or LAW,
         **{
-            "fracture": Fracture(path="free", check_every=CHECK_EVERY),
+            "fracture": FRACTURE,
             "damping_alpha": MASS_DAMPING,
             **options,
         },

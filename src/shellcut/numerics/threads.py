@@ -12,9 +12,11 @@ from __future__ import annotations
 import logging
 import os
 from concurrent.futures import ThreadPoolExecutor
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 
 from .jit import BoundOnce
@@ -26,8 +28,18 @@ thread computed them, so this number affects the last digits of results."""
 _PAYS_FROM = 50_000
 """Number of quads from which a second thread helps: a step then takes over a millisecond."""
 _MOST = 8
-_LARGEST = 256
-"""Largest number of threads: more than any film can use."""
+
+Threads: TypeAlias = Annotated[
+    int | None,
+    Option(
+        "",
+        "results do not depend on it",
+        least=1,
+        most=256,
+        why="more than the cores there are slow a run down",
+        unset="one for a small film, otherwise all cores, 8 at most",
+    ),
+]
 
 _log = logging.getLogger(__name__)
 
@@ -47,29 +59,19 @@ def available_cores() -> int:
         return os.cpu_count() or 1
 
 
+@checked
 class Workers:
     """Run the parts of a loop in parallel.
+
+    More threads than cores are accepted with a warning: they slow a run down.
 
     Parameters
     ----------
     n_quad : int
         Size of the film.
-    threads : int, optional
-        Number of threads, at most 256; by default one for a small film, otherwise all cores, at
-        most eight. More threads than cores are accepted with a warning: they slow a run down.
-
-    Raises
-    ------
-    ValueError
-        If ``threads`` is not a whole number from 1 to 256.
     """
 
-    def __init__(self, n_quad: int, threads: int | None = None) -> None:
-        if threads is not None and not (isinstance(threads, int) and 1 <= threads <= _LARGEST):
-            raise ValueError(
-                f"threads must be a whole number from 1 to {_LARGEST}, or None, got {threads!r}; "
-                f"more than the {available_cores()} cores of this machine slow a run down"
-            )
+    def __init__(self, n_quad: int, threads: Threads = None) -> None:
         if threads is not None and threads > available_cores():
             _log.warning(
                 "%d threads share %d cores: the run is slower than with one thread per core",

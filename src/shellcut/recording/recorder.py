@@ -210,7 +210,7 @@ class Recorder:
 
     def _record(self, sim: Simulation, now: float, schedule: Schedule) -> None:
         if schedule.row_due(now):
-            self._files.history.append({column: value for column, _, value in self._row()})
+            self._files.history.append(self._now())
             schedule.row_time = now
         if schedule.look_due(now):
             schedule.note_unfelt(self._unfelt.now())
@@ -320,6 +320,9 @@ class Recorder:
     def _row(self) -> Iterator[tuple[str, str, float]]:
         return history_row(self._sim, self.resistance, self._front, unfelt=self._schedule.unfelt)
 
+    def _now(self) -> dict[str, float]:
+        return {column: value for column, _, value in self._row()}
+
     def _show_end(self) -> None:
         """Write a frame and a picture of the end of the run.
 
@@ -404,6 +407,7 @@ class Recorder:
             self._sim,
             self.resistance,
             results.history,
+            self._now() if self._sim.between_steps else None,
             stepping=self._wall() - self._schedule.drawing,
             drawing=self._schedule.drawing,
             unfelt=Unfelt(self._schedule.largest_unfelt, self._schedule.largest_unfelt_edge),

@@ -6,12 +6,9 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from shellcut.arrays import Floats
 from shellcut.contact.edge_contact import EdgeContact
-from shellcut.results.energy_account import energy_figures, largest_shares, trusted_rows
-from shellcut.results.steady_window import steady_figures
+from shellcut.results.run_figures import run_figures
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
@@ -26,6 +23,7 @@ def run_summary(
     sim: Simulation,
     resistance: AnyResistance,
     history: Mapping[str, Floats],
+    end: Mapping[str, float] | None = None,
     *,
     stepping: float,
     drawing: float,
@@ -43,6 +41,9 @@ def run_summary(
         To the motion of its tool or supports.
     history : mapping of ndarray, shape (n_row,)
         Its history.
+    end : mapping of str to float or None
+        The columns of the history at its end, by default its last row: the state of a run that
+        broke off within a step means nothing.
     stepping, drawing : float
         Wall time without and for the pictures [s].
     unfelt : Unfelt
@@ -56,19 +57,12 @@ def run_summary(
         "wall_s": stepping,
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
-        f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
-        **_of_energies(sim, history),
-        **largest_shares(history, trusted_rows(history)),
-        "n_cable_created": s.n_cable,
-        "n_cable_broken": sim.cables.n_broken,
-        "crack_length_mm": s.crack_length,
         **_of_the_tool(sim, unfelt),
         **_of_self_contact(sim),
         **_of_pieces(sim),
         "added_inertia_factor": sim.shell.added_inertia_factor,
         "n_imperfection": sim.imperfection.number,
         "imperfection_mm": sim.imperfection.amplitude,
-        **_peaks(history, r),
     }
     if sim.cracks is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
@@ -80,24 +74,12 @@ def run_summary(
         if isfinite(value)
     }
     coordinate = r.coordinate_name, r.coordinate_unit
-    finite |= steady_figures(history, coordinate, r.columns[0])
+    finite |= run_figures(history, coordinate, r.columns[0], end)
     if sim.cracks is not None:
         finite["crack_path"] = sim.fracture.path
     if sim.between_steps:
         finite["digest"] = run_digest(sim.saved(), history)
     return finite | {"resistance": r.meaning, "options": _options(sim)}
-
-
-def _of_energies(sim: Simulation, history: Mapping[str, Floats]) -> dict[str, float]:
-    """Return the account of the work, and what makes up that of the cables [N·mm].
-
-    Of a run that broke off within a step it is that of the last row: its state means nothing.
-    """
-    entries = vars(sim.close_ledger())
-    if not sim.between_steps:
-        entries = {name: float(history[name][-1]) for name in entries if name in history}
-    of_cables = ("cohesive_work", "cohesive_dissipated", "cohesive_stored")
-    return energy_figures(entries) | {f"{name}_Nmm": entries[name] for name in of_cables}
 
 
 def _options(sim: Simulation) -> dict[str, Any]:
@@ -106,7 +88,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "path": None if sim.cracks is None else sim.fracture.path,
         "only_along_edges": bool(sim.fracture.only_along_edges),
         "check_every": sim.fracture.check_every,
-        "film_edges": any(isinstance(term, EdgeContact) for term in sim.tool_terms),
+        "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
         "opening_u_mm": None if sim.law is None else sim.law.opening_u,
     }
@@ -146,17 +128,3 @@ def _of_pieces(sim: Simulation) -> dict[str, float]:
     if sim.state.n_dropped:
         figures["n_dropped"] = sim.state.n_dropped
     return figures
-
-
-def _peaks(history: Mapping[str, Floats], r: AnyResistance) -> dict[str, float]:
-    """Return the value of largest magnitude, with its sign, and where it occurred."""
-    name, unit = r.columns[0]
-    values = history[name]
-    finite = np.flatnonzero(np.isfinite(values))
-    if not finite.size:
-        return {}
-    k = int(finite[np.argmax(np.abs(values[finite]))])
-    return {
-        f"{name}_peak_{unit.replace('*', '')}": float(values[k]),
-        f"{name}_peak_at_{r.coordinate_unit}": float(history[r.coordinate_name][k]),
-    }

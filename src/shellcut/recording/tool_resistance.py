@@ -120,20 +120,20 @@ class Resistance:
         time, origin = sim.state.time, sim.pose.translation
         of_terms = [
             (term.name, self.of(term.touch.wrench.sum(axis=0), origin, time))
-            for term in sim.tool_terms
+            for term in sim.terms.on_tool
         ]
         for k, (figure, unit) in enumerate(self.columns):
             yield figure, unit, sum(values[k] for _, values in of_terms)
             for name, values in of_terms:
                 yield f"{figure}_{name}", unit, values[k]
         if isinstance(self._reading, _AboutAxis):
-            sums = self._reading.integrals(sim.tool_terms.wrench_over_turn, sim.ledger.tool_work)
+            sums = self._reading.integrals(sim.terms.wrench_over_turn, sim.ledger.tool_work)
             for (figure, unit), value in zip(self.columns, sums, strict=True):
                 yield figure + INTEGRAL, unit, value
         first, unit = self.columns[0]
         for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
             yield f"{first}_tooth_{tooth}", unit, self.of(wrench, origin, time)[0]
-        whole = sum(term.touch.wrench.sum(axis=0) for term in sim.tool_terms)
+        whole = sum(term.touch.wrench.sum(axis=0) for term in sim.terms.on_tool)
         for (component, unit), value in zip(
             COMPONENTS, self.components(whole, origin), strict=True
         ):

@@ -39,7 +39,7 @@ class UnfeltPenetration:
         self._sim = sim
         self._wires = self._flanks = None
         if sim.tool is not None and sim.contact is not None:
-            edges = next((t for t in sim.tool_terms if isinstance(t, EdgeContact)), None)
+            edges = next((t for t in sim.terms if isinstance(t, EdgeContact)), None)
             self._wires = ToolWires(sim.tool)
             self._flanks = FlankPenetration(sim.contact, edges, self._polygon)
 
@@ -48,7 +48,7 @@ class UnfeltPenetration:
         if self._wires is None or self._flanks is None:
             return Unfelt()
         sim = self._sim
-        felt = np.append(felt_nodes(sim.tool_terms), self._about_to_be_cut())
+        felt = np.append(felt_nodes(sim.terms), self._about_to_be_cut())
         _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
 
@@ -10,10 +9,12 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.results.comparison_table import rows_of, scope_of
-from shellcut.results.energy_account import PUT_IN, account, energy_shares, is_pulled, total
+from shellcut.results.energy_account import account
+from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import window_of
+from shellcut.view import Curve, Diagram
 
-from .chart import Curve, chart
+from .chart import chart
 from .gathered import Gathered
 from .markup import figure_of, in_unit, missing, pretty, table
 
@@ -22,24 +23,14 @@ def resistance(run: Gathered) -> str:
     """Return torque (or force) over the coordinate of the motion."""
     if not run.history:
         return missing("No curve: the history is missing.")
-    first, unit = run.resistance
-    teeth = [name for name in run.history if name.startswith(f"{first}_tooth_")]
-    curves = []
-    if len(teeth) > 1:
-        label = f"each of {len(teeth)} teeth"
-        curves += [Curve(label, run.history[name], "tooth") for name in teeth]
-    if not is_pulled(run.history):
-        curves += [
-            Curve("from contact", run.history[f"{first}_contact"], "contact"),
-            Curve("from cables at the edge", run.history[f"{first}_joints"], "joints"),
-        ]
-    curves.append(Curve("total", run.history[first], "total"))
+    diagram = resistance_diagram(run.history, run.units)
     found = run.measured
-    if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], first):
+    if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], diagram.name):
         x, y = found.measured_curve
-        curves.append(Curve("measured", y, "measured", x=x))
-    chart_of_it = _chart(run, curves, first, pretty(unit), f"{first} over {run.coordinate[0]}")
-    return f'{chart_of_it}<p class="caption">{escape(_said_of(run))}</p>'
+        measured = Curve("measured", y, "measured", x=x)
+        diagram = replace(diagram, curves=[*diagram.curves, measured])
+    drawn = _chart(diagram, f"{diagram.name} over {diagram.x_name}")
+    return f'{drawn}<p class="caption">{escape(_said_of(run))}</p>'
 
 
 def _said_of(run: Gathered) -> str:
@@ -66,18 +57,14 @@ def measured(run: Gathered) -> str:
     if found is None:
         return ""
     x, simulated = found.simulated_curve
+    curves = [
+        Curve("measured", found.measured_curve[1], "measured", x=found.measured_curve[0]),
+        Curve("simulated", simulated),
+        Curve("difference", found.simulated - found.measured, "contact", x=found.x),
+    ]
     drawn = chart(
-        x,
-        [
-            Curve("measured", found.measured_curve[1], "measured", x=found.measured_curve[0]),
-            Curve("simulated", simulated, "total"),
-            Curve("difference", found.simulated - found.measured, "contact", x=found.x),
-        ],
-        x_name=found.x_name,
-        x_unit=pretty(found.x_unit),
-        name=found.y_name,
-        unit=pretty(found.y_unit),
-        described=f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
+        Diagram(x, curves, found.x_name, found.x_unit, found.y_name, found.y_unit),
+        f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
         f"their root-mean-square difference is {found.rms:.4g} {found.y_unit}.",
     )
     head = ("", "measured", "simulated", "difference")
@@ -94,35 +81,20 @@ def energy(run: Gathered) -> str:
     h = run.history
     if "tool_work" not in h:
         return missing("No ledger: the history is missing.")
-    shares = energy_shares(h)
-    largest = max(float(np.abs(share).max()) for share in shares.values())
-    stacked = all(share.min() >= -0.01 * largest for share in shares.values())
-    curves = [
-        Curve(name, share, f"a{k}", area=stacked) for k, (name, share) in enumerate(shares.items())
-    ]
-    curves.append(Curve("work put in", total(PUT_IN, h), "work"))
     rows = [
         (words, f"{energy:.4g} N·mm", f"{100.0 * share:.1f} %")
         for lines in account(run.figures)
         for words, energy, share in lines
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
-    ledger = at_end + _chart(run, curves, "energy", "N·mm", "energies and the work put in")
+    ledger = at_end + _chart(energy_diagram(h, run.units), "energies and the work put in")
     trusted = run.trusted
     if trusted.sum() < 2:
         return ledger
-    missed = [Curve("imbalance", 100.0 * h["imbalance_rel"][trusted], "total")]
-    name, unit = run.coordinate
-    start = figure_of(h[name][trusted][0], unit)
-    return ledger + _chart(
-        run,
-        missed,
-        f"imbalance of the ledger from {start} on",
-        "%",
-        "imbalance of the ledger",
-        height=170.0,
-        rows=trusted,
-    )
+    missed = imbalance_diagram(h, run.units)
+    start = figure_of(h[missed.x_name][trusted][0], run.coordinate[1])
+    missed = replace(missed, name=f"imbalance of the ledger from {start} on")
+    return ledger + _chart(missed, "imbalance of the ledger", 170.0, trusted)
 
 
 def step(run: Gathered) -> str:
@@ -134,39 +106,29 @@ def step(run: Gathered) -> str:
     if "n_step" in run.summary:
         rows.append(("steps", f"{run.summary['n_step']:,}"))
         rows.append(("mean", f"{1e9 * run.summary['dt_s']:.4g} ns"))
-    step = np.concatenate((steps[:1], steps))
-    return table(rows) + _chart(
-        run, [Curve("step", step, "contact")], "time step", "ns", "the time step", height=190.0
-    )
+    name, unit = run.coordinate
+    step = Curve("step", np.concatenate((steps[:1], steps)), "contact")
+    diagram = Diagram(run.history[name], [step], name, unit, "time step", "ns")
+    return table(rows) + _chart(diagram, "the time step", 190.0)
 
 
 def _chart(
-    run: Gathered,
-    curves: Sequence[Curve],
-    name: str,
-    unit: str,
-    of: str,
-    height: float = 300.0,
-    rows: Bools | slice = slice(None),
+    diagram: Diagram, of: str, height: float = 300.0, rows: Bools | slice = slice(None)
 ) -> str:
-    coordinate, coordinate_unit = run.coordinate
-    x = run.history[coordinate][rows]
+    x = np.asarray(diagram.x)[rows]
     # A motion may rest or reverse; a curve over its coordinate needs ascending values.
     ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))
     if ahead.sum() < 2:
-        return missing(f"No curve of {name}: nothing has moved.")
-    last = ", ".join(f"{curve.name} {curve.values[-1]:.4g} {unit}" for curve in curves[-3:])
-    shown = [c if c.x is not None else replace(c, values=_finite(c.values[ahead])) for c in curves]
-    return chart(
-        x[ahead],
-        shown,
-        x_name=coordinate,
-        x_unit=pretty(coordinate_unit),
-        name=name,
-        unit=unit,
-        described=f"Curve: {of}; at the end {last}.",
-        height=height,
-    )
+        return missing(f"No curve of {diagram.name}: nothing has moved.")
+    unit = pretty(diagram.unit)
+    ends = [(curve.name, np.asarray(curve.values)[-1]) for curve in diagram.curves[-3:]]
+    last = ", ".join(f"{name} {end:.4g} {unit}" for name, end in ends)
+    curves = [
+        c if c.x is not None else replace(c, values=_finite(np.asarray(c.values)[rows][ahead]))
+        for c in diagram.curves
+    ]
+    shown = replace(diagram, x=x[ahead], curves=curves)
+    return chart(shown, f"Curve: {of}; at the end {last}.", height)
 
 
 def _finite(values: Floats) -> Floats:

@@ -15,10 +15,10 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SUMMARY
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
-from shellcut.results.energy_account import energy_figures, largest_shares, trusted_rows
+from shellcut.results.energy_account import trusted_rows
 from shellcut.results.history import read_history
+from shellcut.results.run_figures import run_figures
 from shellcut.results.run_results import Results, read
-from shellcut.results.steady_window import steady_figures
 
 T = TypeVar("T")
 
@@ -89,13 +89,7 @@ class Gathered:
         h = self.history
         if self.summary or "tool_work" not in h:
             return self.summary
-        return {
-            **energy_figures({name: float(column[-1]) for name, column in h.items()}),
-            **largest_shares(h, self.trusted),
-            "crack_length_mm": float(h["crack_length"][-1]),
-            "n_cable_broken": int(h["cables_broken"][-1]),
-            **steady_figures(h, self.coordinate, self.resistance),
-        }
+        return run_figures(h, self.coordinate, self.resistance)
 
     @property
     def last_frame(self) -> Frame | None:

@@ -1,4 +1,4 @@
-"""The page that all reports share: style, script and frame around a body."""
+"""The page that all reports share: style, scripts and frame around a body."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ import importlib.resources
 import string
 import time
 from html import escape
-
-_SCRIPTS = ("page.js", "chart.js")
 
 
 def page_of(
@@ -28,12 +26,13 @@ def page_of(
     title, heading, lead : str
         Texts, escaped here.
     body : str
-        HTML.
+        HTML. Charts in it bring plotly.js onto the page.
     style, script : str
         Further CSS and JavaScript, after those of all reports.
     last : str
         HTML at the end of the page: scripts in elements of their own.
     """
+    charts = [f"/*\n{_part('plotly/LICENSE')}*/", _part("plotly/plotly.min.js"), _part("charts.js")]
     return string.Template(_part("page.html")).substitute(
         title=escape(title),
         heading=escape(heading),
@@ -44,7 +43,7 @@ def page_of(
             f"{time.strftime('%Y-%m-%d %H:%M')}. Units: mm, N, s, tonne, MPa."
         ),
         style=_part("page.css") + style,
-        script="\n".join([*map(_part, _SCRIPTS), script]),
+        script="\n".join([_part("page.js"), *(charts if 'class="chart' in body else ()), script]),
         last=last,
     )
 

@@ -38,6 +38,8 @@ from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.numerics.broken_line import BrokenLine
 from shellcut.unit import conversion, dimension
+from shellcut.view import Curve, Diagram, draw_curves
+from shellcut.view import number_with_unit as said
 
 from .comparison_table import table_of
 from .measured_curve import MeasuredCurve, read_measured_curve
@@ -179,23 +181,26 @@ class Comparison:
         ImportError
             If Matplotlib is not installed.
         """
-        from shellcut.view import draw_comparison
-
         path = Path(path)
-        draw_comparison(
+        axes = {"x_name": self.x_name, "x_unit": self.x_unit, "unit": self.y_unit}
+
+        def peak(value: float, at: float) -> str:
+            return f"peak {said(value, self.y_unit)} at {said(at, self.x_unit)}"
+
+        (x, measured), (own, simulated) = self.measured_curve, self.simulated_curve
+        peaks = (
+            f"measured, {peak(self.peak_measured, self.peak_at_measured)}",
+            f"simulated, {peak(self.peak_simulated, self.peak_at_simulated)}",
+        )
+        both = [Curve(peaks[0], measured, "measured", x=x), Curve(peaks[1], simulated, x=own)]
+        gap = [Curve("difference", self.simulated - self.measured, "contact")]
+        draw_curves(
             path,
-            self.measured_curve,
-            self.simulated_curve,
-            (self.x, self.simulated - self.measured),
-            peaks=(
-                (self.peak_at_measured, self.peak_measured),
-                (self.peak_at_simulated, self.peak_simulated),
-            ),
-            coordinate_name=self.x_name,
-            coordinate_unit=self.x_unit,
-            name=self.y_name,
-            unit=self.y_unit,
-            title=self.name,
+            [
+                Diagram(self.x, both, name=self.y_name, title=self.name, height=3.0, **axes),
+                Diagram(self.x, gap, name="difference", **axes),
+            ],
+            size=(9.0, 6.0),
         )
         return path
 

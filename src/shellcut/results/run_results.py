@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,14 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
+from shellcut.view.curves import Curve, draw_curves
 
 from .cut_quality import UNITS, cut_quality
-from .energy_account import PUT_IN, energy_shares, total, trusted_rows
 from .history import read_history
+from .run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_figures, steady_window
+from .summary_figures import window_of
 from .vtkhdf_reader import VtkHdfReader
 
 
@@ -211,25 +214,17 @@ class Results:
         ImportError
             If Matplotlib is not installed.
         """
-        from shellcut.view import draw_torque
-
-        first = self.resistance_name
-        path = resistance_picture(self.folder, first) if path is None else Path(path)
-        teeth = [name for name in self.history if name.startswith(f"{first}_tooth_")]
-        draw_torque(
-            path,
-            self.history[self.coordinate_name],
-            self.history[first],
-            contact=self.history.get(f"{first}_contact"),
-            joints=self.history.get(f"{first}_joints"),
-            teeth=np.stack([self.history[t] for t in teeth], axis=1) if len(teeth) > 1 else None,
-            plateau=self._plateau(),
-            name=first,
-            unit=self.resistance_unit,
-            title=self.name,
-            coordinate_name=self.coordinate_name,
-            coordinate_unit=self.coordinate_unit,
-        )
+        name, unit, x_unit = self.resistance_name, self.resistance_unit, self.coordinate_unit
+        path = resistance_picture(self.folder, name) if path is None else Path(path)
+        diagram = resistance_diagram(self.history, self.units)
+        figures = steady_figures(self.history, (self.coordinate_name, x_unit), (name, unit))
+        mean = figures.get(f"{name}_plateau_{unit.replace('*', '')}")
+        if mean is not None:
+            ends = [figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"]]
+            label = f"mean over {window_of(figures)}: {mean:.4g} {unit.replace('*', '·')}"
+            plateau = Curve(label, [mean, mean], "mean", x=ends)
+            diagram = replace(diagram, curves=[*diagram.curves, plateau])
+        draw_curves(path, [replace(diagram, title=self.name)])
         return path
 
     def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
@@ -242,32 +237,13 @@ class Results:
         ImportError
             If Matplotlib is not installed.
         """
-        from shellcut.view import draw_energy
-
         path = self.folder / ENERGY_PICTURE if path is None else Path(path)
-        coordinate, history = self.coordinate_name, self.history
-        draw_energy(
-            path,
-            history[coordinate],
-            total(PUT_IN, history),
-            energy_shares(history),
-            np.where(trusted_rows(history), 100.0 * history["imbalance_rel"], np.nan),
-            title=self.name,
-            coordinate_name=coordinate,
-            coordinate_unit=self.coordinate_unit,
-        )
+        energies = replace(energy_diagram(self.history, self.units), title=self.name)
+        imbalance = imbalance_diagram(self.history, self.units)
+        draw_curves(path, [energies, imbalance], size=(9.0, 6.6))
         return path
 
     # ------------------------------------------------------------------ parts
-
-    def _plateau(self) -> tuple[float, float, float] | None:
-        """Return the ends of the steady window, and the mean resistance in it."""
-        coordinate = self.coordinate_name, self.coordinate_unit
-        resistance = self.resistance_name, self.resistance_unit
-        figures = steady_figures(self.history, coordinate, resistance)
-        mean = figures.get(f"{resistance[0]}_plateau_{resistance[1].replace('*', '')}")
-        window = self.steady_window
-        return None if mean is None else (window.low, window.high, float(mean))
 
     def _column(self, k: int) -> str:
         # Time, coordinate and the plotted figure are the first three columns of every history.

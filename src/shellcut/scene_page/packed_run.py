@@ -144,9 +144,10 @@ def packed(taken: Taken) -> tuple[dict[str, Any], dict[str, str]]:
     return described, {name: table.data for name, table in tables.items()}
 
 
-def as_json(described: dict[str, Any]) -> str:
+def as_json(described: object) -> str:
     """Return JSON that cannot end the script element it stands in."""
-    return json.dumps(described, separators=(",", ":")).replace("<", "\\u003c")
+    text = json.dumps(described, separators=(",", ":"), ensure_ascii=False)
+    return text.replace("<", "\\u003c")
 
 
 def _tool(frame: Frame) -> dict[str, Any]:

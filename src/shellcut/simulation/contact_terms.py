@@ -19,9 +19,8 @@ from shellcut.fracture.options import Fracture
 from shellcut.fracture.ray_ahead import MERGE
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.tool import Tool
-
-from .tool_terms import ToolTerm
 
 if TYPE_CHECKING:
     from .simulation import Simulation
@@ -37,7 +36,7 @@ def contact_terms(
     film: ShellMaterial,
     fracture: Fracture,
     part_of: Callable[[int], Part],
-) -> tuple[PenaltyContact | None, list[ToolTerm]]:
+) -> tuple[PenaltyContact | None, list[ForceTerm]]:
     """Return the contact of the nodes, and all terms in the order of their evaluation.
 
     Without a tool there are none.  part_of : returns the polygon of a row that is cut.
@@ -47,7 +46,7 @@ def contact_terms(
     edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
     aside = MERGE if fracture.path == "free" else 0.0
     contact = PenaltyContact(tool, settings, film, edge_length, aside)
-    terms: list[ToolTerm] = [contact]
+    terms: list[ForceTerm] = [contact]
     if settings.friction > 0.0:
         terms.append(CoulombFriction("friction", contact, settings.friction))
     if settings.tool_points:
@@ -66,17 +65,15 @@ def contact_terms(
 
 
 def self_contact_terms(
-    settings: Contact,
-    film: ShellMaterial,
-    edge_length: float,
-    part_of: Callable[[int], Part],
+    settings: Contact, mesh: Mesh, film: ShellMaterial, part_of: Callable[[int], Part]
 ) -> tuple[()] | tuple[SelfContact] | tuple[SelfContact, SelfFriction]:
     """Return the terms of a film's contact with itself in the order of their evaluation.
 
-    edge_length : of a typical quad [mm].  part_of : returns the polygon of a row that is cut.
+    part_of : returns the polygon of a row that is cut.
     """
     if not settings.self_contact:
         return ()
+    edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
     contact = SelfContact(settings, film, edge_length, part_of)
     if settings.self_friction == 0.0:
         return (contact,)

@@ -27,9 +27,11 @@ from __future__ import annotations
 
 import math
 from itertools import chain
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
+from shellcut.arguments import Option
 from shellcut.arrays import Floats, each, norm, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -91,17 +93,22 @@ class Imperfection:
         n.x[: n.count] += w[:, None] * n.t[: n.count]
 
 
+ImperfectionNumber: TypeAlias = Annotated[
+    int | None,
+    Option(
+        "",
+        "number of the small shape out of its plane with which the film begins, so that it can "
+        "buckle; 0: none",
+        least=0,
+        most=_MOST,
+        unset="1 with a tool that cuts, otherwise 0",
+    ),
+]
+
+
 def number_of_shape(given: int | None, *, cuts: bool) -> int:
-    """Return the number of a film's shape, by default 1 where a tool cuts; refuse what is none."""
-    if given is None:
-        return int(cuts)
-    whole = isinstance(given, int | np.integer) and not isinstance(given, bool)
-    if not (whole and 0 <= given <= _MOST):
-        raise ValueError(
-            f"imperfection must be a whole number, 1 to {_MOST} for a shape or 0 for none, "
-            f"got {given!r}"
-        )
-    return int(given)
+    """Return the number of a film's shape, by default 1 where a tool cuts."""
+    return int(cuts) if given is None else int(given)
 
 
 def _frame(mesh: Mesh, tool: Tool | None, pose: Pose) -> tuple[Floats, Floats]:

@@ -22,24 +22,14 @@ def check_parts(
     law: CohesiveLaw | None,
     contact: Contact | None,
     fracture: Fracture | None,
-    damping_alpha: float,
-    damping_beta: float,
 ) -> None:
     """Raise ValueError if what a simulation is given does not go together."""
     problems = [
-        *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
         *_without_partner(tool, motion, law, contact, fracture),
         *_not_with_path(fracture, tool),
     ]
     if problems:
         raise ValueError("; ".join(problems))
-
-
-def _negative(**numbers: float) -> Iterator[str]:
-    """Yield which of some numbers are negative, or none at all."""
-    for name, value in numbers.items():
-        if not value >= 0:
-            yield f"{name} must be a number that is not negative, got {value!r}"
 
 
 def _without_partner(

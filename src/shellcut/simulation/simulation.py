@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
@@ -27,24 +27,24 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.threads import Workers
+from shellcut.numerics.threads import Threads, Workers
 from shellcut.state import State
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
-from .film_terms import FilmTerms, sums_of_stored
+from .force_terms import ForceTerms
 from .hooks import Hook, serve
-from .imperfection import Imperfection, number_of_shape
+from .imperfection import Imperfection, ImperfectionNumber, number_of_shape
 from .input_checks import check_parts, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .loose_pieces import LoosePieces
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
-from .tool_terms import ToolTerm, ToolTerms
 
 
 class Simulation:
@@ -66,18 +66,12 @@ class Simulation:
         Without one nothing splits.
     contact, fracture, stepping : Contact, Fracture, Stepping
         Parameters of contact, of the cracks and of the time step.
-    directional : bool
-        False: cables never meet the blade (classical cohesive elements), for comparison.
-    damping_alpha, damping_beta : float
-        Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
+    directional, damping_alpha, damping_beta, imperfection, threads
+        See their annotations; damping by [Frangi2010] 5.2, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
-    imperfection : int, optional
-        Number of the shape out of its plane with which the film begins, so that it can buckle
-        (:mod:`.imperfection`), 0 for none; by default 1 with a tool and a law, else 0.
-    threads : int, optional
-        Threads to use; by default one for a small film, else the cores there are. The result does
-        not depend on it, bit for bit.
+    terms : sequence of ForceTerm
+        Forces of your own, evaluated after all others.
 
     Raises
     ------
@@ -112,14 +106,18 @@ class Simulation:
         contact: Contact | None = None,
         fracture: Fracture | None = None,
         stepping: Stepping | None = None,
-        directional: bool = True,
-        damping_alpha: float = 0.1,
-        damping_beta: float = 5e-8,
+        directional: Annotated[
+            bool,
+            Option("", "whether cables meet the blade; false: classical cohesive elements"),
+        ] = True,
+        damping_alpha: Annotated[float, Option("1/s", "of the mass", least=0)] = 0.1,
+        damping_beta: Annotated[float, Option("s", "of the stiffness", least=0)] = 5e-8,
         velocity: Floats | None = None,
-        imperfection: int | None = None,
-        threads: int | None = None,
+        terms: Sequence[ForceTerm] = (),
+        imperfection: ImperfectionNumber = None,
+        threads: Threads = None,
     ) -> None:
-        check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
+        check_parts(tool, motion, law, contact, fracture)
         imperfection = number_of_shape(imperfection, cuts=tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
@@ -136,6 +134,7 @@ class Simulation:
             "damping_alpha": damping_alpha,
             "damping_beta": damping_beta,
             "velocity": None if velocity is None else np.asarray(velocity, float),
+            "terms": tuple(terms),
             "imperfection": imperfection,
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
@@ -149,46 +148,41 @@ class Simulation:
         self.loads = LoadSet(self.mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.state = self._state_at_start(velocity)
-        touching = self._bring_tool(contact, directional)
-        self._let_crack(contact)
-        self.time_step = StableStep(stepping, self.shell, [*touching, *self._film_terms])
+        self._add_terms(contact, directional, terms)
+        self._let_crack()
+        self.time_step = StableStep(stepping, self.shell, [*self.terms])
         self._guard = StabilityGuard(self.mesh, self.shell, law, self.time_step)
         self._begin(imperfection)
 
-    def _bring_tool(self, contact: Contact, directional: bool) -> list[ToolTerm]:
-        """Build all that touches the tool; return it in the order of evaluation."""
-        tool, film = self.tool, (self.mesh, self.material)
+    def _add_terms(self, contact: Contact, directional: bool, others: Sequence[ForceTerm]) -> None:
+        """Build all that pulls and presses on the film, in the order of evaluation."""
+        tool, film, part_of = self.tool, (self.mesh, self.material), polygons_of(self)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        self.contact, touching = contact_terms(
-            tool, contact, *film, self.fracture, polygons_of(self)
-        )
-        touching.append(self.cables)
-        self.tool_terms = ToolTerms(touching, self.motion)
-        """What touches the tool."""
+        self.contact, touching = contact_terms(tool, contact, *film, self.fracture, part_of)
+        own = self_contact_terms(contact, *film, part_of)
+        self.self_contact: SelfContact | None = own[0] if own else None
+        """Of the film with itself, if it is switched on."""
+        self.terms = ForceTerms([*touching, self.cables, *own, *others], self.motion)
+        """All that puts forces on the nodes but shells and loads."""
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
         self._pose_at = poses_of(self.motion) if self.motion is not None else None
-        return touching
 
-    def _let_crack(self, contact: Contact) -> None:
+    def _let_crack(self) -> None:
         """Build the cracks, and all that comes of them: points on flanks, loose pieces, flaps."""
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         self._loose: LoosePieces | None = None
-        edge_length = float(np.sqrt(np.median(self.mesh.quad_areas())))
         if self.law is not None:
             self.cracks = Cracks(
                 self.state, self.fracture, self.law, self.shell, self.loads, self.tool, self.motion
             )
             if self.fracture.drop_loose == "clear":
                 alpha = self.integrator.damping_alpha
+                edge_length = float(np.sqrt(np.median(self.mesh.quad_areas())))
                 parts = self.shell, self.cracks, self.contact
                 self._loose = LoosePieces(*parts, edge_length, alpha)
-        own = self_contact_terms(contact, self.material, edge_length, polygons_of(self))
-        self.self_contact: SelfContact | None = own[0] if own else None
-        """Of the film with itself, if it is switched on."""
-        self._film_terms = FilmTerms(own)
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
@@ -258,8 +252,7 @@ class Simulation:
         book.strain, damping, dissipated = self.shell.add_forces(s)
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
-        self.tool_terms.add_forces(s, self.pose, book)
-        self._film_terms.add_forces(s, book)
+        self.terms.add_forces(s, self.pose, book)
         if s.flank.count:
             self._flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
@@ -384,12 +377,11 @@ class Simulation:
 
         Force [N] and moment [N·mm] about the origin of the body frame.
         """
-        return self.tool_terms.wrench
+        return self.terms.wrench
 
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
-        terms = [*self.tool_terms, *self._film_terms]
-        vars(self.ledger).update(sums_of_stored(terms, self.state))
+        vars(self.ledger).update(self.terms.stored(self.state))
         return self.ledger
 
     # ---------------------------------------------------------------- restart
@@ -407,12 +399,11 @@ class Simulation:
             "frequencies": self.shell.frequencies.saved(),
             "time_step": self.time_step.saved(),
             "pose": self.pose._asdict(),
-            "tool_terms": self.tool_terms.saved(),
+            "terms": self.terms.saved(),
             "mass_damping": self._mass_damping,
             "dt": self._dt,
             "balance": self._guard.saved(),
         }
-        saved |= self._film_terms.saved()
         if self.cracks is not None:
             saved["cracks"] = self.cracks.saved()
         return saved
@@ -434,10 +425,9 @@ class Simulation:
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
         self._guard.restore(saved["balance"])
         self.pose = Pose(**saved["pose"]).copied()
-        self.tool_terms.restore(s, self.pose, saved["tool_terms"])
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])
-        self._film_terms.restore(s, saved)  # they ask the cracks which film is left
+        self.terms.restore(s, self.pose, saved["terms"])  # they ask the cracks which film is left
 
     def _place_tool(self) -> None:
         if self._pose_at is not None:

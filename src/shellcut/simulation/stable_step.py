@@ -31,20 +31,18 @@ import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.stretch_since import StretchSince
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State
-
-from .film_terms import FilmTerm
-from .tool_terms import ToolTerm
+from shellcut.tool.force_term import ForceTerm
 
 # Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
 _TIGHT = 0.99
@@ -72,35 +70,22 @@ _BATCH = 32
 class Stepping:
     """How the step is chosen.
 
-    Parameters
-    ----------
-    safety : float
-        Factor on the safe bound; what the state may change until the next evaluation.
-    evaluate_every : int
-        Steps between two looks at the quads; splits come on top.
-    fixed : float, optional
-        A step of the user's own [s]; the bound is then ignored.
-
     Examples
     --------
     >>> Stepping(safety=0.9).fixed is None
     True
     """
 
-    safety: float = 0.95
-    evaluate_every: int = 500
-    fixed: float | None = None
-
-    def __post_init__(self) -> None:
-        problems = []
-        if not 0 < self.safety <= 1:
-            problems.append(f"safety must lie in (0, 1], got {self.safety!r}")
-        if self.evaluate_every < 1:
-            problems.append(f"evaluate_every must be a positive count, got {self.evaluate_every!r}")
-        if self.fixed is not None and not 0 < self.fixed < math.inf:
-            problems.append(f"fixed must be a positive time in s, got {self.fixed!r}")
-        if problems:
-            raise ValueError("; ".join(problems))
+    safety: Annotated[
+        float,
+        Option("", "factor on the safe step, for what changes to the next look", above=0, most=1),
+    ] = 0.95
+    evaluate_every: Annotated[
+        int, Option("", "steps between two looks at the quads; splits come on top", least=1)
+    ] = 500
+    fixed: Annotated[
+        float | None, Option("s", "a step of your own", above=0, unset="the safe step")
+    ] = None
 
 
 class StableStep:
@@ -110,7 +95,7 @@ class StableStep:
         self,
         stepping: Stepping | None,
         shell: MITC4Shell,
-        terms: Sequence[ToolTerm | FilmTerm],
+        terms: Sequence[ForceTerm],
     ) -> None:
         self.stepping = stepping or Stepping()
         self._shell = shell

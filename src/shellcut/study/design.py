@@ -10,28 +10,21 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Annotated, Literal
 
 import scipy
+
+from shellcut.arguments import Option, checked
 
 from .factors import Factor
 
 Kind = Literal["grid", "sobol", "lhs"]
-KINDS: tuple[str, ...] = get_args(Kind)
 
 
+@checked
 @dataclass(frozen=True)
 class Design:
     """How the values of the factors are combined.
-
-    Attributes
-    ----------
-    kind : {"grid", "sobol", "lhs"}
-        Every combination; Sobol' points, scrambled; a Latin hypercube.
-    n : int, optional
-        Number of runs of the last two.
-    seed : int
-        Of the last two: another seed gives other points.
 
     Examples
     --------
@@ -39,22 +32,17 @@ class Design:
     16
     """
 
-    kind: Kind = "grid"
-    n: int | None = None
-    seed: int = 0
+    kind: Annotated[
+        Kind, Option("", "every combination; Sobol' points, scrambled; a Latin hypercube")
+    ] = "grid"
+    n: Annotated[int | None, Option("", "number of runs of sobol or lhs", least=1)] = None
+    seed: Annotated[int, Option("", "of sobol and lhs; another gives other points", least=0)] = 0
 
     def __post_init__(self) -> None:
-        problems = []
-        if self.kind not in KINDS:
-            problems.append(f"the design must be one of {', '.join(KINDS)}, got {self.kind!r}")
-        elif self.kind == "grid" and self.n is not None:
-            problems.append("a grid has as many runs as combinations: leave out n")
-        elif self.kind != "grid" and not (isinstance(self.n, int) and self.n > 0):
-            problems.append(f"a design of kind {self.kind} must have n runs, 1 or more: {self.n!r}")
-        if not (isinstance(self.seed, int) and self.seed >= 0):
-            problems.append(f"seed must be a whole number, 0 or more, got {self.seed!r}")
-        if problems:
-            raise ValueError("; ".join(problems))
+        if self.kind == "grid" and self.n is not None:
+            raise ValueError("a grid has as many runs as combinations: leave out n")
+        if self.kind != "grid" and self.n is None:
+            raise ValueError(f"a {self.kind} design must have n runs, got none")
 
     def runs(self, factors: Sequence[Factor]) -> list[dict[str, object]]:
         """Return the values of all factors in each run, by key.

@@ -18,11 +18,12 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 import scipy
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from distributed import Client
 
 Method = Literal["local", "global"]
-METHODS: tuple[str, ...] = get_args(Method)
 
 _STEP = 0.08
 """Of the differences, in the logarithm of a parameter."""
@@ -53,20 +53,15 @@ _SPREAD = 0.4
 """Of the runs, that a global fit spreads over the box."""
 
 
+@checked
 @dataclass(frozen=True)
 class Search:
     """How a fit looks for the best values.
 
-    Attributes
+    Parameters
     ----------
     bounds : mapping from str to (low, high)
         Of some keys, in their unit; a third of the start to three times it for the others.
-    keep_energy : bool
-        Keep the fracture energy of the model's law: the last free key follows from the others.
-    max_runs : int
-        Runs to take at most.
-    method : {"local", "global"}
-        Least squares from the start, or a search of the whole box on a surface through the runs.
 
     Examples
     --------
@@ -75,18 +70,15 @@ class Search:
     """
 
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    keep_energy: bool = False
-    max_runs: int = 40
-    method: Method = "local"
-
-    def __post_init__(self) -> None:
-        problems = []
-        if self.method not in METHODS:
-            problems.append(f"method must be one of {', '.join(METHODS)}, got {self.method!r}")
-        if not (isinstance(self.max_runs, int) and self.max_runs > 0):
-            problems.append(f"max_runs must be a count above 0, got {self.max_runs!r}")
-        if problems:
-            raise ValueError("; ".join(problems))
+    keep_energy: Annotated[
+        bool,
+        Option("", "keep the fracture energy of the law: the last free key follows"),
+    ] = False
+    max_runs: Annotated[int, Option("", "runs to take at most", least=1)] = 40
+    method: Annotated[
+        Method,
+        Option("", "least squares from the model's values, or a search of all within the bounds"),
+    ] = "local"
 
 
 def fit(

@@ -25,6 +25,7 @@ import scipy
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison
+from shellcut.view import Curve, Diagram, draw_curves
 
 from .curve_misfit import independent_points, residuals
 from .fit_runs import FitRuns
@@ -125,22 +126,20 @@ class FitResult:
         }
         write_text(folder / FIT, _json(figures))
         if importlib.util.find_spec("matplotlib") is not None:
-            from shellcut.view.fit_picture import FittedCurve, draw_fit
-
-            curves = [
-                FittedCurve(
-                    now.measured_curve,
-                    before.simulated_curve,
-                    now.simulated_curve,
-                    (now.x_name, now.x_unit),
-                    (now.y_name, now.y_unit),
-                    ", ".join(f"{key} = {value}" for key, value in settings.items()),
-                )
-                for now, before, settings in zip(
-                    self.comparisons, self.at_start, self.settings, strict=True
-                )
-            ]
-            draw_fit(folder / PICTURE, curves)
+            diagrams = []
+            for now, before, settings in zip(
+                self.comparisons, self.at_start, self.settings, strict=True
+            ):
+                (x, measured), start = now.measured_curve, before.simulated_curve
+                curves = [
+                    Curve("measured", measured, "measured"),
+                    Curve("at the start", start[1], "contact", x=start[0]),
+                    Curve("fitted", now.simulated_curve[1], x=now.simulated_curve[0]),
+                ]
+                said = ", ".join(f"{key} = {value}" for key, value in settings.items())
+                names = now.x_name, now.x_unit, now.y_name, now.y_unit
+                diagrams.append(Diagram(x, curves, *names, title=said))
+            draw_curves(folder / PICTURE, diagrams, size=(9.0, 4.0 * len(diagrams)))
 
 
 def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:

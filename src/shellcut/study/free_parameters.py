@@ -146,16 +146,16 @@ def _free(model: Model, key: str, bounds: tuple[float, float] | None) -> Free:
         raise ValueError(
             f"{key}: a free key is written SECTION.KEY, of {', '.join(model.sections)}"
         )
-    keys = section.keys()
+    keys = section.of.keys
     if name not in keys:
         raise ValueError(f"{key}: [{title}] has no such key, but {', '.join(keys)}")
-    start = getattr(section, name)
+    start = section.values[name]
     if isinstance(start, bool) or not isinstance(start, int | float) or not start > 0.0:
         raise ValueError(f"{key} must be a number above 0 in the model, where it is {start!r}")
     low, high = bounds or (start / _FACTOR, start * _FACTOR)
     if not 0.0 < low <= start <= high or not low < high:
         raise ValueError(f"{key}: the bounds {low:g}:{high:g} must lie around its start, {start:g}")
-    return Free(key, float(start), low, high, keys[name].kind.unit)
+    return Free(key, float(start), low, high, keys[name].option.unit)
 
 
 def _energy(variants: ModelVariants, values: Mapping[str, object]) -> float:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.errors import Problem
+from shellcut.model_file.key import Section
 from shellcut.model_file.model import digest_of
 from shellcut.model_file.reader import ModelVariants
 from shellcut.numerics.threads import available_cores
@@ -162,7 +162,7 @@ class _Digests(dict[str, str]):
 
 def _key(model: Model, digests: Mapping[str, str]) -> str:
     """Return the hash of all that makes the results what they are."""
-    head = {name: value for name, value in vars(model.head).items() if name not in _NO_INPUT}
+    head = {name: value for name, value in model.head.values.items() if name not in _NO_INPUT}
     inputs = {
         "version": _VERSION,
         "head": head,
@@ -176,8 +176,10 @@ def _key(model: Model, digests: Mapping[str, str]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
 
 
-def _of(section: Any) -> list[object]:
-    return [section.kind, asdict(section)]
+def _of(section: Section) -> list[object]:
+    tables = {name for name, key in section.of.keys.items() if key.tables is not None}
+    values = section.values.items()
+    return [section.kind, {n: [_of(one) for one in v] if n in tables else v for n, v in values}]
 
 
 def repeated(runs: Sequence[PlannedRun]) -> Iterator[tuple[PlannedRun, PlannedRun]]:

@@ -26,8 +26,10 @@ from pathlib import Path
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
 from shellcut.model_file.errors import ModelFileError, Problem, guess
+from shellcut.model_file.forms import written
+from shellcut.model_file.key import Kind, keys_of
+from shellcut.model_file.reader import read_section
 from shellcut.model_file.source import parse
-from shellcut.model_file.writer import written
 
 from .design import Design
 from .factors import Factor, factors_of
@@ -37,7 +39,7 @@ STUDY = "study.toml"
 
 _LARGEST = 10_000_000  # bytes
 _SECTIONS = {"set": dict, "factors": dict, "design": dict, "model": str, "figures": list}
-_DESIGN = ("kind", "n", "seed")
+_DESIGN = Kind("Which values go together.", keys_of(Design), Design)
 
 
 @dataclass(frozen=True)
@@ -109,16 +111,11 @@ def read_study(path: str | os.PathLike[str]) -> StudyFile:
         if name not in values:
             problems.append(Problem(str(path), f"{name} must be given"))
     design = Design()
-    if isinstance(table := values.get("design", {}), dict):
-        problems += [
-            Problem(source.place(("design", name)), f"unknown key [design].{name}")
-            for name in table
-            if name not in _DESIGN
-        ]
+    if isinstance(values.get("design", {}), dict):
         try:
-            design = Design(**{name: table[name] for name in _DESIGN if name in table})
-        except ValueError as problem:
-            problems.append(Problem(source.place(("design",)), str(problem)))
+            design = read_section(source, _DESIGN, "design").made()
+        except ModelFileError as wrong:
+            problems += wrong.problems
     if problems:
         raise ModelFileError(problems)
     model = _beside(source.folder, values["model"])

@@ -15,6 +15,7 @@ import numpy as np
 from shellcut.files.file_list import claim
 from shellcut.files.whole_file import write_text
 from shellcut.formats.errors import FileError
+from shellcut.view.curves import PALETTE, Curve, Diagram, draw_curves
 
 from .columns import Choice
 from .direction import MEASURES, Direction
@@ -158,21 +159,45 @@ class TensileTest:
         ImportError
             If Matplotlib is not installed.
         """
-        from shellcut.view.tensile_picture import FallingCurves, draw_tensile
-
-        curves, falls = {}, {}
-        for name, one in self.directions.items():
-            title = name or "film"
-            curves[title] = [(f.specimen.strain - f.slack, f.specimen.stress) for f in one.figures]
+        strains, falls = [], []
+        for k, (name, one) in enumerate(self.directions.items()):
+            style = f"{k % len(PALETTE)}"
+            label = f"{name or 'film'}, {len(one.figures)} specimens"
+            strains += [
+                Curve(
+                    label, f.specimen.stress, f"c{style}", x=100.0 * (f.specimen.strain - f.slack)
+                )
+                for f in one.figures
+            ]
             law = one.law()
             if law is not None:
                 length = float(one.gauge_length or 0.0)
-                measured = [(length * f.opening_per_length, f.falling_stress) for f in one.falling]
                 opening = np.linspace(0.0, law.opening_u, 400)
-                stress = np.array([law.traction(x) for x in opening])
                 said = f"G = {law.fracture_energy:.3g} kJ/m², gauge length {length:g} mm"
-                falls[title] = FallingCurves(measured, (opening, stress), said)
-        draw_tensile(path, curves, falls)
+                falls += [
+                    Curve(
+                        f"{label}, falling",
+                        f.falling_stress,
+                        f"c{style}",
+                        x=length * f.opening_per_length,
+                    )
+                    for f in one.falling
+                ]
+                stress = [law.traction(x) for x in opening]
+                falls.append(
+                    Curve(f"law {name or 'film'}: {said}", stress, f"law{style}", x=opening)
+                )
+        axes = {"name": "nominal stress", "unit": "MPa"}
+        why = "" if falls else "no fall recorded: no law"
+        draw_curves(
+            path,
+            [
+                Diagram([], strains, "strain", "%", **axes),
+                Diagram([], falls, "opening", "mm", title=why, **axes),
+            ],
+            columns=2,
+            size=(11.0, 5.0),
+        )
         return Path(path)
 
 

@@ -11,11 +11,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.formats.errors import FileError
 from shellcut.formats.number_table import NumberTable, read_number_table
@@ -35,29 +36,21 @@ LARGEST_STRAIN = 20.0
 """Films of polyethylene reach 10; beyond, per cent were read as a ratio."""
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class SpecimenSize:
-    """Dimensions of the specimens [mm]; what is not needed may be left out.
+    """Dimensions of the specimens [mm]; what is not needed may be left out."""
 
-    Raises
-    ------
-    ValueError
-        If one of them is not a finite length above 0.
-    """
-
-    gauge_length: float | None = None
-    """Length over which the extension is measured; between the grips, if the cross-head's."""
-    width: float | None = None
-    thickness: float | None = None
-
-    def __post_init__(self) -> None:
-        problems = [
-            f"{name} must be a finite length above 0 in mm, got {value!r}"
-            for name, value in vars(self).items()
-            if value is not None and not (isfinite(value) and value > 0.0)
-        ]
-        if problems:
-            raise ValueError("; ".join(problems))
+    gauge_length: Annotated[
+        float | None,
+        Option(
+            "mm",
+            "length over which the extension is measured; between the grips, if the cross-head's",
+            above=0,
+        ),
+    ] = None
+    width: Annotated[float | None, Option("mm", "for columns of force", above=0)] = None
+    thickness: Annotated[float | None, Option("mm", "for columns of force", above=0)] = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,12 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import cos, isfinite, pi, radians, sin, sqrt
-from typing import Protocol, runtime_checkable
+from math import cos, pi, radians, sin, sqrt
+from typing import Annotated, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
 
@@ -54,6 +54,23 @@ class Motion(Protocol):
         ...
 
 
+Pitch: TypeAlias = Annotated[float, Option("mm", "advance per turn; 0 for a pure rotation")]
+Ramp: TypeAlias = Annotated[
+    float, Option("s", "time over which the speed rises; 0 starts at full speed", least=0)
+]
+Axis: TypeAlias = Annotated[
+    Sequence[float],
+    Option("", "direction, of any length; the turn is counter-clockwise", form="3 numbers"),
+]
+AxisPoint: TypeAlias = Annotated[
+    Sequence[float], Option("mm", "a point of the axis", form="3 numbers")
+]
+Advance: TypeAlias = Annotated[
+    Sequence[float] | None,
+    Option("", "direction of the advance", form="3 numbers", unset="against the axis"),
+]
+
+
 @checked
 @dataclass(frozen=True)
 class ScrewMotion:
@@ -68,27 +85,19 @@ class ScrewMotion:
     95.0
     """
 
-    angular_speed: float
-    """Speed after the ramp [rad/s], positive; to turn clockwise reverse ``axis``."""
-    pitch: float = 0.0
-    """Advance per turn [mm]; negative against ``advance``, 0 for a pure rotation."""
-    ramp: float = 0.0
-    """Time over which the speed rises [s]; 0 starts at full speed."""
-    axis: Sequence[float] = (0.0, 0.0, 1.0)
-    """Direction of the axis, of any length."""
-    axis_point: Sequence[float] = (0.0, 0.0, 0.0)
-    """A point of the axis [mm]."""
-    advance: Sequence[float] | None = None
-    """Direction of the advance, of any length; by default against ``axis``, that is downwards."""
+    angular_speed: Annotated[
+        float, Option("rad/s", "after the ramp; to turn clockwise reverse the axis", above=0)
+    ]
+    pitch: Pitch = 0.0
+    ramp: Ramp = 0.0
+    axis: Axis = (0.0, 0.0, 1.0)
+    axis_point: AxisPoint = (0.0, 0.0, 0.0)
+    advance: Advance = None
     _axis: Vec3 = field(init=False, repr=False, compare=False)
     _point: Vec3 = field(init=False, repr=False, compare=False)
     _lead: Vec3 = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _check_positive("angular_speed", self.angular_speed, "rad/s")
-        _check_ramp(self.ramp)
-        if not isfinite(self.pitch):
-            raise ValueError(f"pitch must be finite, got {self.pitch} mm")
         axis = _unit("axis", self.axis)
         point = _triple("axis_point", self.axis_point)
         against = (-axis[0], -axis[1], -axis[2])
@@ -99,33 +108,23 @@ class ScrewMotion:
         object.__setattr__(self, "_lead", (lead * advance[0], lead * advance[1], lead * advance[2]))
 
     @classmethod
+    @checked
     def over(
         cls,
         *,
-        angle_deg: float,
-        duration: float,
-        pitch: float = 0.0,
-        ramp_fraction: float = 0.03,
-        axis: Sequence[float] = (0.0, 0.0, 1.0),
-        axis_point: Sequence[float] = (0.0, 0.0, 0.0),
-        advance: Sequence[float] | None = None,
+        angle_deg: Annotated[float, Option("deg", "of the whole motion", above=0)],
+        duration: Annotated[
+            float, Option("s", "of the run; the motion continues at its speed afterwards", above=0)
+        ],
+        pitch: Pitch = 0.0,
+        ramp_fraction: Annotated[
+            float, Option("", "part of the duration over which the speed rises", least=0, most=1)
+        ] = 0.03,
+        axis: Axis = (0.0, 0.0, 1.0),
+        axis_point: AxisPoint = (0.0, 0.0, 0.0),
+        advance: Advance = None,
     ) -> ScrewMotion:
-        """Return the screw that has turned by ``angle_deg`` exactly at ``duration``.
-
-        Parameters
-        ----------
-        angle_deg : float, [deg]
-        duration : float, [s]
-            The motion continues at its speed afterwards.
-        ramp_fraction : float
-            Part of the duration over which the speed rises, in [0, 1].
-        pitch, axis, axis_point, advance
-            As the fields of this class.
-        """
-        _check_positive("angle_deg", angle_deg, "degrees")
-        _check_positive("duration", duration, "s")
-        if not 0.0 <= ramp_fraction <= 1.0:
-            raise ValueError(f"ramp_fraction must be in [0, 1], got {ramp_fraction}")
+        """Return the screw that has turned by ``angle_deg`` exactly at ``duration``."""
         return cls(
             angular_speed=radians(angle_deg) / (duration * (1.0 - 0.5 * ramp_fraction)),
             pitch=pitch,
@@ -177,17 +176,12 @@ class StraightMotion:
     (6.0, 'mm')
     """
 
-    direction: Sequence[float]
-    """Direction of the motion, of any length."""
-    speed: float
-    """Speed after the ramp [mm/s], positive."""
-    ramp: float = 0.0
-    """Time over which the speed rises [s]; 0 starts at full speed."""
+    direction: Annotated[Sequence[float], Option("", "of any length", form="3 numbers")]
+    speed: Annotated[float, Option("mm/s", "after the ramp", above=0)]
+    ramp: Ramp = 0.0
     _direction: Vec3 = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _check_positive("speed", self.speed, "mm/s")
-        _check_ramp(self.ramp)
         object.__setattr__(self, "_direction", _unit("direction", self.direction))
 
     @property
@@ -286,13 +280,3 @@ def turned(rows: tuple[Vec3, Vec3, Vec3], a: Vec3) -> Vec3:
         r10 * a0 + r11 * a1 + r12 * a2,
         r20 * a0 + r21 * a1 + r22 * a2,
     )
-
-
-def _check_positive(name: str, value: float, unit: str) -> None:
-    if not (isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} must be positive, got {value} {unit}")
-
-
-def _check_ramp(ramp: float) -> None:
-    if not (isfinite(ramp) and ramp >= 0.0):
-        raise ValueError(f"ramp must be zero or positive, got {ramp} s")

@@ -2,61 +2,46 @@
 
 from __future__ import annotations
 
-from math import cos, isfinite, radians, sin
+from math import cos, radians, sin
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, each, product
 
-from .tool import Tool, ToolError
+from .tool import Tool
+
+Diameter: TypeAlias = Annotated[float, Option("mm", "of the bar", above=0)]
+Tilt: TypeAlias = Annotated[
+    float,
+    Option("deg", "of its axis from the vertical; its top leans forward", above=-60, below=60),
+]
 
 
 @checked
 def round_bar(
-    *, diameter: float = 6.0, height: float = 48.0, tilt_deg: float = 10.0, n_around: int = 72
+    *,
+    diameter: Diameter = 6.0,
+    height: Annotated[float, Option("mm", "along the axis; the sheet is halfway", above=0)] = 48.0,
+    tilt_deg: Tilt = 10.0,
+    n_around: Annotated[int, Option("", "facets around it", least=12)] = 72,
 ) -> Tool:
     """Return a round bar that moves along +x through the sheet z = 0; it cuts nothing.
 
     Its foremost point in the sheet is the origin. Its axis leans forward with its top, so that it
     presses the film beside its crack down.
 
-    Parameters
-    ----------
-    diameter : float, [mm]
-    height : float, [mm]
-        Of both ends from each other, along the axis; the sheet is halfway.
-    tilt_deg : float, [deg]
-        Of the axis from the vertical, in (-60, 60).
-    n_around : int
-        Facets around it, 12 at least.
-
     Returns
     -------
     Tool
         With one body and no cutting edge.
-
-    Raises
-    ------
-    ToolError
-        Lists every parameter out of its range.
 
     Examples
     --------
     >>> round_bar(diameter=4.0).n_edge
     0
     """
-    problems = [
-        f"{name} must be positive and finite, got {value}"
-        for name, value in (("diameter", diameter), ("height", height))
-        if not (isfinite(value) and value > 0.0)
-    ]
-    if not abs(tilt_deg) < 60.0:
-        problems.append(f"tilt_deg must lie between -60 and 60, got {tilt_deg}")
-    if n_around < 12:
-        problems.append(f"n_around must be 12 at least, got {n_around}")
-    if problems:
-        raise ToolError(problems, what="round bar")
     corners, triangles = _upright(0.5 * diameter, height, n_around)
     c, s = cos(radians(tilt_deg)), sin(radians(tilt_deg))
     leaning = product(corners, np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T)

@@ -23,10 +23,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import asin, cos, isfinite, tan
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Bools, Floats, Ints, each, norm, unit
 
 from .tool import Tool, ToolError
@@ -44,6 +45,8 @@ _LEANING = 4.0
 _LEAST = 1e-5
 
 _ON_LEVEL = 1e-9
+
+EdgeRadius: TypeAlias = Annotated[float, Option("mm", "of the cutting edges; 0: as they are")]
 
 
 @checked

@@ -23,14 +23,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import atan, ceil, cos, degrees, isfinite, pi, radians, sin, sqrt, tan
+from math import atan, ceil, cos, degrees, pi, radians, sin, sqrt, tan
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, each
 
-from .rounded_edge import with_edge_radius
+from .rounded_edge import EdgeRadius, with_edge_radius
 from .tool import Tool, ToolError
 from .tooth import Tooth
 
@@ -55,22 +56,41 @@ lists of the contact grid short, whose cells are a third of the thickness."""
 MOST_TRIANGLES = 1_000_000
 """Most triangles of a ring; the default one has 4,112."""
 
+HalfAngle: TypeAlias = Annotated[
+    float,
+    Option("deg", "of the wedge in the section parallel to the film", above=0, most=BLUNTEST_EDGE),
+]
+HalfThickness: TypeAlias = Annotated[
+    float, Option("mm", "half the distance of the parallel flanks", above=0)
+]
+
 
 @checked
 def tooth_ring(
     *,
-    n_teeth: int = 4,
-    radius: float = 9.4,
-    edge_inclination_deg: float = 60.0,
-    wedge_half_angle_deg: float = 12.0,
-    half_thickness: float = 0.35,
-    length: float = 1.5,
-    relief_deg: float = 30.0,
-    height: float = 5.0,
-    tip_clearance: float = 0.02,
-    phase_deg: float = 0.0,
-    edge_radius: float = 0.0,
-    n_arc: int | None = None,
+    n_teeth: Annotated[int, Option("", "number of teeth", least=1)] = 4,
+    radius: Annotated[float, Option("mm", "of the cutting circle", above=0)] = 9.4,
+    edge_inclination_deg: Annotated[
+        float, Option("deg", "inclination of the edge; it rises forward", above=0, most=90)
+    ] = 60.0,
+    wedge_half_angle_deg: HalfAngle = 12.0,
+    half_thickness: HalfThickness = 0.35,
+    length: Annotated[
+        float, Option("mm", "from the tip to the vertical back, along the arc", above=0)
+    ] = 1.5,
+    relief_deg: Annotated[
+        float, Option("deg", "rise of the bottom from the tip backwards", least=0, below=90)
+    ] = 30.0,
+    height: Annotated[float, Option("mm", "from the tip to the top", above=0)] = 5.0,
+    tip_clearance: Annotated[float, Option("mm", "of the tip above the film at the start")] = 0.02,
+    phase_deg: Annotated[float, Option("deg", "angle of the first tip")] = 0.0,
+    edge_radius: EdgeRadius = 0.0,
+    n_arc: Annotated[
+        int | None,
+        Option(
+            "", "segments of each cutting edge", unset="1/700 of half_thickness off the cylinder"
+        ),
+    ] = None,
 ) -> Tool:
     """Return a ring of equal teeth around the z axis that cuts the circle r = ``radius``.
 
@@ -80,34 +100,9 @@ def tooth_ring(
     described in straight coordinates and wrapped on the cylinder, angle = s / radius and
     r = radius + n, so that the vertices of the cutting edge lie exactly on it.
 
-    Parameters
-    ----------
-    n_teeth : int
-        Teeth that would overlap are refused.
-    radius : float, [mm]
-        Of the cutting circle.
-    edge_inclination_deg : float, [deg]
-        Angle eta of the cutting edge to the sheet, in (0, 90]; it rises forward.
-    wedge_half_angle_deg : float, [deg]
-        In the section parallel to the sheet.
-    half_thickness : float, [mm]
-        Half the distance of the parallel flanks.
-    length : float, [mm]
-        From the tip to the vertical back face, along the arc r = ``radius``.
-    relief_deg : float, [deg]
-        Rise of the bottom from the tip backwards, in [0, 90).
-    height : float, [mm]
-        From the tip to the top.
-    tip_clearance : float, [mm]
-        Height of the tip above the sheet.
-    phase_deg : float, [deg]
-        Angle of the first tip.
-    edge_radius : float, [mm]
-        Of the cutting edges; the rounded edge lies where the sharp one would.
-    n_arc : int, optional
-        Segments of each cutting edge; by default enough that chords stay within 1/700 of the half
-        thickness from the cylinder and segments below 8/7 of it. If chords deviate by more than
-        1/350, the number is refused.
+    The rounded edge lies where the sharp one would. If chords of the edge deviate from the cylinder
+    by more than 1/350 of the half thickness, ``n_arc`` is refused; by default its segments stay
+    below 8/7 of the half thickness too.
 
     Returns
     -------
@@ -117,7 +112,7 @@ def tooth_ring(
     Raises
     ------
     ToolError
-        Lists every parameter out of its range.
+        If teeth overlap, or parameters do not go together.
 
     Examples
     --------
@@ -138,12 +133,9 @@ def tooth_ring(
         "phase_deg": phase_deg,
         "edge_radius": edge_radius,
     }
-    _check_positive(
-        parameters, ("radius", "half_thickness", "length", "height"), ("tip_clearance", "phase_deg")
-    )
     problems = [
         *_angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg"),
-        *_ring_problems(n_teeth, radius, half_thickness, length, relief_deg, height),
+        *_ring_problems(radius, half_thickness, length, relief_deg, height),
     ]
     if problems:
         raise ToolError(problems, what="tooth ring")
@@ -199,18 +191,13 @@ def _ahead_of_nose(tool: Tool, cot: float) -> float:
 
 
 def _ring_problems(
-    n_teeth: int,
     radius: float,
     half_thickness: float,
     length: float,
     relief_deg: float,
     height: float,
 ) -> Iterator[str]:
-    if n_teeth < 1:
-        yield f"n_teeth must be at least 1, got {n_teeth}"
-    if not 0.0 <= relief_deg < 90.0:
-        yield f"relief_deg must be in [0, 90), got {relief_deg}"
-    elif length * tan(radians(relief_deg)) >= height:
+    if length * tan(radians(relief_deg)) >= height:
         yield (
             f"the relief rises by length * tan(relief_deg) = "
             f"{length * tan(radians(relief_deg)):.4g} mm, above height = {height:g} mm: "
@@ -270,12 +257,17 @@ def _arc_pieces(tooth: Tooth, n_teeth: int, radius: float, n_arc: int | None) ->
 @checked
 def straight_blade(
     *,
-    edge_angle_deg: float = 90.0,
-    wedge_half_angle_deg: float = 10.0,
-    half_thickness: float = 0.3,
-    length: float = 3.0,
-    height: float = 6.0,
-    edge_radius: float = 0.0,
+    edge_angle_deg: Annotated[
+        float,
+        Option("deg", "inclination of the edge; below 90 it rises forward", above=0, most=90),
+    ] = 90.0,
+    wedge_half_angle_deg: HalfAngle = 10.0,
+    half_thickness: HalfThickness = 0.3,
+    length: Annotated[
+        float, Option("mm", "from the edge to the back; a longer wedge is cut off there", above=0)
+    ] = 3.0,
+    height: Annotated[float, Option("mm", "from the bottom to the top", above=0)] = 6.0,
+    edge_radius: EdgeRadius = 0.0,
 ) -> Tool:
     """Return a blade that moves along +x in the plane y = 0 and cuts the sheet z = 0.
 
@@ -283,20 +275,7 @@ def straight_blade(
     z = height/2 down to -height/2, so that plus is y > 0. Each section parallel to the sheet is
     the same, shifted along the edge: the back is parallel to the edge.
 
-    Parameters
-    ----------
-    edge_angle_deg : float, [deg]
-        Angle of the edge to the sheet, in (0, 90]; below 90 it rises forward.
-    wedge_half_angle_deg : float, [deg]
-        In the section parallel to the sheet.
-    half_thickness : float, [mm]
-        Half the distance of the parallel flanks.
-    length : float, [mm]
-        From the edge to the back, along x; a wedge that is longer is cut off there.
-    height : float, [mm]
-        From the bottom to the top.
-    edge_radius : float, [mm]
-        Of the cutting edge; the rounded edge, too, runs through the origin.
+    The rounded edge, too, runs through the origin.
 
     Returns
     -------
@@ -306,7 +285,7 @@ def straight_blade(
     Raises
     ------
     ToolError
-        Lists every parameter out of its range.
+        If the wedge is too blunt along its edge.
     """
     parameters = {
         "edge_angle_deg": edge_angle_deg,
@@ -315,7 +294,6 @@ def straight_blade(
         "length": length,
         "height": height,
     }
-    _check_positive(parameters, ("half_thickness", "length", "height"), (), what="straight blade")
     problems = _angle_problems(edge_angle_deg, wedge_half_angle_deg, "edge_angle_deg")
     if problems:
         raise ToolError(problems, what="straight blade")
@@ -360,39 +338,11 @@ def _edge_half_angle(inclination_deg: float, half_angle_deg: float) -> float:
 
 def _angle_problems(inclination_deg: float, half_angle_deg: float, name: str) -> list[str]:
     problems = []
-    if not 0.0 < inclination_deg <= 90.0:
-        problems.append(f"{name} must be in (0, 90], got {inclination_deg}")
-    if not 0.0 < half_angle_deg <= BLUNTEST_EDGE:
+    seen = _edge_half_angle(inclination_deg, half_angle_deg)
+    if seen > BLUNTEST_EDGE * (1.0 + 1e-12):
         problems.append(
-            f"wedge_half_angle_deg must be in (0, {BLUNTEST_EDGE:g}], got {half_angle_deg}"
+            f"wedge_half_angle_deg = {half_angle_deg:g} is {seen:.1f} seen along an edge at "
+            f"{name} = {inclination_deg:g}, above {BLUNTEST_EDGE:g}: sharpen the wedge or "
+            "raise the edge"
         )
-    if not problems:
-        seen = _edge_half_angle(inclination_deg, half_angle_deg)
-        if seen > BLUNTEST_EDGE * (1.0 + 1e-12):
-            problems.append(
-                f"wedge_half_angle_deg = {half_angle_deg:g} is {seen:.1f} seen along an edge at "
-                f"{name} = {inclination_deg:g}, above {BLUNTEST_EDGE:g}: sharpen the wedge or "
-                "raise the edge"
-            )
     return problems
-
-
-def _check_positive(
-    parameters: dict[str, float],
-    positive: tuple[str, ...],
-    finite: tuple[str, ...],
-    *,
-    what: str = "tooth ring",
-) -> None:
-    problems = [
-        f"{name} must be positive and finite, got {parameters[name]}"
-        for name in positive
-        if not (isfinite(parameters[name]) and parameters[name] > 0.0)
-    ]
-    problems += [
-        f"{name} must be finite, got {parameters[name]}"
-        for name in finite
-        if not isfinite(parameters[name])
-    ]
-    if problems:
-        raise ToolError(problems, what=what)

@@ -11,12 +11,13 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 from math import degrees, pi, sin, sqrt
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.formats.errors import FileError
 from shellcut.formats.motion_csv import read_motion_csv
@@ -105,7 +106,13 @@ class TableMotion:
             object.__setattr__(self, name, array)
 
     @classmethod
-    def read_csv(cls, path: str | Path) -> TableMotion:
+    @checked
+    def read_csv(
+        cls,
+        path: Annotated[
+            str | Path, Option("", "time and x, y, z, rx, ry, rz or angle", form="path")
+        ],
+    ) -> TableMotion:
         """Read a table of poses; its headings give the units, such as ``time [ms]``.
 
         The columns are those of :func:`shellcut.formats.motion_csv.read_motion_csv`: ``time``,

@@ -9,19 +9,21 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, unit
 from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError
-from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
 from shellcut.formats.stl import read_stl
 from shellcut.formats.surface_file import SurfaceFile
 
-from .rounded_edge import with_edge_radius
+from .rounded_edge import EdgeRadius, with_edge_radius
 from .seams import closed_seams
 from .surface import point_text
 from .surface_repair import repaired
@@ -46,51 +48,55 @@ _FARTHEST = 1e5
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
+@checked
 def read_tool(
-    path: str | Path,
+    path: Annotated[str | Path, Option("", "the tool; its suffix gives the format", form="path")],
     *,
-    unit: str | float | None = None,
-    axis: str | Sequence[float] = "z",
-    shift: Sequence[float] = (0.0, 0.0, 0.0),
-    sharp_angle_deg: float = 100.0,
-    flank_angle_deg: float = 40.0,
-    not_cutting: Collection[int] = (),
-    edge_radius: float = 0.0,
-    merge: float | None = None,
-    chord_deviation: float | None = None,
-    name: str | None = None,
+    unit: FileUnit = None,
+    axis: Annotated[
+        str | Sequence[float],
+        Option("", "direction in the file that becomes z, by the shortest turn", form="direction"),
+    ] = "z",
+    shift: Annotated[
+        Sequence[float], Option("mm", "moves the tool after that", form="3 numbers")
+    ] = (0.0, 0.0, 0.0),
+    sharp_angle_deg: Annotated[
+        float,
+        Option("deg", "smallest exterior angle of a cutting edge, 180 less that of the wedge"),
+    ] = 100.0,
+    flank_angle_deg: Annotated[float, Option("deg", "largest turn of a flank")] = 40.0,
+    not_cutting: Annotated[
+        Collection[int],
+        Option(
+            "",
+            "chains found by angle that do not cut, by their numbers when all do",
+            form="whole numbers",
+        ),
+    ] = (),
+    edge_radius: EdgeRadius = 0.0,
+    merge: Annotated[
+        float | None,
+        Option(
+            "mm",
+            "merge vertices closer than this",
+            unset="1e-7 of the diagonal; a tenth of chord_deviation",
+        ),
+    ] = None,
+    chord_deviation: Annotated[
+        float | None,
+        Option(
+            "mm",
+            "of triangles from curved faces of STEP and IGES",
+            unset="5e-4 of the diagonal",
+        ),
+    ] = None,
+    name: Annotated[str | None, Option("", "of the tool", unset="that of the file")] = None,
 ) -> Tool:
     """Read a tool: STL, OBJ or PLY; STEP or IGES with Gmsh (extra ``mesh``).
 
-    Parameters
-    ----------
-    path : str or Path
-        The suffix gives the format.
-    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
-        Unit of the file's coordinates, or its length in mm. By default the unit that a STEP or IGES
-        file states; otherwise guessed from the size where that is safe. A warning says which.
-    axis : {"x", "y", "z", "-x", "-y", "-z"} or sequence of 3 floats
-        Direction in the file that becomes z, the normal of the film in the package's models; the
-        tool is turned by the shortest rotation.
-    shift : sequence of 3 floats, [mm]
-        Translation of the tool after that.
-    sharp_angle_deg : float, [deg]
-        Least exterior angle of a cutting edge: 180 minus the angle of the wedge. Between 90 (the
-        rims of a machined block) and 120 only the teeth of a cap are found.
-    flank_angle_deg : float, [deg]
-        See :meth:`Tool.from_triangles`.
-    not_cutting : collection of int
-        Chains found by angle that do not cut, by their numbers in :meth:`Tool.chains` when all cut.
-    edge_radius : float, [mm]
-        Rounds the cutting edges, :func:`shellcut.tool.rounded_edge.with_edge_radius`.
-    merge : float, optional, [mm]
-        Vertices closer than this are merged; by default 1e-7 of the tool's diagonal, of STEP and
-        IGES a tenth of ``chord_deviation``.
-    chord_deviation : float, optional, [mm]
-        Of STEP and IGES: largest distance of the triangles from curved faces, by default 5e-4 of
-        the tool's diagonal. Each solid becomes a body.
-    name : str, optional
-        The file's name by default.
+    Between ``sharp_angle_deg`` = 90 (the rims of a machined block) and 120 only the teeth of a cap
+    are found; :meth:`Tool.from_triangles` says what the angles are, :meth:`Tool.chains` the
+    numbers. Each solid of STEP and IGES becomes a body. A warning says which unit was taken.
 
     Returns
     -------

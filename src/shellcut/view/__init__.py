@@ -1,45 +1,42 @@
 """Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
 
-PyVista (``shellcut[view]``) draws scenes and movies where it is installed and can render.
-
 May import ``frame``, ``formats`` and rows below.
 """
 
+from ._figure import with_unit as number_with_unit
 from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool_creases
-from .comparison_picture import draw_comparison
 from .crack_map import draw_crack_map
-from .curves import draw_energy, draw_torque
+from .curves import Curve, Diagram, draw_curves
+from .fields import STRESSES, limits_for
 from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
-from .renderer import why_no_window, why_not_pyvista
-from .scene import STRESSES, draw_scene, limits_for
+from .scene import draw_scene
 from .snapshot import draw_snapshot, snapshot_limits
 
 __all__ = [
     "STRESSES",
+    "Curve",
+    "Diagram",
     "ModelView",
     "Panel",
     "Panels",
     "Shown",
     "caption_of",
-    "draw_comparison",
     "draw_crack_map",
-    "draw_energy",
+    "draw_curves",
     "draw_film_strip",
     "draw_model",
     "draw_movie",
     "draw_scene",
     "draw_snapshot",
-    "draw_torque",
     "edge_length",
     "height_over_width",
     "legend_of",
     "limits_for",
+    "number_with_unit",
     "snapshot_limits",
     "title_parts",
     "tool_creases",
-    "why_no_window",
-    "why_not_pyvista",
 ]

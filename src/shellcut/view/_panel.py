@@ -160,11 +160,6 @@ def stress_scale(limits: tuple[float, float]) -> Any:
     return ScalarMappable(Normalize(*limits), colormap)
 
 
-def stress_colors(frame: Frame, scale: Any) -> Floats:
-    """Return the colour of every quad, shape (n_quad, 3)."""
-    return np.asarray(scale.to_rgba(frame.quad_principal[:, 0]))[:, :3]
-
-
 def caption_of(frame: Frame) -> list[str]:
     """Return the caption of a frame: coordinate and first scalar, with units."""
     parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]

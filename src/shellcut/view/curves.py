@@ -1,83 +1,112 @@
-"""The curves of a run: reaction on the tool, and energies."""
+"""Curves: what is drawn in a diagram and how it looks; as a picture, by Matplotlib.
+
+The charts of the reports draw the same diagrams (``report/chart.py``).
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._figure import new_figure, pretty, save, with_unit
+from shellcut.arrays import Floats
 
-_TOTAL_COLOR = "#b2182b"
-_JOINTS_COLOR = "#ef8a62"
-_CONTACT_COLOR = "#2166ac"
-_TOOTH_COLOR = "0.7"
-_SECOND_COLOR = "0.25"
-# Distinguishable for colour-blind readers (Okabe and Ito), calm enough for areas.
-_AREA_COLORS = (
-    "#e69f00",
-    "#56b4e9",
-    "#009e73",
-    "#f0e442",
-    "#0072b2",
-    "#d55e00",
-    "#cc79a7",
-    "#999999",
-    "#8c6d31",
-    "#5e3c99",
-)
-# A negative share up to this part of the largest is still drawn as an area: round-off and the half
-# step between work and energy cause it.
-_NEGATIVE_SHARE = 0.01
+from ._figure import new_figure, pretty, save
+
+PALETTE = ("#3b6fd4", "#1592b4", "#2c9c62", "#8a9a1c", "#d08a10", "#dc5f2a", "#c22a4c")
+"""Colours of groups, of about one lightness, which stand out on white and on black."""
+
+INK = "#1b1f24"
+"""Black; pages make it white in the dark."""
+
+# Okabe and Ito: distinguishable for colour-blind readers, calm enough for areas.
+_AREAS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#999999")
+
+STYLES: dict[str, dict[str, Any]] = {
+    "total": {"color": "#cf3a44", "width": 2.2},
+    "joints": {"color": "#e08030", "width": 1.4},
+    "contact": {"color": "#3d83c8", "width": 1.4},
+    "tooth": {"color": "#99a1aa", "width": 0.9},
+    "measured": {"color": INK, "width": 2.0, "dash": "dash"},
+    "other": {"color": INK, "width": 1.6, "dash": "dash"},
+    "work": {"color": INK, "width": 1.8, "dash": "dash"},
+    "level": {"color": INK, "width": 1.4, "dash": "dot"},
+    "mean": {"color": INK, "width": 1.6},
+    "effect": {"color": "#cf3a44", "width": 2.0},
+    "same": {"color": "#99a1aa", "width": 1.4, "dash": "dash"},
+    **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
+    **{f"law{k}": {"color": color, "width": 2.4} for k, color in enumerate(PALETTE)},
+    **{f"a{k}": {"color": color, "width": 1.6} for k, color in enumerate(_AREAS)},
+}
+"""How lines look, by name."""
+
+_DASHES = {"dash": "--", "dot": ":"}
 
 
-def draw_torque(
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line, or with ``area`` one layer of the stack; ``style`` is one of :data:`STYLES`.
+
+    Curves of one name share an entry of the legend.
+    """
+
+    name: str
+    values: npt.ArrayLike
+    style: str = "total"
+    area: bool = False
+    x: npt.ArrayLike | None = None
+    """Its own abscissae; by default those of the diagram."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagram:
+    """Curves over one coordinate.
+
+    Attributes
+    ----------
+    x : array_like, shape (n,)
+        Abscissae of the curves that have none of their own.
+    curves : sequence of Curve
+        Areas are stacked in order, lines are drawn over them.
+    x_name, x_unit, name, unit : str
+        Names and units of the axes.
+    title : str
+    height : float
+        Relative to the other diagrams of a picture.
+    """
+
+    x: npt.ArrayLike
+    curves: Sequence[Curve]
+    x_name: str
+    x_unit: str
+    name: str
+    unit: str
+    title: str = ""
+    height: float = 1.0
+
+
+def draw_curves(
     path: str | os.PathLike[str],
-    coordinate: npt.ArrayLike,
-    total: npt.ArrayLike,
+    diagrams: Sequence[Diagram],
     *,
-    contact: npt.ArrayLike | None = None,
-    joints: npt.ArrayLike | None = None,
-    teeth: npt.ArrayLike | None = None,
-    second: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
-    second_label: str = "classical cables",
-    levels: Mapping[str, float] | None = None,
-    plateau: tuple[float, float, float] | None = None,
-    coordinate_name: str = "angle",
-    coordinate_unit: str = "deg",
-    name: str = "torque",
-    unit: str = "N*mm",
-    title: str | None = None,
+    columns: int = 1,
     size: tuple[float, float] = (9.0, 5.4),
     dpi: float = 110.0,
 ) -> None:
-    """Draw the tool's torque (or force) over its coordinate, in total and in parts.
+    """Draw diagrams below or beside each other.
 
     Parameters
     ----------
     path : str or Path
         The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
-    coordinate : array_like, shape (n,)
-        The tool's angle or path, in ``coordinate_unit``.
-    total, contact, joints : array_like, shape (n,)
-        Torque on the tool, and its parts from the contact of the faces and from the cables
-        jointed to the edges, in ``unit``.
-    teeth : array_like, shape (n, n_tooth), optional
-        The total of each tooth, drawn faintly, in ``unit``.
-    second : (array_like, array_like), optional
-        Coordinate and total of another run, e.g. the same with classical cables.
-    second_label : str
-        Label of the other run.
-    levels : mapping of str to float, optional
-        Horizontal lines to compare with, by label, in ``unit``.
-    plateau : (float, float, float), optional
-        Steady window, from and to in ``coordinate_unit``, and the mean, in ``unit``.
-    coordinate_name, coordinate_unit, name, unit : str
-        Labels of the axes.
-    title, size, dpi
+    diagrams : sequence of Diagram
+    columns : int
+        Diagrams side by side; those of one column share the coordinate.
+    size, dpi
         Of the figure; the size in inches.
 
     Raises
@@ -85,154 +114,73 @@ def draw_torque(
     ImportError
         If Matplotlib is not installed.
     ValueError
-        If the columns differ in length.
+        If a curve has another number of rows than its coordinate.
     """
-    x = np.asarray(coordinate, dtype=float)
+    rows = -(-len(diagrams) // columns)
     figure = new_figure(size, dpi)
-    axes = figure.add_axes((0.09, 0.22, 0.88, 0.70))
-    if teeth is not None:
-        _add_teeth(axes, x, _column("teeth", teeth, x))
-    if second is not None:
-        second_x = np.asarray(second[0], dtype=float)
-        second_total = _column("second", second[1], second_x)
-        axes.plot(second_x, second_total, color=_SECOND_COLOR, lw=1.6, ls="--", label=second_label)
-    if contact is not None:
-        y = _column("contact", contact, x)
-        axes.plot(x, y, color=_CONTACT_COLOR, lw=1.2, label="from contact")
-    if joints is not None:
-        y = _column("joints", joints, x)
-        axes.plot(x, y, color=_JOINTS_COLOR, lw=1.2, label="from cables at the edge")
-    axes.plot(x, _column("total", total, x), color=_TOTAL_COLOR, lw=2.2, label="total")
-    for k, (label, level) in enumerate((levels or {}).items()):
-        text = f"{label}: {level:.4g} {pretty(unit)}"
-        axes.axhline(level, color="black", lw=1.0, ls=(":", "-.")[k % 2], label=text)
-    if plateau is not None:
-        low, high, mean = plateau
-        window = f"{low:.3g}-{with_unit(float(f'{high:.3g}'), coordinate_unit)}"
-        text = f"mean over {window}: {with_unit(mean, unit)}"
-        axes.plot((low, high), (mean, mean), color="black", lw=1.6, label=text)
-    dress(axes, f"{name} [{pretty(unit)}]")
-    axes.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
-    _add_legend_below(axes, first="total")
-    if title is not None:
-        axes.set_title(title, y=1.0)  # without y, Matplotlib searches for room: a fifth of the time
+    figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
+    heights = [one.height for one in diagrams[::columns]]
+    alike = len({(one.x_name, one.x_unit) for one in diagrams}) == 1
+    shared = {"sharex": "col" if alike else "none", "squeeze": False, "height_ratios": heights}
+    every = figure.subplots(rows, columns, **shared).ravel()
+    for axes, diagram in zip(every, diagrams, strict=False):
+        _draw(axes, diagram)
+        if alike:
+            axes.label_outer()
+    for axes in every[len(diagrams) :]:
+        axes.remove()
     save(figure, path)
 
 
-def _add_teeth(axes: Any, x: Any, each: Any) -> None:
-    if each.ndim != 2:
-        raise ValueError(f"teeth must have shape (n, n_tooth), got {each.shape}")
-    for k in range(each.shape[1]):
-        label = f"each of {each.shape[1]} teeth" if k == 0 else None
-        axes.plot(x, each[:, k], color=_TOOTH_COLOR, lw=0.9, label=label)
-
-
-def _add_legend_below(axes: Any, *, first: str) -> None:
-    """Name the curves below the axes, because a curve may fill all corners.
-
-    The one named first is drawn over all others.
-    """
-    handles, labels = axes.get_legend_handles_labels()
-    top = labels.index(first)
-    order = [top, *(k for k in range(len(labels)) if k != top)]
-    axes.legend(
-        [handles[k] for k in order],
-        [labels[k] for k in order],
-        frameon=False,
-        loc="upper center",
-        bbox_to_anchor=(0.5, -0.13),
-        ncols=3,
-    )
-
-
-def draw_energy(
-    path: str | os.PathLike[str],
-    coordinate: npt.ArrayLike,
-    work: npt.ArrayLike,
-    shares: Mapping[str, npt.ArrayLike],
-    imbalance: npt.ArrayLike,
-    *,
-    coordinate_name: str = "angle",
-    coordinate_unit: str = "deg",
-    unit: str = "N*mm",
-    title: str | None = None,
-    size: tuple[float, float] = (9.0, 6.6),
-    dpi: float = 110.0,
-) -> None:
-    """Draw the energy ledger: the work put in, the energies, and the imbalance.
-
-    The energies are stacked, so that their upper rim meets the line of the work if the ledger
-    closes. If one of them is clearly negative they are drawn as lines instead.
-
-    Parameters
-    ----------
-    path : str or Path
-        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
-    coordinate : array_like, shape (n,)
-        The tool's angle or path, in ``coordinate_unit``.
-    work : array_like, shape (n,)
-        Work of the tool and the loads, in ``unit``.
-    shares : mapping of str to array_like, shape (n,)
-        Stored and dissipated energies, in ``unit``; the first is at the bottom of the stack.
-    imbalance : array_like, shape (n,)
-        Imbalance of the ledger, relative to the work, [%].
-    coordinate_name, coordinate_unit, unit : str
-        Labels of the axes.
-    title, size, dpi
-        Of the figure; the size in inches.
-
-    Raises
-    ------
-    ImportError
-        If Matplotlib is not installed.
-    ValueError
-        If the columns differ in length.
-    """
-    x = np.asarray(coordinate, dtype=float)
-    columns = {name: _column(name, share, x) for name, share in shares.items()}
-    put_in = _column("work", work, x)
-    missing = _column("imbalance", imbalance, x)
-    figure = new_figure(size, dpi)
-    upper = figure.add_axes((0.10, 0.34, 0.87, 0.60))
-    lower = figure.add_axes((0.10, 0.09, 0.87, 0.20), sharex=upper)
-
-    largest = max((np.abs(y).max(initial=0.0) for y in columns.values()), default=0.0)
-    colors = [_AREA_COLORS[k % len(_AREA_COLORS)] for k in range(len(columns))]
-    if all((y >= -_NEGATIVE_SHARE * largest).all() for y in columns.values()):
-        if columns:
-            upper.stackplot(x, *columns.values(), labels=list(columns), colors=colors, alpha=0.85)
-    else:
-        for color, (label, y) in zip(colors, columns.items(), strict=True):
-            upper.plot(x, y, color=color, lw=1.8, label=label)
-    upper.plot(x, put_in, color="black", lw=1.8, ls="--", label="work put in")
-    dress(upper, f"energy [{pretty(unit)}]")
-    upper.tick_params(labelbottom=False)
-    handles, labels = upper.get_legend_handles_labels()
-    upper.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False)
-    if title is not None:
-        upper.set_title(title, y=1.0)
-
-    lower.axhline(0.0, color="0.6", lw=0.8)
-    lower.plot(x, missing, color=_TOTAL_COLOR, lw=1.5)
-    dress(lower, "imbalance [%]")
-    lower.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
-    save(figure, path)
-
-
-def _column(name: str, values: npt.ArrayLike, x: Any) -> Any:
-    array = np.asarray(values, dtype=float)
-    if array.shape[:1] != x.shape:
-        raise ValueError(
-            f"{name} must have as many rows as the coordinate, {len(x)}, got {array.shape}"
-        )
-    return array
-
-
-def dress(axes: Any, label: str) -> None:
-    """Set label and grid of the axes as in all pictures of curves."""
-    axes.set_ylabel(label)
+def _draw(axes: Any, diagram: Diagram) -> None:
+    x = np.asarray(diagram.x, float)
+    floor = np.zeros_like(x)
+    named = set[str]()
+    for curve in diagram.curves:
+        places = x if curve.x is None else np.asarray(curve.x, float)
+        values = np.asarray(curve.values, float)
+        if values.shape != places.shape:
+            raise ValueError(
+                f"{curve.name} must have as many rows as the coordinate, {len(places)}, got "
+                f"{values.shape}"
+            )
+        look = STYLES[curve.style]
+        label = {} if curve.name in named else {"label": curve.name}
+        if curve.area:
+            top = floor + values
+            axes.fill_between(places, floor, top, color=look["color"], alpha=0.85, lw=0.0, **label)
+            floor = top
+        else:
+            line = _DASHES.get(look.get("dash", ""), "-")
+            axes.plot(places, values, color=look["color"], lw=look["width"], ls=line, **label)
+        named.add(curve.name)
+    axes.axhline(0.0, color="0.6", lw=0.8)
+    axes.set_xlabel(f"{diagram.x_name} [{pretty(diagram.x_unit)}]")
+    axes.set_ylabel(f"{diagram.name} [{pretty(diagram.unit)}]")
     axes.margins(x=0.0)
     axes.grid(color="0.9", lw=0.8)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+    if len(named) > 1:  # above the diagram, because a curve may fill all its corners
+        where = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3}
+        axes.legend(title=diagram.title, alignment="left", frameon=False, fontsize="small", **where)
+    else:
+        axes.set_title(diagram.title, loc="left")
+
+
+def outline(x: Floats, y: Floats, n: int) -> npt.NDArray[np.int64]:
+    """Return the rows of the lowest and highest value in each of n columns: no peak is lost.
+
+    Examples
+    --------
+    >>> outline(np.linspace(0.0, 1.0, 9), np.array([0, 1, 0, 0, 0, 7, 0, 0, 0.0]), 2).tolist()
+    [0, 5, 7, 8]
+    """
+    if len(x) <= 2 * n:
+        return np.arange(len(x))
+    column = ((x - x[0]) / (x[-1] - x[0]) * (n - 1)).astype(int)
+    order = np.lexsort((y, column))
+    bounds = np.flatnonzero(np.diff(column[order])) + 1
+    first, last = np.concatenate(([0], bounds)), np.concatenate((bounds, [len(x)])) - 1
+    return np.unique(np.concatenate((order[first], order[last], [0, len(x) - 1])))

@@ -11,7 +11,16 @@ from shellcut.arrays import Floats, norm
 from shellcut.frame import Frame
 
 from ._panel import round_limits
-from .scene import STRESSES
+
+STRESSES: dict[str, Callable[[Frame], Floats]] = {
+    "largest principal": lambda frame: frame.quad_principal[:, 0],
+    "smallest principal": lambda frame: frame.quad_principal[:, 1],
+    "von Mises": lambda frame: _von_mises(frame.quad_principal),
+    "largest principal, top": lambda frame: frame.quad_principal_top[:, 0],
+    "largest principal, bottom": lambda frame: frame.quad_principal_bottom[:, 0],
+}
+"""Stresses that can colour the film: name -> values of the quads [MPa], the mean over the thickness
+unless a face is named."""
 
 _SHARE = 0.998  # of the quads or nodes that a colour scale encloses
 
@@ -83,6 +92,15 @@ def chosen_fields(frame: Frame, names: Sequence[str] | None) -> list[Field]:
     return [known[name] for name in dict.fromkeys(names)]
 
 
+def limits_for(frames: Sequence[Frame], stress: str) -> tuple[float, float]:
+    """Return round limits of the colour scale that enclose nearly all quads of the frames [MPa].
+
+    stress : one of :data:`STRESSES`.
+    """
+    field = _stress(stress)
+    return field_limits([field.values(frame) for frame in frames], field.sign)
+
+
 def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]:
     """Return round limits of a colour scale that enclose nearly all numbers of all arrays.
 
@@ -126,3 +144,8 @@ def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]
 
 def _history(key: str) -> Callable[[Frame], Floats]:
     return lambda frame: frame.quad_history[key]
+
+
+def _von_mises(principal: Floats) -> Floats:
+    a, b = principal[:, 0], principal[:, 1]
+    return np.asarray(np.sqrt(a * a - a * b + b * b))

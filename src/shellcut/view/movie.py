@@ -1,4 +1,4 @@
-"""Movie of the cut: MP4 by ffmpeg, GIF by Pillow, frames by PyVista or Matplotlib."""
+"""Movie of the cut: MP4 by ffmpeg, GIF by Pillow."""
 
 from __future__ import annotations
 
@@ -16,11 +16,9 @@ import numpy.typing as npt
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
-from ._figure import inches_of
+from .fields import STRESSES
 from .progress import Progress
-from .renderer import pyvista_or_say
-from .scene import STRESSES, SceneSeries, limits_for
-from .snapshot import SnapshotSeries
+from .scene import SCENE_VIEW, scene_series
 
 Image = npt.NDArray[np.uint8]
 
@@ -32,7 +30,7 @@ def draw_movie(
     fps: float = 12.0,
     stress: str = "largest principal",
     stress_limits: tuple[float, float] | None = None,
-    view: tuple[float, float] = (42.0, -60.0),
+    view: tuple[float, float] = SCENE_VIEW,
     size: tuple[int, int] = (960, 640),
     progress: bool = True,
 ) -> None:
@@ -76,44 +74,11 @@ def draw_movie(
         problems.append(f"fps must be positive, got {fps}")
     if problems:
         raise ValueError("; ".join(problems))
-    fallback = "the movie is drawn by Matplotlib, coloured by the largest principal stress"
-    with_pyvista = pyvista_or_say(fallback)
-    if not with_pyvista:
-        stress, stress_limits = (
-            "largest principal",
-            stress_limits if stress == "largest principal" else None,
-        )
-    limits = limits_for(frames, stress) if stress_limits is None else stress_limits
-    drawn = _by_pyvista if with_pyvista else _by_matplotlib
-    images = drawn(frames, stress, limits, view, size)
+    series = scene_series(frames, stress, stress_limits, view, size)
+    images = (series.image(frame) for frame in frames)
     shown = _followed(images, len(frames), path.name) if progress else images
     with atomic_write(path) as temporary:
         _WRITERS[path.suffix.lower()](temporary, shown, fps, size)
-
-
-def _by_pyvista(
-    frames: Sequence[Frame],
-    stress: str,
-    limits: tuple[float, float],
-    view: tuple[float, float],
-    size: tuple[int, int],
-) -> Iterator[Image]:
-    with SceneSeries(frames, stress=stress, stress_limits=limits, view=view, size=size) as series:
-        for frame in frames:
-            yield series.image(frame)
-
-
-def _by_matplotlib(
-    frames: Sequence[Frame],
-    _: str,
-    limits: tuple[float, float],
-    view: tuple[float, float],
-    size: tuple[int, int],
-) -> Iterator[Image]:
-    inches, dpi = inches_of(size)
-    series = SnapshotSeries(frames, view=view, stress_limits=limits, size=inches, dpi=dpi)
-    for frame in frames:
-        yield series.image(frame)
 
 
 def _followed(images: Iterator[Image], n: int, name: str) -> Iterator[Image]:

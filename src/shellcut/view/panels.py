@@ -17,12 +17,11 @@ from ._panel import (
     eight_bit,
     picture,
     round_length,
-    round_limits,
-    stress_colors,
     stress_scale,
     whole_camera,
 )
 from ._raster import Camera
+from .fields import STRESSES, limits_for
 
 VIEW = (48.0, -60.0)
 """Elevation above the x-y plane and azimuth from the x axis, camera of the whole film [deg]."""
@@ -67,6 +66,8 @@ class Panels:
         The same for the picture of the tooth.
     view, close_view, close_width, tooth, stress_limits
         As in :func:`draw_snapshot`.
+    stress : str
+        One of :data:`STRESSES`.
     """
 
     def __init__(
@@ -79,12 +80,12 @@ class Panels:
         close_view: tuple[float, float] = CLOSE_VIEW,
         close_width: float | None = None,
         tooth: int = 0,
+        stress: str = "largest principal",
         stress_limits: tuple[float, float] | None = None,
     ) -> None:
-        if stress_limits is None:
-            stress_limits = round_limits(np.concatenate([f.quad_principal[:, 0] for f in seen]))
-        self.stress_limits = stress_limits
-        self.scale = stress_scale(stress_limits)
+        self.values = STRESSES[stress]
+        self.stress_limits = stress_limits or limits_for(seen, stress)
+        self.scale = stress_scale(self.stress_limits)
         self._camera = whole_camera(seen, view, shape)
         self._close_shape, self._close_view = close_shape or shape, close_view
         self._close_width, self._tooth = close_width, tooth
@@ -122,7 +123,8 @@ class Panels:
         return float(x), float(y), radius / OVERSAMPLING
 
     def _panel(self, frame: Frame, camera: Camera) -> Panel:
-        return Panel(picture(frame, camera, stress_colors(frame, self.scale)), camera)
+        colors = np.asarray(self.scale.to_rgba(self.values(frame)))[:, :3]
+        return Panel(picture(frame, camera, colors), camera)
 
 
 def height_over_width(frames: Sequence[Frame], view: tuple[float, float] = VIEW) -> float:

@@ -131,25 +131,38 @@ class SnapshotSeries:
         Frames that the left camera and the legend must cover.
     size, dpi
         As in :func:`draw_snapshot`.
+    close_up : bool
+        Whether a tooth is shown beside the whole, where there are cutting edges.
+    stress : str
+        One of :data:`STRESSES`.
     **options
         Options of :class:`Panels`.
     """
 
     def __init__(
-        self, seen: Sequence[Frame], *, size: tuple[float, float], dpi: float, **options: Any
+        self,
+        seen: Sequence[Frame],
+        *,
+        size: tuple[float, float],
+        dpi: float,
+        close_up: bool = True,
+        stress: str = "largest principal",
+        **options: Any,
     ) -> None:
-        with_edge = any(len(frame.edge_points) for frame in seen)
+        with_edge = close_up and any(len(frame.edge_points) for frame in seen)
         box = _LEFT_BOX if with_edge else _ONLY_BOX
         self._label = f"tooth {options.get('tooth', 0) + 1}"
         self._panels = Panels(
             seen,
             shape=pixels_of(box, size, dpi),
             close_shape=pixels_of(_RIGHT_BOX, size, dpi),
+            stress=stress,
             **options,
         )
         self._figure = new_figure(size, dpi)
-        stress = [frame.quad_principal[:, 0] for frame in seen]
-        add_color_bar(self._figure, self._panels.scale, stress, (0.04, 0.075, 0.30, 0.02))
+        values = [self._panels.values(frame) for frame in seen]
+        bar = (0.04, 0.075, 0.30, 0.02)
+        add_color_bar(self._figure, self._panels.scale, values, bar, label=f"{stress} stress [MPa]")
         add_legend(self._figure, seen, bbox_to_anchor=(0.995, 0.025))
         self._empty: Any = None  # the figure without the parts of a frame
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
@@ -165,9 +178,10 @@ class SnapshotSeries:
     def figure(self, frame: Frame, title: str | None = None) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
         self._title.set_text(title_of(frame) if title is None else title)
-        whole, close = self._panels.whole(frame), self._panels.close(frame)
-        _put(self._left, whole)
+        _put(self._left, self._panels.whole(frame))
+        close = None
         if self._right is not None:
+            close = self._panels.close(frame)
             self._right.set_visible(close is not None)
             if self._circle is not None:
                 self._circle.set_visible(close is not None)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Ints
+from shellcut.view.curves import PALETTE
 
-from .panels import N_COLOUR
 from .studied import Studied
 
 
@@ -32,10 +32,15 @@ class Colouring:
     group: Ints
 
     def style(self, group: int) -> str:
-        """Return the class of a group's colour, from the first to the last of the palette."""
-        if len(self.names) > N_COLOUR:
-            return f"c{group % N_COLOUR}"
-        return f"c{round(group * (N_COLOUR - 1) / max(1, len(self.names) - 1))}"
+        """Return the style of a group's lines, from the first to the last of the palette."""
+        n = len(PALETTE)
+        if len(self.names) > n:
+            return f"c{group % n}"
+        return f"c{round(group * (n - 1) / max(1, len(self.names) - 1))}"
+
+    def color(self, group: int) -> str:
+        """Return the colour of a group."""
+        return PALETTE[int(self.style(group)[1:])]
 
 
 def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
@@ -45,12 +50,12 @@ def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
     if factor.names:
         return Colouring(factor.name, factor.names, values.astype(int))
     levels = np.unique(values)
-    if len(levels) <= N_COLOUR:
+    if len(levels) <= len(PALETTE):
         names = tuple(f"{factor.name} {level:.5g}{gap}{unit}" for level in levels)
         return Colouring(factor.name, names, np.searchsorted(levels, values))
     low, high = factor.ends
-    bounds = np.linspace(low, high, N_COLOUR)  # one colour less: bounds that are easier to read
-    group = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, N_COLOUR - 2)
+    bounds = np.linspace(low, high, len(PALETTE))  # one colour less: bounds that are easier to read
+    group = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, len(PALETTE) - 2)
     names = tuple(
         f"{factor.name} {a:.4g} to {b:.4g}{gap}{unit}"
         for a, b in itertools.pairwise(bounds.tolist())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -13,8 +12,10 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY
-from shellcut.report.chart import Curve, chart
-from shellcut.report.markup import missing, pretty
+from shellcut.report.chart import chart
+from shellcut.report.markup import missing
+from shellcut.scene_page.packed_run import as_json
+from shellcut.view.curves import Curve, Diagram, outline
 
 from .colouring import Colouring, coloured_by
 from .studied import Study
@@ -60,15 +61,11 @@ def curves(study: Study) -> str:
     longest = max(found, key=lambda one: one.x[-1] - one.x[0])
     (x_name, y_name), (x_unit, y_unit) = found[0].names, found[0].units
     first = groups[0] if groups else Colouring("", ("all runs",), np.zeros(len(found), int))
+    drawn = [_curve(one, first, k) for k, one in enumerate(found)]
     picture = chart(
-        longest.x,
-        [_curve(one, first, k) for k, one in enumerate(found)],
-        x_name=x_name,
-        x_unit=pretty(x_unit),
-        name=y_name,
-        unit=pretty(y_unit),
-        described=f"Curves: {y_name} over {x_name} of {len(found)} runs.",
-        height=380.0,
+        Diagram(longest.x, drawn, x_name, x_unit, y_name, y_unit),
+        f"Curves: {y_name} over {x_name} of {len(found)} runs.",
+        380.0,
     )
     note = f'<p class="caption">{escape(" ".join(said))}</p>' if said else ""
     return f'<div class="coloured">{_chooser(groups)}{picture}</div>{note}'
@@ -81,26 +78,27 @@ def _groups(study: Study, found: Sequence[_OfRun]) -> list[Colouring]:
 
 def _curve(one: _OfRun, by: Colouring, k: int) -> Curve:
     group = int(by.group[k])
-    return Curve(by.names[group], one.y, f"run {by.style(group)}", x=one.x)
+    return Curve(by.names[group], one.y, by.style(group), x=one.x)
 
 
 def _chooser(groups: list[Colouring]) -> str:
-    """Return the choice of a factor, and the colours by each for ``study.js``."""
+    """Return the choice of a factor, and what each changes of the curves, for ``study.js``."""
     if len(groups) < 2:
         return ""
     options = "".join(f"<option>{escape(one.factor)}</option>" for one in groups)
-    data = [
+    changes = [
         {
-            "names": one.names,
-            "styles": [f"run {one.style(k)}" for k in range(len(one.names))],
-            "group": one.group.tolist(),
+            "name": [escape(one.names[k]) for k in one.group],
+            "legendgroup": [one.names[k] for k in one.group],
+            "line.color": [one.color(int(k)) for k in one.group],
+            "showlegend": [k not in one.group[:n] for n, k in enumerate(one.group)],
+            "legendrank": [1000 + int(k) for k in one.group],
         }
         for one in groups
     ]
-    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
     return (
         f'<p class="by"><label>coloured by <select>{options}</select></label></p>'
-        f'<script type="application/json" class="groups">{text}</script>'
+        f'<script type="application/json" class="changes">{as_json(changes)}</script>'
     )
 
 
@@ -118,17 +116,6 @@ def _read(study: Study, row: int) -> _OfRun | None:
     ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1])) if len(x) else good
     if len(heads) != 2 or ahead.sum() < 2:
         return None
-    kept = _outline(x[ahead], y[ahead])
+    kept = outline(x[ahead], y[ahead], _COLUMNS)
     names, units = zip(*((name, rest.rstrip("]\r")) for name, _, rest in heads), strict=True)
     return _OfRun(row, x[ahead][kept], y[ahead][kept], names, units)
-
-
-def _outline(x: Floats, y: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Return the rows of the lowest and the highest point in each column: no peak is lost."""
-    if len(x) <= 2 * _COLUMNS:
-        return np.arange(len(x))
-    column = ((x - x[0]) / (x[-1] - x[0]) * (_COLUMNS - 1)).astype(int)
-    order = np.lexsort((y, column))
-    bounds = np.flatnonzero(np.diff(column[order])) + 1
-    first, last = np.concatenate(([0], bounds)), np.concatenate((bounds, [len(x)])) - 1
-    return np.unique(np.concatenate((order[first], order[last], [0, len(x) - 1])))

@@ -10,12 +10,12 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
+from shellcut.report.chart import MOST_POINTS, Axis, panel
 from shellcut.report.markup import missing
 from shellcut.study.surrogate.inputs import at_shares
 
 from .analysis import Analysed
 from .colouring import coloured_by
-from .panels import MOST_POINTS, Axis, Line, panel
 from .studied import Studied, Study
 
 _N_PLACE = 25  # along a factor
@@ -48,7 +48,7 @@ def _effect(study: Study, one: Analysed, k: int) -> str:
     factor = one.factors[k]
     x = Axis(factor.name, factor.unit, factor.values[one.rows], factor.names)
     y = Axis(one.figure.name, one.figure.unit, one.figure.values[one.rows])
-    lines = [Line(*_alone(one, k), "effect")] if one.predicts else []
+    lines = [(*_alone(one, k), "effect")] if one.predicts else []
     return panel(x, y, said_of(study, one), lines=lines)
 
 
@@ -97,14 +97,14 @@ def pairs(study: Study, analyses: Sequence[Analysed]) -> str:
                 Axis(a.figure.name, a.figure.unit, a.figure.values[both]),
                 Axis(b.figure.name, b.figure.unit, b.figure.values[both]),
                 [said_of_row(study, row) for row in np.flatnonzero(both).tolist()],
-                fills=[by.style(int(group)) for group in by.group],
+                colors=[by.color(int(group)) for group in by.group],
             )
         )
     if not pictures:
         return missing("No pairs: two figures of two runs are needed.") if analyses else ""
     by = coloured_by(varying[0].factors[0], varying[0].rows)
     keys = "".join(
-        f'<li><span class="spot {by.style(k)}"></span>{escape(name)}</li>'
+        f'<li><span class="spot" style="background:{by.color(k)}"></span>{escape(name)}</li>'
         for k, name in enumerate(by.names)
     )
     return f'<ul class="legend">{keys}</ul><div class="panels">{"".join(pictures)}</div>'

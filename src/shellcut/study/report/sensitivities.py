@@ -7,8 +7,10 @@ from html import escape
 
 import numpy as np
 
+from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.surrogate.sensitivity import Indices
+from shellcut.view.curves import PALETTE
 
 from .analysis import Analysed
 from .surfaces import with_unit
@@ -72,7 +74,7 @@ def _of_figure(one: Analysed) -> str:
         rest += " That is a poor surface: the indices are a hint, not a measure."
     head = ("factor", "first order", "total")
     return (
-        f'{title}<div class="beside">{table(rows, head)}{_bars(one, indices)}</div>'
+        f'{title}<div class="beside">{table(rows, head)}{_indices(one, indices)}</div>'
         f'<p class="caption">{escape(rest)}</p>'
     )
 
@@ -81,36 +83,33 @@ def _interval(value: float, ends: np.ndarray[tuple[int], np.dtype[np.float64]]) 
     return f"{value:.2f} ({ends[0]:.2f} to {ends[1]:.2f})"
 
 
-def _bars(one: Analysed, indices: Indices) -> str:
-    """Return both indices of each factor as bars with their intervals."""
-    left, right, row = 130.0, 340.0, 40.0
-    height = row * len(one.factors) + 24.0
-    parts = []
-    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        x = left + share * (right - left)
-        parts.append(f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="4" y2="{height - 20:g}"/>')
-        parts.append(f'<text class="tick x" x="{x:.1f}" y="{height - 4:g}">{share:g}</text>')
-    for k, factor in enumerate(one.factors):
-        top = 6.0 + row * k
-        name = factor.name if len(factor.name) <= 17 else f"{factor.name[:16]}…"
-        parts.append(
-            f'<text class="tick y" x="{left - 8:g}" y="{top + 15:g}">{escape(name)}</text>'
-        )
-        both = ((indices.first, indices.first_interval), (indices.total, indices.total_interval))
-        for n, (value, interval) in enumerate(both):
-            y = top + 14.0 * n
-            low, high = (left + min(end, 1.0) * (right - left) for end in interval[k])
-            width = min(value[k], 1.0) * (right - left)
-            style = ("first", "total")[n]
-            place = f'x="{left:g}" y="{y:g}" width="{width:.1f}" height="12"'
-            ends = f'x1="{low:.1f}" x2="{high:.1f}" y1="{y + 6:g}" y2="{y + 6:g}"'
-            parts.append(f'<rect class="bar-{style}" {place}/><line class="reach" {ends}/>')
-    described = f"Sobol' indices of {one.figure.name}"
-    keys = (
-        '<ul class="legend"><li><span class="spot bar-first"></span>first order</li>'
-        '<li><span class="spot bar-total"></span>total</li></ul>'
+def _indices(one: Analysed, indices: Indices) -> str:
+    """Return both indices of each factor with their intervals."""
+    names = tuple(factor.name for factor in one.factors)
+    places = np.arange(len(names))[::-1]
+    both = (
+        (0.12, indices.first, indices.first_interval),
+        (-0.12, indices.total, indices.total_interval),
     )
-    return (
-        f'<figure class="panel-plot">{keys}<svg viewBox="0 0 360 {height:g}" role="img" '
-        f'aria-label="{escape(described)}">{"".join(parts)}</svg></figure>'
+    values = np.concatenate([value for _, value, _ in both])
+    rows = np.concatenate([places + off for off, _, _ in both])
+    lines = [
+        (np.minimum(ends, 1.0), np.full(2, place + off), "mean")
+        for off, _, intervals in both
+        for place, ends in zip(places, intervals, strict=True)
+    ]
+    n = len(names)
+    colors = [PALETTE[0]] * n + [PALETTE[5]] * n
+    keys = "".join(
+        f'<li><span class="spot" style="background:{color}"></span>{name}</li>'
+        for name, color in (("first order", PALETTE[0]), ("total", PALETTE[5]))
     )
+    said = [f"{names[k % n]}: {value:.2f}" for k, value in enumerate(values.tolist())]
+    picture = panel(
+        Axis("share of the variance", "", values, ends=(0.0, 1.0)),
+        Axis("", "", rows, names[::-1]),
+        said,
+        colors=colors,
+        lines=lines,
+    )
+    return f'<div><ul class="legend">{keys}</ul>{picture}</div>'

@@ -279,7 +279,7 @@ def _unit_of_key(key: str) -> str:
     for table in tables():
         if section and table.title != f"[{section}]":
             continue
-        for entry in table.entries:
-            if name in (entry.name, entry.also):
-                return entry.unit
+        for known, found in table.keys.items():
+            if name in (known, found.also):
+                return found.option.unit
     return ""

@@ -37,28 +37,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
 for (const box of document.querySelectorAll(".coloured")) {
   const select = box.querySelector("select");
   if (!select) continue;
-  const groups = JSON.parse(box.querySelector(".groups").textContent);
-  const figure = box.querySelector(".chart");
-  const { chart } = figure;
-
-  select.addEventListener("change", () => {
-    const { names, styles, group } = groups[select.selectedIndex];
-    chart.data.curves.forEach((curve, k) => {
-      curve.name = names[group[k]];
-      curve.style = styles[group[k]];
-    });
-    chart.hidden.clear();
-    const legend = figure.querySelector(".legend");
-    legend.replaceChildren();
-    [...new Set(group)].sort((a, b) => a - b).forEach((k) => {
-      const item = document.createElement("li");
-      item.innerHTML =
-        `<svg class="key" viewBox="0 0 20 10" aria-hidden="true"><path class="line ${styles[k]}" ` +
-        'd="M0,5H20"/></svg><span></span>';
-      item.querySelector("span").textContent = names[k];
-      legend.append(item);
-    });
-    chart.addSwitches(figure);
-    chart.draw();
-  });
+  const changes = JSON.parse(box.querySelector(".changes").textContent);
+  const plot = box.querySelector(".chart > div");
+  select.addEventListener("change", () => Plotly.restyle(plot, changes[select.selectedIndex]));
 }

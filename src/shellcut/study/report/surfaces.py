@@ -10,17 +10,17 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
+from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.surrogate.inputs import at_shares
 from shellcut.study.surrogate.polynomial import Polynomial
 
 from .analysis import Analysed
 from .effects import said_of
-from .panels import Axis, Ground, Line, bands, colours, hex_of, panel, scale
 from .studied import Study
 
 _N_SIDE = 50  # places of a map along each factor
-_FINER = 4  # pixels between two places
+_N_BAND = 8  # colours of a map, about
 _N_OTHER = 32  # points of the other factors over which a map is averaged
 _MOST_MAPS = 6  # of one figure
 
@@ -38,14 +38,11 @@ def surfaces(study: Study, analyses: Sequence[Analysed]) -> str:
         if one.fitted is None:
             continue
         pictures = [_left_out(study, one)]
-        steps = _bands(one)
         if one.predicts:
-            pictures += _maps(study, one, steps)
+            pictures += _maps(study, one)
         parts.append(
             f'<h3>{escape(one.figure.name)}</h3><div class="panels">{"".join(pictures)}</div>'
         )
-        if len(pictures) > 1:
-            parts.append(scale(steps, _in_unit(one)))
     if any(one.predicts and len(one.factors) > 1 for one in analyses):
         parts.append(
             '<p class="caption">Maps: the mean of the surface over all other factors; the points '
@@ -149,26 +146,43 @@ def _left_out(study: Study, one: Analysed) -> str:
         Axis("predicted from the other runs", one.figure.unit, fitted.left_out),
         Axis("the run", one.figure.unit, figure),
         said,
-        lines=[Line(ends, ends, "same")],
+        lines=[(ends, ends, "same")],
     )
 
 
-def _maps(study: Study, one: Analysed, steps: tuple[float, ...]) -> list[str]:
+def _maps(study: Study, one: Analysed) -> list[str]:
     numbers = [k for k, factor in enumerate(one.factors) if not factor.names]
     chosen = list(itertools.combinations(_by_weight(one, numbers), 2))[:_MOST_MAPS]
     figure = one.figure.values[one.rows]
-    fills = [hex_of(colour) for colour in colours(figure, steps)]
+    step = _round_step(float(np.ptp(figure)) / _N_BAND)
+    contours = {
+        "start": float(np.floor(figure.min() / step) * step),
+        "end": float(np.ceil(figure.max() / step) * step),
+        "size": step,
+    }
     lost = ~one.rows & (study.done | study.failed)
     pictures = []
     for i, j in chosen:
         a, b = one.factors[i], one.factors[j]
-        ground = Ground(_mean_over(one, i, j), a.ends, b.ends, steps)
+        mean = _mean_over(one, i, j)
+        ground = {
+            "type": "contour",
+            "x": np.linspace(*a.ends, _N_SIDE).tolist(),
+            "y": np.linspace(*b.ends, _N_SIDE).tolist(),
+            "z": [[float(f"{value:.4g}") for value in row] for row in mean.tolist()],
+            "contours": contours,
+            "autocontour": False,
+            "colorscale": "Viridis",
+            "line": {"width": 0},
+            "colorbar": {"thickness": 12},
+            "hoverinfo": "skip",
+        }
         pictures.append(
             panel(
-                Axis(a.name, a.unit, a.values[one.rows]),
-                Axis(b.name, b.unit, b.values[one.rows]),
+                Axis(a.name, a.unit, a.values[one.rows], ends=a.ends),
+                Axis(b.name, b.unit, b.values[one.rows], ends=b.ends),
                 said_of(study, one),
-                fills=fills,
+                colors=figure,
                 ground=ground,
                 crosses=(a.values[lost], b.values[lost]),
             )
@@ -185,28 +199,25 @@ def _by_weight(one: Analysed, numbers: list[int]) -> list[int]:
 
 
 def _mean_over(one: Analysed, i: int, j: int) -> Floats:
-    """Return the mean of the surface over all factors but two, shape (n, n), largest j first."""
+    """Return the mean of the surface over all factors but two, shape (n, n), of j and i."""
     assert one.fitted is not None
     inputs = one.inputs
     n_other = _N_OTHER if len(inputs) > 2 else 1
     others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(n_other))
     across = np.linspace(*inputs[i].ends, _N_SIDE)
-    down = np.linspace(*inputs[j].ends, _N_SIDE)[::-1]
+    up = np.linspace(*inputs[j].ends, _N_SIDE)
     mean = np.zeros((_N_SIDE, _N_SIDE))
     for other in others:
         points = np.tile(other, (_N_SIDE * _N_SIDE, 1))
-        points[:, i], points[:, j] = np.tile(across, _N_SIDE), np.repeat(down, _N_SIDE)
+        points[:, i], points[:, j] = np.tile(across, _N_SIDE), np.repeat(up, _N_SIDE)
         mean += one.fitted.surface.predict(points).reshape(_N_SIDE, _N_SIDE) / n_other
-    return np.asarray(scipy.ndimage.zoom(mean, _FINER, order=1))
+    return mean
 
 
-def _bands(one: Analysed) -> tuple[float, ...]:
-    figure = one.figure.values[one.rows]
-    return bands(float(figure.min()), float(figure.max()))
-
-
-def _in_unit(one: Analysed) -> str:
-    return f"{one.figure.name} [{one.figure.unit}]" if one.figure.unit else one.figure.name
+def _round_step(about: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, at least ``about``."""
+    unit = 10.0 ** np.floor(np.log10(about))
+    return float(next(m * unit for m in (1.0, 2.0, 5.0, 10.0) if m * unit >= about))
 
 
 def with_unit(value: float, unit: str) -> str:

@@ -13,11 +13,11 @@ from shellcut.files.regular_file import read_regular
 from shellcut.model_file import ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.opening import steady_work_per_radian
+from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.one_run import USED
 
 from .effects import said_of_row
-from .panels import Axis, Line, panel
 from .studied import Study
 
 _MOST = 400
@@ -71,7 +71,7 @@ def _picture(study: Study, found: Floats, figure: Floats, label: str, chosen: Bo
         Axis("theory", "N·mm", found[chosen]),
         Axis(label, "N·mm", figure[chosen]),
         [said_of_row(study, row) for row in np.flatnonzero(chosen).tolist()],
-        lines=[Line(ends, ends, "same")],
+        lines=[(ends, ends, "same")],
     )
 
 

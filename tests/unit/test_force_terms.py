@@ -1,29 +1,31 @@
-"""The loop over the terms that touch the tool: wrench, work, stiffness, ledger and restart."""
+"""The loop over the force terms: wrench, work, stiffness, ledger, restart; a term of one's own."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import shellcut as sc
 from naive import cases
 from naive.booking import book
 from notched_strip import cutting
-from shellcut.simulation.film_terms import sums_of_stored
+from shellcut.mesh.structured import rectangle
+from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.simulation.force_terms import ForceTerms, WorkBook, work_on_tool
 from shellcut.simulation.ledger import Ledger
 from shellcut.simulation.stable_step import StableStep, Stepping
-from shellcut.simulation.tool_terms import ToolTerms, WorkBook, work_on_tool
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 
-class Spring:
-    """A spring between a node and the origin of the tool: a term that names all it must give."""
+class Spring(ForceTerm):
+    """A spring between a node and the origin of the tool: a term that uses all it may give."""
 
-    name = "spring"
     booked = Booking("contact_work", 0, -1.0), Booking("contact_work", ON_TOOL, -1.0)
 
-    def __init__(self, node, k):
-        self.node, self.k = node, k
+    def __init__(self, node, k, name="spring"):
+        self.name, self.node, self.k = name, node, k
         self.touch = Touch.none(1, 1)
         self._before = None
 
@@ -66,8 +68,8 @@ def drive(terms, state, book, steps, first=0):
 
 def test_a_new_term_is_in_forces_wrench_work_and_ledger():
     _, state = cases.set_up(cases.skewed_flat())
-    one, two = Spring(5, 7.0), Spring(6, 3.0)
-    terms, book = ToolTerms([one, two], MOTION), Ledger()
+    one, two = Spring(5, 7.0), Spring(6, 3.0, "other")
+    terms, book = ForceTerms([one, two], MOTION), Ledger()
     before = state.node.force[5].copy()
     drive(terms, state, book, 1)
     np.testing.assert_array_equal(state.node.force[5] - before, -one.touch.wrench[0, :3])
@@ -78,20 +80,20 @@ def test_a_new_term_is_in_forces_wrench_work_and_ledger():
     stored = one.energy() + two.energy() - at_start
     assert book.contact_work == pytest.approx(stored, rel=1e-12)
     assert abs(book.tool_work) > 1e-3 * abs(stored)
-    vars(book).update(sums_of_stored(terms, state))
+    vars(book).update(terms.stored(state))
     assert book.contact_stored == one.energy() + two.energy()  # of both: one entry
 
 
 def test_a_restart_goes_on_bit_for_bit():
     def run(stop):
         _, state = cases.set_up(cases.skewed_flat())
-        terms, book = ToolTerms([Spring(5, 7.0)], MOTION), Ledger()
+        terms, book = ForceTerms([Spring(5, 7.0)], MOTION), Ledger()
         drive(terms, state, book, stop)
         return terms, state, book
 
     whole, _, wanted = run(20)
     terms, state, book = run(12)
-    again = ToolTerms([Spring(5, 7.0)], MOTION)
+    again = ForceTerms([Spring(5, 7.0)], MOTION)
     again.restore(state, MOTION.pose(state.time), terms.saved())
     drive(again, state, book, 20, first=12)
     assert book == wanted
@@ -109,10 +111,10 @@ def test_the_stiffness_of_a_term_shortens_the_step():
 
 def test_contact_and_cables_of_a_simulation_are_terms():
     sim = cutting()
-    assert [term.name for term in sim.tool_terms] == ["contact", "points", "joints"]
-    assert list(sim.tool_terms)[::2] == [sim.contact, sim.cables]
+    assert [term.name for term in sim.terms] == ["contact", "points", "joints"]
+    assert list(sim.terms)[::2] == [sim.contact, sim.cables]
     held = {}
-    for term in sim.tool_terms:
+    for term in sim.terms:
         nodes, stiffness = held[term.name] = term.stiffness(sim.state, held)
         assert nodes.shape == stiffness.shape
         assert term.touch.wrench.shape == (1, 6)
@@ -159,3 +161,62 @@ def test_works_are_the_trapezoid_of_wrench_and_twist_and_go_into_their_entries()
         np.testing.assert_allclose(last[3], over_turn, rtol=1e-12)
     np.testing.assert_allclose(last[:2], wrenches[2].sum(axis=1), rtol=1e-14)
     np.testing.assert_allclose(last[2], wrenches[2].sum(axis=(0, 1)), rtol=1e-14)
+
+
+class Tether(ForceTerm):
+    """A linear spring between a node and a place: what stands here is all of it."""
+
+    name = "tether"
+    booked = (Booking("load_work", 0),)
+
+    def __init__(self, node, place, k):
+        self.node, self.place, self.k = node, np.array(place), k
+        self.touch = Touch.none(0, 1)
+        self._last = None
+
+    def add_forces(self, state, pose):
+        x = state.node.x[self.node].copy()
+        f = self.k * (self.place - x)
+        state.node.force[self.node] += f
+        f_before, x_before = self._last or (f, x)
+        self.touch.sums[0], self._last = 0.5 * (f + f_before) @ (x - x_before), (f, x)
+
+    def stiffness(self, _state, _counted):
+        return np.array([self.node]), np.array([self.k])
+
+    def saved(self):
+        return {"force": self._last[0], "x": self._last[1]}
+
+    def restore(self, _state, _pose, saved):
+        self._last = saved["force"], saved["x"]
+
+
+def tethered(terms=None):
+    mesh = rectangle(4.0, 2.0, size=1.0)
+    if terms is None:
+        terms = [Tether(7, mesh.nodes[7] + [0.0, 0.0, 0.1], 0.02)]
+    film = sc.ShellMaterial.homogeneous()
+    return sc.Simulation(mesh, film, terms=terms, damping_alpha=0.0, damping_beta=0.0)
+
+
+def test_a_term_of_ones_own_moves_the_film_keeps_the_balance_and_is_resumed(tmp_path):
+    whole = tethered()
+    for _ in range(400):
+        whole.step()
+    # The film is free: its momentum is what the spring has given, and its energy, too.
+    book = whole.close_ledger()
+    assert whole.state.node.velocity_half[:, 2].max() > 1.0
+    assert book.load_work > 0.0
+    assert abs(book.relative(book.imbalance)) < 1e-6
+    half = tethered()
+    for _ in range(150):
+        half.step()
+    save_checkpoint(half, tmp_path / "half.h5")
+    again = tethered()
+    load_checkpoint(again, tmp_path / "half.h5")
+    for _ in range(250):
+        again.step()
+    np.testing.assert_array_equal(again.state.node.x, whole.state.node.x)
+    assert again.close_ledger() == book
+    with pytest.raises(CheckpointError, match="terms"):
+        load_checkpoint(tethered([]), tmp_path / "half.h5")

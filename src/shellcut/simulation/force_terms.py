@@ -1,99 +1,46 @@
-"""The force terms that touch the tool: what each must give, and the loop over them.
+"""The force terms of a simulation: the loop over them, the work on the tool, and the ledger.
 
-Contact and cables touch the tool, each in its own way. :class:`ToolTerm` names what the simulation
-asks of such a term: forces on the nodes with the wrench on the tool, its stiffness for the time
-step, its entries in the ledger, and what it keeps from step to step. :class:`ToolTerms` goes
-through the list, sums the wrenches, works out the work of the tool and books what each has done.
+:class:`ForceTerms` goes through the list of :class:`shellcut.tool.force_term.ForceTerm`, sums the
+wrenches, works out the work of the tool and books what each term has done.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import sqrt
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, Ints
+from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
-from shellcut.tool.touch import ON_TOOL, Booking, Touch
+from shellcut.tool.touch import ON_TOOL
 
 from .ledger import Ledger
 
 
-class ToolTerm(Protocol):
-    """A force term that touches the tool."""
-
-    @property
-    def name(self) -> str:
-        """Of its part of the wrench in the columns of the history."""
-        ...
-
-    @property
-    def touch(self) -> Touch:
-        """What it did in the last evaluation; its arrays stay in their place."""
-        ...
-
-    @property
-    def booked(self) -> Sequence[Booking]:
-        """What goes from there into the ledger at every step."""
-        ...
-
-    def add_forces(self, state: State, pose: Pose) -> None:
-        """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
-
-        Writes ``touch`` at every call: what stands there is booked again after every step.
-        """
-        ...
-
-    @property
-    def n_search(self) -> int:
-        """How often it has searched for what it may hold: the time step then looks at it anew.
-
-        -1 if that changes from step to step; the time step then asks it at every look.
-        """
-        ...
-
-    def stiffness(self, state: State, counted: HeldBy) -> Held:
-        """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
-
-        It is good until the next search, if it searches, or cut. A node may come more than once:
-        its stiffnesses add up. ``counted`` holds what the terms before it hold, by their names: it
-        may tell only what it adds to that.
-        """
-        ...
-
-    def stored(self, state: State) -> Mapping[str, float]:
-        """Return the entries of the ledger that are functions of the state [N·mm]."""
-        ...
-
-    def saved(self) -> dict[str, Any]:
-        """Return what it keeps from step to step, for a checkpoint."""
-        ...
-
-    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, for ``state`` and the tool at its present pose."""
-        ...
-
-
-class ToolTerms:
-    """The terms of a simulation that touch the tool, in the order of their evaluation.
+class ForceTerms:
+    """The force terms of a simulation, in the order of their evaluation.
 
     Parameters
     ----------
-    terms : sequence of ToolTerm
+    terms : sequence of ForceTerm
         Later ones see the nodal forces of those before.
     motion : Motion, optional
         Of the tool, if there is one.
     """
 
-    def __init__(self, terms: Sequence[ToolTerm], motion: Motion | None) -> None:
+    def __init__(self, terms: Sequence[ForceTerm], motion: Motion | None) -> None:
         self._terms, self._motion = tuple(terms), motion
+        names = [term.name for term in self._terms]
+        if len(set(names)) < len(names):
+            raise ValueError(f"force terms must have names of their own, got {', '.join(names)}")
         touches = [term.touch for term in self._terms]
         booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked]
         for k, entry, column, _ in booked:
@@ -118,14 +65,27 @@ class ToolTerms:
         )
         self._work_on_tool = BoundOnce(work_on_tool)
 
-    def __iter__(self) -> Iterator[ToolTerm]:
+    def __iter__(self) -> Iterator[ForceTerm]:
         return iter(self._terms)
+
+    @property
+    def on_tool(self) -> list[ForceTerm]:
+        """Those that touch the tool."""
+        return [term for term in self._terms if len(term.touch.wrench)]
 
     @property
     def wrench(self) -> Floats:
         """Wrench on each tooth, of all terms together, shape (n_body, 6)."""
-        first, *others = (term.touch.wrench for term in self._terms)
+        first, *others = (term.touch.wrench for term in self.on_tool)
         return np.asarray(sum(others, first.copy()))
+
+    def stored(self, state: State) -> dict[str, float]:
+        """Return what the terms store, entry by entry of the ledger [N·mm]."""
+        sums: dict[str, float] = {}
+        for term in self._terms:
+            for entry, energy in term.stored(state).items():
+                sums[entry] = sums.get(entry, 0.0) + energy
+        return sums
 
     @property
     def wrench_over_turn(self) -> Floats:

@@ -1,0 +1,56 @@
+"""The curves of a run: resistance, energies and imbalance, for pictures and pages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.view.curves import Curve, Diagram
+
+from .energy_account import PUT_IN, energy_shares, is_pulled, total, trusted_rows
+
+# A negative share up to this part of the largest is still drawn as an area: round-off and the half
+# step between work and energy cause it.
+_NEGATIVE_SHARE = 0.01
+
+
+def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
+    """Return torque or force over the coordinate: in total, in parts and of each tooth."""
+    _, x, name, *_ = history
+    teeth = [column for column in history if column.startswith(f"{name}_tooth_")]
+    label = f"each of {len(teeth)} teeth"
+    curves = [Curve(label, history[column], "tooth") for column in teeth if len(teeth) > 1]
+    if not is_pulled(history):
+        curves += [
+            Curve("from contact", history[f"{name}_contact"], "contact"),
+            Curve("from cables at the edge", history[f"{name}_joints"], "joints"),
+        ]
+    curves.append(Curve("total", history[name]))
+    return Diagram(history[x], curves, x, units[x], name, units[name])
+
+
+def energy_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
+    """Return what the work put in has become.
+
+    The energies are stacked, so that their upper rim meets the line of the work if the ledger
+    closes. If one of them is clearly negative they are lines instead.
+    """
+    x = list(history)[1]
+    shares = energy_shares(history)
+    largest = max((float(np.abs(share).max()) for share in shares.values()), default=0.0)
+    stacked = all(share.min() >= -_NEGATIVE_SHARE * largest for share in shares.values())
+    curves = [
+        Curve(name, share, f"a{k % 8}", area=stacked)
+        for k, (name, share) in enumerate(shares.items())
+    ]
+    curves.append(Curve("work put in", total(PUT_IN, history), "work"))
+    return Diagram(history[x], curves, x, units[x], "energy", "N*mm", height=3.0)
+
+
+def imbalance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
+    """Return the imbalance over the work [%], from a tenth of the largest work on."""
+    x = list(history)[1]
+    missed = np.where(trusted_rows(history), 100.0 * history["imbalance_rel"], np.nan)
+    return Diagram(history[x], [Curve("imbalance", missed)], x, units[x], "imbalance", "%")

@@ -1,0 +1,66 @@
+"""The figures of a run that its history holds: one account, for summary, verdict and report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+from .energy_account import energy_figures, largest_shares, trusted_rows
+from .steady_window import steady_figures
+
+_OF_CABLES = "cohesive_work", "cohesive_dissipated", "cohesive_stored"
+
+
+def run_figures(
+    history: Mapping[str, Floats],
+    coordinate: tuple[str, str],
+    resistance: tuple[str, str],
+    end: Mapping[str, float] | None = None,
+) -> dict[str, float | str]:
+    """Return the figures by their names in ``summary.json``; those not finite are left out.
+
+    Parameters
+    ----------
+    history : mapping of ndarray, shape (n_row,)
+    coordinate, resistance : (str, str)
+        Name and unit.
+    end : mapping of str to float, optional
+        The history's columns at the end of the run, by default its last row.
+    """
+    end = end or {name: float(column[-1]) for name, column in history.items()}
+    x, x_unit = coordinate
+    figures = {
+        f"{x}_end_{x_unit}": end[x],
+        **energy_figures(end),
+        **{f"{name}_Nmm": end[name] for name in _OF_CABLES if name in end},
+        **largest_shares(history, trusted_rows(history)),
+        "crack_length_mm": end["crack_length"],
+        **_peak(history, coordinate, resistance),
+    }
+    counts = {
+        f"n_cable_{what}": int(end[f"cables_{what}"])
+        for what in ("created", "broken")
+        if f"cables_{what}" in end
+    }
+    finite = {name: value for name, value in figures.items() if isfinite(value)}
+    return {**finite, **counts, **steady_figures(history, coordinate, resistance)}
+
+
+def _peak(
+    history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
+) -> dict[str, float]:
+    """Return the value of largest magnitude, with its sign, and where it occurred."""
+    name, unit = resistance
+    values = history[name]
+    finite = np.flatnonzero(np.isfinite(values))
+    if not finite.size:
+        return {}
+    k = int(finite[np.argmax(np.abs(values[finite]))])
+    return {
+        f"{name}_peak_{unit.replace('*', '')}": float(values[k]),
+        f"{name}_peak_at_{coordinate[1]}": float(history[coordinate[0]][k]),
+    }

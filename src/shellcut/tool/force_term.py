@@ -1,0 +1,79 @@
+"""A force term: what a simulation asks of all that pulls or presses on the film.
+
+Shells and loads have places of their own in a step. Whatever else puts forces on the nodes,
+contact, friction and cables, is a :class:`ForceTerm`. It must say what it adds to the forces; all
+else has a default: no work, no stiffness, nothing stored, nothing kept. A new one is a class of its
+own and an entry in ``Simulation(terms=...)``. A checkpoint compares the fields of one that is a
+dataclass, of another only its class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shellcut.arrays import Held, HeldBy
+
+from .pose import Pose
+from .touch import Booking, Touch
+
+if TYPE_CHECKING:
+    from shellcut.state import State
+
+
+class ForceTerm:
+    """Forces on the nodes that are neither the shells' nor loads.
+
+    Examples
+    --------
+    A spring between a node and the place where it was at first, 2 N/mm:
+
+    >>> class Spring(ForceTerm):
+    ...     name = "spring"
+    ...     def __init__(self, node, place):
+    ...         self.node, self.place = node, place
+    ...     def add_forces(self, state, pose):
+    ...         state.node.force[self.node] += 2.0 * (self.place - state.node.x[self.node])
+    ...     def stiffness(self, state, counted):
+    ...         return np.array([self.node]), np.array([2.0])
+    """
+
+    name: str
+    """Of its part of the wrench in the columns of the history, and of a checkpoint."""
+    touch: Touch = Touch.none(0, 0)
+    """What it did in the last evaluation, on each tooth of the tool and in sums of its own. The
+    arrays stay in their place; what stands there is booked again after every step."""
+    booked: Sequence[Booking] = ()
+    """What goes from there into the ledger at every step."""
+    n_search: int = 0
+    """How often it has searched for what it may hold: the time step then looks at it anew. -1 if
+    that changes from step to step; the time step then asks it at every look."""
+
+    def add_forces(self, state: State, pose: Pose) -> None:
+        """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
+
+        Writes ``touch``, if it has one, at every call.
+        """
+        raise NotImplementedError
+
+    def stiffness(self, state: State, counted: HeldBy) -> Held:
+        """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
+
+        It is good until the next search, if it searches, or cut. A node may come more than once:
+        its stiffnesses add up. ``counted`` holds what the terms before it hold, by their names: it
+        may tell only what it adds to that.
+        """
+        return np.zeros(0, np.int64), np.zeros(0)
+
+    def stored(self, state: State) -> Mapping[str, float]:
+        """Return the entries of the ledger that are functions of the state [N·mm]."""
+        return {}
+
+    def saved(self) -> dict[str, Any]:
+        """Return what it keeps from step to step, for a checkpoint."""
+        return {}
+
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, for the tool at its present pose; ``state`` is restored."""
