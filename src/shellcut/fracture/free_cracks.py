@@ -260,12 +260,12 @@ class FreeCracks:
         """
         row, start, stop, end = ahead.row, back.exit, ahead.exit, ahead.corner
         side = common_side(WHOLE, start, stop)
-        along, corners = side is not None, {back.corner, end}
-        if along and (
-            len(corners) == 1 or -1 in corners or not self._path.may_break(row, *corners)
-        ):
+        if side is None:
+            chord = Segment(row, start, stop, ahead.side, end)
+        elif min(back.corner, end) < 0 or not self._path.may_break(row, back.corner, end):
             return None
-        chord = Segment(row, start, stop, side if along else ahead.side, end, along_side=along)
+        else:
+            chord = Segment(row, start, stop, side, end, along_side=True)
         return self._cut(state, chord, kind, 0.0)
 
     def _is_there(self, tip: Tip) -> bool:

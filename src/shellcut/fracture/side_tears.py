@@ -186,4 +186,4 @@ class SideTears:
 
 def _weights(segment: Segment) -> Floats:
     """Return weights of the nodes of a row that give the vector along a segment, shape (4,)."""
-    return np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
+    return np.subtract(shape_functions(segment.exit), shape_functions(segment.entry))

@@ -140,10 +140,11 @@ class TipPlaces:
 
         heading : (3,), of the other in the reference film; ``entry`` is its place in the row.
         """
-        polygon, found = self.topology.polygon(row), []
-        points = polygon.points
+        found: list[End] = []
         if self.sides_only:
             return found  # it meets them at nodes
+        polygon = self.topology.polygon(row)
+        points = polygon.points
         for other in others:
             if product(other.heading, heading) > ONCOMING or row in other.behind:
                 continue

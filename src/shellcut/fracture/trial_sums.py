@@ -169,7 +169,7 @@ class TrialSums:
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
         _, one = self._alone(state, 0.0, segment)
-        return one.force[0]
+        return np.asarray(one.force[0])
 
     def _alone(self, state: State, length: float, segment: Segment) -> tuple[Trial, Weighed]:
         """Return the trial cut along one segment, and what it has; length : of that behind [mm]."""
