@@ -15,7 +15,7 @@ from .cables.cohesive_law import CohesiveLaw
 from .checks import check_model
 from .contact.settings import Contact
 from .fracture.anisotropy import Anisotropy
-from .fracture.criterion import Fracture
+from .fracture.options import Fracture
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
 from .material import (

@@ -3,10 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from shellcut.fracture.criterion import Fracture
-from shellcut.fracture.cuts import Cuts
-from shellcut.fracture.edge_cracks import EdgeCracks
-from shellcut.loads.loads import LoadSet
+from shellcut.fracture.quad_polygon import CORNERS
+from shellcut.fracture.segment import Segment
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import cylinder, rectangle
@@ -85,11 +83,20 @@ def forces_of(shell, state):
     return energy, -state.node.force[:n].copy(), -state.node.director_force[:n].copy()
 
 
-def edge_cracks(mesh, shell, state, law, **fracture):
-    """Cracks along the edges of a mesh."""
-    fracture = Fracture(**fracture)
-    cuts = Cuts(state, shell, law)
-    return EdgeCracks(state, cuts, fracture, law, shell, LoadSet(mesh, []), None)
+def break_side(cuts, shell, state, a, b, kind="criterion"):
+    """Break a side between two nodes of the mesh, from the first to the second; return the cut."""
+    ring = next(r for r in shell.mesh_quads.tolist() if a in r and b in r and _next_to(r, a, b))
+    row = shell.mesh_quads.tolist().index(ring)
+    start, stop = ring.index(a), ring.index(b)
+    side = start if stop == (start + 1) % 4 else stop
+    segment = Segment(row, CORNERS[start], CORNERS[stop], side, stop, along_side=True)
+    cut = cuts.along(state, segment, kind, 1.2)
+    cuts.wake(state)
+    return cut
+
+
+def _next_to(ring, a, b):
+    return (ring.index(a) - ring.index(b)) % 4 in (1, 3)
 
 
 def welded(state, node):

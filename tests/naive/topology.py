@@ -23,38 +23,9 @@ def open_ends(mesh, state):
     return found
 
 
-def half_edges(mesh, state, split):
-    """The ends of inner edges that a split would open: (far, half the length), ascending."""
-    found = []
-    for (i, j), quads in reference_edges(mesh).items():
-        for node, far in ((i, j), (j, i)):
-            here = [state.quads[q, mesh.quads[q].tolist().index(node)] for q in quads]
-            minus = [q in split.minus for q in quads]
-            if here == [split.node] * 2 and minus[0] != minus[1]:
-                half = 0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j]))
-                found.append((far, half))
-    return sorted(found)
-
-
 def crack_length(mesh, state):
     """Sum of half the lengths of all edges at their open ends [mm]."""
     return sum(
         0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j]))
         for i, j in open_ends(mesh, state)
     )
-
-
-def parted(state, node, cut):
-    """Groups of the quads at a node when its edges to the nodes ``cut`` no longer hold."""
-    around = [e for e in range(len(state.quads)) if node in state.quads[e]]
-    groups = []
-    for e in around:
-        ring = state.quads[e].tolist()
-        a = ring.index(node)
-        mine = {ring[(a + 1) % 4], ring[a - 1]} - set(cut)
-        joined = [g for g in groups if g[1] & mine]
-        for g in joined:
-            groups.remove(g)
-        quads = {e}.union(*(g[0] for g in joined))
-        groups.append((quads, mine.union(*(g[1] for g in joined))))
-    return sorted(tuple(sorted(quads)) for quads, _ in groups)

@@ -73,21 +73,24 @@ def test_a_blade_that_crosses_its_own_cut_cuts_the_far_flank_at_once(crossing_de
     places = np.array([split.reference for split in log])
     column = abs(places[:, 0] - places[:, 1] / np.tan(np.radians(crossing_deg))) < 1e-9
     row = abs(places[:, 1]) < 1e-9
-    # The column of eleven nodes first, then the row up to where the blade has come at least; every
-    # node once, and the one that both have twice more, one half after the other.
+    # The ten sides of the column first, then those of the row up to where the blade has come at
+    # least, each at the node where it begins: the one that both have once more, on the far flank.
     assert (column | row).all()
     crossing = np.flatnonzero(column & row)
-    assert len(crossing) == 3
-    assert column.sum() == 11 + 2
+    assert len(crossing) == 2
+    assert column.sum() == 10 + 1
     assert np.unique(places[row & ~column], axis=0).shape[0] == (row & ~column).sum()
     assert (row & ~column).sum() >= 5 + 3
-    first, near, far = (log[k] for k in crossing)
-    assert {near.node, far.node} == {first.node, first.twin}
-    # The far half is whole until the edge comes to it, though the crack of the near one ends there.
-    # It is found at the next look: the edge moves by 0.014 mm from look to look, and the flank
-    # moves too. Measured 0.004 to 0.020 mm, 2.5 % of an edge.
+    first, far = (log[k] for k in crossing)
+    assert far.node in (first.node, first.twin)
+    # The far half is whole until the edge comes to it, or until the cables of the first cut, if
+    # they are long, pull on it as hard as film does. The edge is found at the next look: it moves
+    # by 0.014 mm from look to look, and the flank moves too. Measured 0.001 to 0.020 mm, 2.5 % of
+    # an edge.
     rotation, edge = sim.motion.pose(far.time)
     past = float((np.asarray(edge) - far.place) @ np.asarray(rotation)[:, 0])
-    assert far.kind == "blade"
-    assert 0.0 <= past < 0.05 * SIZE
+    assert past < 0.05 * SIZE
+    if length_u < 4.0:
+        assert far.kind == "blade"
+        assert past >= 0.0
     assert abs(sim.ledger.imbalance) < 2e-3 * sim.ledger.tool_work

@@ -152,18 +152,16 @@ def test_equilibrium_start(tmp_path):
 
 @pytest.mark.slow
 def test_mesh_that_ignores_the_path_is_reported(tmp_path):
-    """The method needs a line of edges under the blade's path; without it, it cuts too much.
+    """Cracks along edges need a line of them under the blade's path; a zigzag holds the blade up.
 
-    Measured on seed 0 (2,505 quads): cables 1.24 of theory, torque 469 instead of 144 N*mm, 483 of
-    652 splits more than 0.3 mm off the path; the ledger closes all the same.
+    Measured on seed 0 (2,505 quads): cables 0.93 of theory, torque 531 instead of 144 N*mm, 16 of
+    228 sides begin more than 0.3 mm off the path; the ledger closes all the same.
     """
     case = opening_test(unstructured_disc(seed=0), fracture=Fracture(path="edges"))
     summary, history = run(case, tmp_path)
-    # Cracks beside the path run ahead and meet: nothing is steady.
-    assert "no_window" in summary
     late = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
     work = history["cohesive_work"][late]
     rate = (work[-1] - work[0]) / np.radians(40.0)
-    assert 1.05 < rate / steady_work_per_radian() < 2.2
+    assert 0.8 < rate / steady_work_per_radian() < 1.2
     assert history["torque"][late].mean() > 2.0 * 143.8
     assert summary["imbalance_rel"] < 0.01

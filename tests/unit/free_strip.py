@@ -1,7 +1,7 @@
 """A blade that cuts a small strip through its quads, for the tests of what comes after a cut."""
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh

@@ -3,7 +3,7 @@
 import numpy as np
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial

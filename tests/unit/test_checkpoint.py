@@ -19,8 +19,7 @@ import shellcut.recording.recorder
 import shellcut.recording.unfelt_penetration
 from notched_strip import cutting
 from open_files import is_open
-from shellcut.fracture.candidate_splits import partings_of
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import Pressure
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
@@ -213,23 +212,6 @@ def test_a_loaded_simulation_is_the_saved_one(whole, tmp_path):
     assert [path for path in mine if not np.array_equal(mine[path], other[path])] == []
     assert isinstance(again.state.step, int)
     assert isinstance(again.state.split_log[0].place, tuple)
-
-
-def test_what_the_criterion_keeps_is_what_it_would_find_again():
-    # New cables change the partings of the other flank, too: it keeps those of all nodes here.
-    sim = cutting()
-    criterion, seen = sim.cracks.edges.criterion, 0
-    while sim.state.time < END:
-        sim.step()
-        if sim.state.step % 5 == 0:
-            criterion._forget(sim.state)
-            for node, ways in criterion._partings.items():
-                found = partings_of(sim.state, node, sim.shell.mass, criterion._free_edges)
-                assert ways == found, (sim.state.step, node)
-                seen += any(way.cables for way in found)
-            supported = sim.state.node.supported[: sim.state.n_node]
-            criterion._weighed(sim.state, np.flatnonzero(~supported).tolist())
-    assert seen > 0
 
 
 def test_number_of_threads_may_change(tmp_path):

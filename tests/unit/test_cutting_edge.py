@@ -79,25 +79,6 @@ def test_strips_of_a_curved_edge_leave_no_gap():
             assert any(strip(p, j, edges)[3] for j in mine), (s, depth)
 
 
-@pytest.mark.parametrize("tool", [straight_blade(), tooth_ring()], ids=["blade", "ring"])
-def test_strip_boxes_hold_all_that_a_segment_owns(tool):
-    edges = CuttingEdges.of(tool)
-    beside = 0.3
-    low, high = edges.strip_boxes(beside, DEEP)
-    assert low.shape == high.shape == (tool.n_body, 3)
-    rng = np.random.default_rng(8)
-    points = rng.uniform(low.min(axis=0) - 1.0, high.max(axis=0) + 1.0, (4000, 3))
-    owned = 0
-    for p in points:
-        for k in range(tool.n_edge):
-            _, lateral, _, owns = strip(p, k, edges)
-            if owns and abs(lateral) <= beside:
-                owned += 1
-                assert (low[edges.body[k]] < p).all()
-                assert (p < high[edges.body[k]]).all()
-    assert owned > 20
-
-
 def test_edge_point_is_clipped_to_the_segment():
     edges = CuttingEdges.of(straight_blade())
     for along, z in ((-0.5, 3.0), (0.0, 3.0), (2.0, 1.0), (6.0, -3.0), (7.0, -3.0)):

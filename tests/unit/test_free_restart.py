@@ -6,7 +6,7 @@ import pytest
 import shellcut as sc
 from free_strip import NOTCH, cut_strip, slanted_strip
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.models import guillotine
 from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint

@@ -6,10 +6,11 @@ import pytest
 from naive import cases
 from naive import load as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.cuts import Cuts
 from shellcut.loads.loads import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.initial_state import initial_state
-from test_topology import SEQUENCE, prepared, wanted_split
+from test_topology import SEQUENCE, prepared
 
 EPS = np.finfo(float).eps
 
@@ -122,10 +123,9 @@ def test_work_of_a_dead_pressure_counts_every_node():
 def test_dead_pressure_goes_with_the_quads_of_a_split_node():
     mesh, shell, state = prepared()
     loads = LoadSet(mesh, [Pressure(0.3)])
-    cracks = cases.edge_cracks(mesh, shell, state, CohesiveLaw())
-    for entry in SEQUENCE:
-        split = wanted_split(mesh, state, entry)
-        cracks.split(state, split)
+    cuts = Cuts(state, shell, CohesiveLaw())
+    for _, side, _ in SEQUENCE:
+        cases.break_side(cuts, shell, state, *side)
         n = state.n_node
         state.node.force[:n] = 0.0
         loads.begin_forces(state)

@@ -1,4 +1,4 @@
-"""Splits of every kind: what must not change, what goes with which half."""
+"""Broken sides of every kind: what must not change, what goes with which half."""
 
 import numpy as np
 import pytest
@@ -6,27 +6,25 @@ import pytest
 from naive import cases
 from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Split
-from shellcut.fracture.quad_fans import arriving, fans_of
+from shellcut.fracture.cuts import Cuts
+from shellcut.fracture.quad_fans import crack_tips
 from shellcut.fracture.quad_polygon import CORNERS
 from shellcut.mesh.structured import rectangle
 
 LAW = CohesiveLaw()
 H = 0.074
 
-# Six by four quads; node j * 7 + i is the i-th of row j. Each split: the node, given by its
-# reference node and the quad it must still own, the far reference nodes of the edges to open, and
-# what it is.
+# Six by four quads; node j * 7 + i is the i-th of row j. Each side: its nodes, and which of them
+# part when it is broken after those before it.
 SEQUENCE = [
-    ("interior", 17, 14, (16, 18)),
-    ("tip", 18, 15, (19,)),
-    ("tip", 19, 16, (20,)),
-    ("boundary bridge", 20, 17, ()),
-    ("flank", 17, 8, (10,)),
-    ("boundary", 3, 2, (10,)),
-    ("bridge", 10, 2, ()),
-    ("tip", 16, 13, (23,)),
-    ("tip", 23, 20, (24,)),
+    ("inner side", (16, 17), []),
+    ("at a tip", (17, 18), [17]),
+    ("at a tip", (18, 19), [18]),
+    ("to the rim", (19, 20), [19, 20]),
+    ("from a flank", (17, 10), [17]),
+    ("to the rim", (10, 3), [10, 3]),
+    ("at a tip, round a corner", (16, 23), [16]),
+    ("at a tip", (23, 24), [23]),
 ]
 KINDS = [f"{k}-{kind}" for k, (kind, *_) in enumerate(SEQUENCE)]
 
@@ -53,16 +51,12 @@ def prepared():
     return mesh, shell, state
 
 
-def wanted_split(mesh, state, entry):
-    """The split of an entry from the quads alone; the lower of the two groups is minus."""
-    _, origin, quad, fars = entry
-    node = int(state.quads[quad, mesh.quads[quad].tolist().index(origin)])
-    assert state.node.origin[node] == origin
-    cut = [n for n in range(state.n_node) if state.node.origin[n] in fars]
-    minus, plus = naive.parted(state, node, cut)
-    centres = [state.node.x[state.quads[list(g)]].mean(axis=(0, 1)) for g in (minus, plus)]
-    m = (centres[1] - centres[0]) / np.linalg.norm(centres[1] - centres[0])
-    return Split(node, minus, plus, m, 1.2, np.array([0.3, 0.4, 0.5]), False)
+def broken(mesh, shell, state, n_side):
+    """Break the first sides of the sequence; return what cuts."""
+    cuts = Cuts(state, shell, LAW)
+    for _, side, _ in SEQUENCE[:n_side]:
+        cases.break_side(cuts, shell, state, *side)
+    return cuts
 
 
 def totals(shell, state):
@@ -86,7 +80,6 @@ def check_cables(mesh, state):
     c, live = state.cable, state.n_cable
     ends = naive.open_ends(mesh, state)
     length = naive.crack_length(mesh, state)
-    assert state.crack_length == pytest.approx(length, rel=1e-12)
     assert c.area[:live].sum() == pytest.approx(H * length, rel=1e-12)
     seen = []
     for k in range(live):
@@ -109,20 +102,15 @@ def check_cables(mesh, state):
 
 
 @pytest.mark.parametrize("k", range(len(SEQUENCE)), ids=KINDS)
-def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
+def test_a_broken_side_keeps_mass_momentum_energy_and_cohesive_area(k):
     mesh, shell, state = prepared()
-    cracks = cases.edge_cracks(mesh, shell, state, LAW)
-    for entry in SEQUENCE[:k]:
-        cracks.split(state, wanted_split(mesh, state, entry))
-    kind = SEQUENCE[k][0]
-    split = wanted_split(mesh, state, SEQUENCE[k])
-    arrives = bool(arriving(state, fans_of(state, split.node)))
-    assert ("tip" in kind or "bridge" in kind) == arrives
+    cuts = broken(mesh, shell, state, k)
+    _, side, parts = SEQUENCE[k]
     before, strain = totals(shell, state), cases.forces_of(shell, state)[0]
-    strains = state.strain.copy()
+    strains, broken_length = state.strain.copy(), state.crack_length
     n_cable, n_node = state.n_cable, state.n_node
-    mass, pushed = state.node.mass[split.node], state.node.contact_force[split.node].copy()
-    twin = cracks.split(state, split)
+    pushed = state.node.contact_force[:n_node] / state.node.mass[:n_node, None]
+    cases.break_side(cuts, shell, state, *side)
     after = totals(shell, state)
     for name, value in before.items():
         scale = np.abs(value).max()
@@ -130,112 +118,114 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
     energy = cases.forces_of(shell, state)[0]
     assert energy == strain  # bitwise: the same quads at the same places
     np.testing.assert_array_equal(state.strain, strains)
-    assert twin == n_node
-    assert state.n_node == n_node + 1
     assert state.revision == k + 1
-    # Each half has its own quads, ascending, and nobody else's.
-    low, high = sorted((split.minus, split.plus), key=min)
-    for half, quads in ((split.node, low), (twin, high)):
-        held = [e for e in range(mesh.n_quad) if half in state.quads[e]]
-        assert held == sorted(quads)
-        assert state.node.quads[half, : state.node.n_quad_at[half]].tolist() == held
-        share = sum(shell.mass[e, state.quads[e].tolist().index(half)] for e in held)
-        assert state.node.mass[half] == pytest.approx(share, rel=1e-14)
-        assert state.node.halved[half]
-        # Forces of the last evaluation are shared like the mass, lest the halves fly apart.
-        kept = state.node.contact_force[half]
-        np.testing.assert_allclose(kept, share / mass * pushed, rtol=1e-12)
-    for name in ("X", "x", "t", "velocity_half", "spin_half", "origin"):
-        rows = getattr(state.node, name)
-        np.testing.assert_array_equal(rows[twin], rows[split.node])
-    assert state.n_cable > n_cable
+    length = np.linalg.norm(mesh.nodes[side[1]] - mesh.nodes[side[0]])
+    assert state.crack_length - broken_length == pytest.approx(length, rel=1e-12)
+    twins = np.arange(n_node, state.n_node)
+    assert sorted(state.node.origin[twins].tolist()) == sorted(parts)
+    n = state.node
+    for twin in twins.tolist():
+        halves = np.flatnonzero(n.origin[: state.n_node] == n.origin[twin])
+        for name in ("X", "x", "t", "velocity_half", "spin_half"):
+            rows = getattr(n, name)[halves]
+            np.testing.assert_array_equal(rows, np.broadcast_to(rows[0], rows.shape))
+        # Each half has its own quads, ascending, and nobody else's.
+        for half in halves.tolist():
+            held = [e for e in range(mesh.n_quad) if half in state.quads[e]]
+            assert n.quads[half, : n.n_quad_at[half]].tolist() == held
+            share = sum(shell.mass[e, state.quads[e].tolist().index(half)] for e in held)
+            assert n.mass[half] == pytest.approx(share, rel=1e-14)
+            assert n.halved[half]
+            # Forces of the last evaluation are shared like the mass, lest the halves fly apart.
+            kept = n.contact_force[half] / n.mass[half]
+            was = pushed[half] if half < n_node else pushed[halves[0]]
+            np.testing.assert_allclose(kept, was, rtol=1e-10)
     check_cables(mesh, state)
     c = state.cable
+    assert (state.n_cable > n_cable) == bool(parts)
     for new in range(n_cable, state.n_cable):
-        assert set(c.ends[new].tolist()) == {split.node, twin}
-        # From the minus to the plus side, whichever of the halves is the twin.
-        quads = [split.minus, split.plus]
-        assert [c.row[new, end] in quads[end] for end in range(2)] == [True, True]
-        assert c.m[new] @ split.m > 0.5
+        minus, plus = c.ends[new]
+        assert n.origin[minus] == n.origin[plus] in parts
         np.testing.assert_array_equal(c.branch[new], [c.m[new], -c.m[new]])
     record = state.split_log[-1]
-    assert (record.node, record.twin, record.kind) == (split.node, twin, "criterion")
+    assert record.kind == "criterion"
+    if side[0] in parts:
+        assert n.origin[record.node] == n.origin[record.twin] == side[0]
+        assert record.node < record.twin in twins
+    else:
+        assert (record.node, record.twin) == (-1, -1)
 
 
 def test_a_cable_goes_with_the_half_that_owns_its_flank():
     mesh, shell, state = prepared()
-    cracks = cases.edge_cracks(mesh, shell, state, LAW)
-    cracks.split(state, wanted_split(mesh, state, SEQUENCE[0]))
+    cuts = broken(mesh, shell, state, 2)
     c = state.cable
-    assert state.n_cable == 2  # one to either side of the node
+    assert state.n_cable == 2  # one to either side of node 17
     for k in range(2):
         c.force[k], c.work[k], c.opening_max[k], c.status[k] = k + np.ones((2, 3)), k, 0.3 + k, k
     before, ends = state.saved()["cable"], c.ends[:2].copy()
     kept = {name: before[name].copy() for name in ("force", "work", "opening_max", "status")}
-    flank = wanted_split(mesh, state, SEQUENCE[4])
-    twin = cracks.split(state, flank)
-    c = state.cable
+    cases.break_side(cuts, shell, state, 17, 10)
+    record, c = state.split_log[-1], state.cable
     assert state.n_cable == 3
     for name, rows in kept.items():
         np.testing.assert_array_equal(getattr(c, name)[:2], rows, err_msg=name)
-    # The flank of one of the two is now that of the twin, and nothing else of them has changed.
+    # The flank of one of the two may be that of the twin; nothing else of them has changed.
     moved = c.ends[:2] != ends
     assert moved.sum() == 1
-    assert ends[moved] == flank.node
-    assert c.ends[:2][moved] == twin
+    assert ends[moved] == record.node
+    assert c.ends[:2][moved] == record.twin
     check_cables(mesh, state)
 
 
 def test_equilibrium_start_takes_over_what_the_node_carried():
-    mesh, shell, state = prepared()
-    split = wanted_split(mesh, state, SEQUENCE[0])
-    state.time = 0.25
-    cases.edge_cracks(mesh, shell, state, LAW, equilibrium_start=True).split(state, split)
-    c = state.cable
-    pull = LAW.strength * c.area[:2, None] * c.m[:2]
-    begins = c.start_force[:2] + pull
-    np.testing.assert_allclose(begins.sum(axis=0), split.force, atol=1e-15)
-    # Shared like the areas.
-    share = c.area[0] / c.area[:2].sum()
-    np.testing.assert_allclose(begins[0], share * split.force, atol=1e-15)
-    assert (c.birth[:2] == 0.25).all()
-    assert (c.traction[:2] == LAW.strength).all()
-    assert state.split_log[0].force_jump == 0.0
-    mesh, shell, state = prepared()
-    cases.edge_cracks(mesh, shell, state, LAW).split(state, split)
-    jump = np.linalg.norm(split.force - pull.sum(axis=0))
-    assert state.split_log[0].force_jump == pytest.approx(jump, rel=1e-14)
-    assert not state.cable.start_force[:2].any()
+    force = np.array([0.3, 0.4, 0.5])
+    for exactly in (True, False):
+        mesh, shell, state = prepared()
+        cuts = broken(mesh, shell, state, 1)
+        state.time = 0.25
+        cut = cases.break_side(cuts, shell, state, 17, 18)
+        cuts.hand_over(state, cut, [force], 0, exactly=exactly)
+        c = state.cable
+        pull = LAW.strength * c.area[:2, None] * c.m[:2]
+        assert (c.birth[:2] == 0.25).all()
+        assert (c.traction[:2] == LAW.strength).all()
+        if not exactly:
+            jump = np.linalg.norm(force - pull.sum(axis=0))
+            assert state.split_log[-1].force_jump == pytest.approx(jump, rel=1e-14)
+            assert not c.start_force[:2].any()
+            continue
+        begins = c.start_force[:2] + pull
+        np.testing.assert_allclose(begins.sum(axis=0), force, atol=1e-15)
+        # Shared like the areas.
+        share = c.area[0] / c.area[:2].sum()
+        np.testing.assert_allclose(begins[0], share * force, atol=1e-15)
+        assert state.split_log[-1].force_jump == 0.0
 
 
 def test_a_notch_in_the_mesh_has_no_cables():
     mesh = rectangle(6.0, 4.0, n_x=6, n_y=4).cut([14, 15, 16, 17])
     shell, state = cases.set_up(mesh)
-    cracks = cases.edge_cracks(mesh, shell, state, LAW)
-    assert cracks.tips == [17]
-    twin = cracks.split(state, wanted_split(mesh, state, ("tip", 17, 14, (18,))))
-    assert cracks.tips == [18]
+    assert crack_tips(state) == [17]
+    cases.break_side(Cuts(state, shell, LAW), shell, state, 17, 18)
+    assert crack_tips(state) == [18]
     assert state.n_cable == 1
-    assert state.cable.length[0] == state.crack_length == 0.5
-    assert state.cable.ends[0].tolist() == [17, twin]
+    assert state.cable.length[0] == 0.5
+    assert state.crack_length == 1.0
+    assert sorted(state.cable.ends[0].tolist()) == [17, state.n_node - 1]
 
 
 def test_many_splits_outgrow_the_reserve():
     # More twins than spare rows: arrays are replaced, and nothing of the above may break.
     mesh = rectangle(40.0, 20.0, n_x=40, n_y=20)
     shell, state = cases.set_up(mesh)
-    cracks = cases.edge_cracks(mesh, shell, state, LAW)
+    cuts = Cuts(state, shell, LAW)
     mass = state.node.mass[: mesh.n_node].sum()
     for row in range(1, 20, 2):
-        for i in range(1, 40):
-            node = row * 41 + i
-            fan = fans_of(state, node)[0]
-            first = [e for e in fan.quads if state.node.X[state.quads[e], 1].mean() < row - 10]
-            rest = [e for e in fan.quads if e not in first]
-            m = np.array([0, 1.0, 0])
-            cracks.split(state, Split(node, tuple(first), tuple(rest), m, 1.0, np.zeros(3), False))
-    assert state.n_node == mesh.n_node + 390
-    assert state.n_cable == 780
+        for i in range(40):
+            cases.break_side(cuts, shell, state, row * 41 + i, row * 41 + i + 1)
+    assert state.n_node == mesh.n_node + 410
+    assert state.n_cable == 800
     assert state.node.mass[: state.n_node].sum() == pytest.approx(mass, rel=1e-12)
     check_cables(mesh, state)
 
@@ -260,9 +250,7 @@ def test_the_shell_follows_splits_and_other_states_by_itself(read):
     mesh, shell, state = prepared()
     at_rest = cases.set_up(mesh)[1]
     read(shell, state)
-    cracks = cases.edge_cracks(mesh, shell, state, LAW)
-    for entry in SEQUENCE:
-        cracks.split(state, wanted_split(mesh, state, entry))
+    broken(mesh, shell, state, len(SEQUENCE))
     for one in (state, at_rest, state):
         read(shell, one)
         np.testing.assert_array_equal(

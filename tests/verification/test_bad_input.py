@@ -13,7 +13,7 @@ import pytest
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks import check_model
 from shellcut.contact.penalty_contact import Contact
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
 from shellcut.loads.supports import Support
 from shellcut.material.elastic import Elastic

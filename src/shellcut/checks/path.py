@@ -48,7 +48,7 @@ from .row import Rows
 from .sweep import Fate, Sweep
 
 if TYPE_CHECKING:
-    from shellcut.fracture.criterion import Fracture
+    from shellcut.fracture.options import Fracture
 
 ATTACK = np.radians(60.0)
 """Largest angle between the motion of a cutting edge and the direction in which it points."""

@@ -1,9 +1,10 @@
 """Check that the time step can follow the tool, and estimate the number of steps.
 
-A node pierced by the edge is found within 0.3 edge lengths of it
-(:mod:`shellcut.fracture.blade_cut`), by a check every ``check_every`` steps. So between two checks
-the edge must move by less; and by less than half an edge in one step, or the tool passes a node
-before contact or cables notice it.
+An edge that enters whole film is found while it goes through a quad
+(:mod:`shellcut.fracture.pierce`), and a tip that it has passed before it is far behind, by a check
+every ``check_every`` steps. So between two checks the edge must move by 0.3 edge lengths at most;
+and by less than half an edge in one step, or the tool passes a node before contact or cables notice
+it.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ apart than half an edge of the film. Where they are closer than 0.4 of an edge, 
 surface finer than the film, some are left out; sharper ones stay.
 
 A *cutting edge* does not push: it is perfectly sharp, and what it meets is cut, or is about to be
-(:mod:`shellcut.fracture.blade_cut`). Its two ends do: the tip of a tooth that comes down on whole
+(:mod:`shellcut.fracture.pierce`). Its two ends do: the tip of a tooth that comes down on whole
 film.
 """
 

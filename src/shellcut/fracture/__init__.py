@@ -5,6 +5,6 @@ calls change the topology.
 """
 
 from .anisotropy import Anisotropy
-from .criterion import Fracture
+from .options import Fracture
 
 __all__ = ["Anisotropy", "Fracture"]

@@ -32,7 +32,7 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
 
-from .criterion import Fracture
+from .options import Fracture
 from .tip import Pace, Tip
 
 SHARE = 0.518

@@ -22,12 +22,15 @@ from shellcut.state import KnownTopology, State
 
 from .cut_topology import CutTopology
 from .quad_fans import boundary_edges
-from .quad_polygon import AWAY, FLANK, Point, along_side, on_side
+from .quad_polygon import AWAY, CORNERS, FLANK, Point, along_side, on_side
 from .ray_ahead import ALONG_SIDE, AT_CROSSING, AT_POINT, SNAP, Aimed, leave
 from .rows_ahead import RowsAhead, table_of
 from .segment import Segment
 from .tip import Tip
 from .tip_places import End, TipPlaces
+
+NEAR = 0.5
+"""Of the local edge length: nodes that are nearer to the mid-plane of a blade are on its way."""
 
 _ASKED, _STRAIGHT_UP = np.zeros(1, np.int64), np.zeros((1, 3))
 
@@ -35,8 +38,10 @@ _ASKED, _STRAIGHT_UP = np.zeros(1, np.int64), np.zeros((1, 3))
 class CrackPath(TipPlaces):
     """Finds the segments through the rows ahead of tips."""
 
-    def __init__(self, topology: CutTopology, shell: MITC4Shell) -> None:
-        super().__init__(topology, shell)
+    def __init__(
+        self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
+    ) -> None:
+        super().__init__(topology, shell, sides_only=sides_only)
         self._leave, self._known = BoundOnce(leave), KnownTopology()
         self._tables: dict[tuple[Tip, ...], RowsAhead | None] = {}
 
@@ -108,6 +113,29 @@ class CrackPath(TipPlaces):
         """
         table = table_of(state, self, [(row, entry)], [ends])
         return self._segment(state, table, direction, lean)
+
+    def side_near(
+        self, state: State, row: int, place: Point, way: Floats, lean: Floats
+    ) -> Segment | None:
+        """Return the side of a row along which a plane through a place of it is best followed.
+
+        Both its ends lie within ``NEAR`` of the plane; the segment leads the way of ``way``. None
+        if no side does that can be broken.
+
+        way, lean : as of :meth:`segment_from`.
+        """
+        at = self.place_in(state, row, place)
+        normal = unit(np.cross(at.t - lean, way))
+        gaps = state.node.x[state.quads[row]] - at.x
+        off, far = np.abs(product(gaps, normal)), product(gaps, way)
+        found, least = None, NEAR * at.size
+        for a in range(4):
+            b = (a + 1) % 4
+            if max(off[a], off[b]) < least and self.may_break(row, a, b):
+                least = float(max(off[a], off[b]))
+                start, stop = (a, b) if far[a] < far[b] else (b, a)
+                found = Segment(row, CORNERS[start], CORNERS[stop], a, stop, along_side=True)
+        return found
 
     def _segment(
         self, state: State, table: RowsAhead, direction: Floats, lean: Floats | None

@@ -12,10 +12,9 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .criterion import Fracture
 from .cuts import Cuts
-from .edge_cracks import EdgeCracks
 from .free_cracks import FreeCracks
+from .options import Fracture
 
 
 class Cracks:
@@ -59,14 +58,7 @@ class Cracks:
             at_gauss_points=fracture.cable_places == "gauss",
         )
         """Carries them out."""
-        self.edges: EdgeCracks | None = None
-        """Cracks along the sides of the mesh ..."""
-        self.free: FreeCracks | None = None
-        """... or through its quads."""
-        if fracture.path == "free":
-            self.free = FreeCracks(state, self.cuts, fracture, law, shell, loads, tool, motion)
-        else:
-            self.edges = EdgeCracks(state, self.cuts, fracture, law, shell, loads, tool)
+        self.free = FreeCracks(state, self.cuts, fracture, law, shell, loads, tool, motion)
 
     def cut_due(self, state: State, pose: Pose) -> None:
         """Cut what must be cut now, in every ``check_every``-th step.
@@ -80,29 +72,17 @@ class Cracks:
         """
         if state.step % self._check_every:
             return
-        if self.free is not None:
-            self.free.run(state, pose)
-        elif self.edges is not None:
-            self.edges.run(state, pose)
+        self.free.run(state, pose)
 
     def forget(self, state: State) -> None:
-        """Give up the tips in film that has been taken out; those along edges are held then."""
-        if self.free is not None:
-            self.free.forget(state)
+        """Give up the tips in film that has been taken out."""
+        self.free.forget(state)
 
     def saved(self) -> dict[str, Any]:
         """Return what has been cut, and where the cracks end."""
-        saved: dict[str, Any] = {"cuts": self.cuts.saved()}
-        if self.free is not None:
-            saved["free"] = self.free.saved()
-        if self.edges is not None:
-            saved["edges"] = self.edges.saved()
-        return saved
+        return {"cuts": self.cuts.saved(), "free": self.free.saved()}
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`; ``state`` is restored already."""
         self.cuts.restore(saved["cuts"])
-        if self.free is not None:
-            self.free.restore(saved["free"])
-        if self.edges is not None:
-            self.edges.restore(state, saved["edges"])
+        self.free.restore(state, saved["free"])

@@ -6,7 +6,7 @@ of the crack are real, the others *virtual*: they carry on the copy's motion bey
 is one rule ([Molino2004], with the scaled copies of [Song2006]):
 
     two copies in neighbouring quads share a node of the common side if and only if their polygons
-    overlap on that side by some length and it is not broken at the node's end.
+    overlap on that side by some length and it is not broken.
 
 The nodes around a node of the mesh are then the classes of (copy, corner) that are joined by a
 chain of such sides. Closed tips, rims, splits at nodes, T-junctions and cuts of what is cut already
@@ -14,8 +14,8 @@ all follow from it:
 
 * at a tip on a side, the neighbour ahead is whole and overlaps both copies: they share the two
   nodes of that side, and the crack is closed there;
-* a crack along a side of the mesh breaks that side, and cuts no quad. If it breaks at one end
-  only, a node is split along its edges, and the node at the far end holds on until it is its turn;
+* a crack along a side of the mesh breaks that side, and cuts no quad. The node at its far end
+  holds on: its other sides keep its quads together until one of these breaks, too;
 * a part of a side between two cracks that end on it may be torn: no polygons overlap there.
 
 Nothing else records the crack. A cut only ever divides classes, it never joins them.
@@ -135,16 +135,12 @@ class CutTopology:
             del self._polygons[row], self._rows[quad]
 
     def break_side(self, a: int, b: int) -> None:
-        """Break the side between two nodes of the mesh, at both its ends."""
+        """Break the side between two nodes of the mesh."""
         self._broken |= {(a, b), (b, a)}
 
     def mend_side(self, a: int, b: int) -> None:
         """Undo :meth:`break_side`."""
         self._broken -= {(a, b), (b, a)}
-
-    def break_end(self, node: int, far: int) -> None:
-        """Break the side between two nodes of the mesh at the end of the first."""
-        self._broken.add((node, far))
 
     def tear(self, a: int, b: int, start: float, stop: float) -> None:
         """Tear the side between two nodes of the mesh, a < b, between two fractions of it from a.
@@ -153,15 +149,15 @@ class CutTopology:
         """
         self._torn.setdefault((a, b), []).append((min(start, stop), max(start, stop)))
 
-    def is_broken(self, node: int, far: int) -> bool:
-        """Return whether the side between two nodes of the mesh is broken at the first."""
-        return (node, far) in self._broken
+    def is_broken(self, a: int, b: int) -> bool:
+        """Return whether the side between two nodes of the mesh is broken."""
+        return (a, b) in self._broken
 
     def open_parts(self, row: int, side: int) -> list[tuple[float, float]]:
         """Return from where to where a side of a row is broken or torn, as fractions of it."""
         ring = self._quads[self.parent(row)].tolist()
         a, b = ring[side], ring[(side + 1) % 4]
-        if self.is_broken(a, b) and self.is_broken(b, a):
+        if self.is_broken(a, b):
             return [(0.0, 1.0)]
         parts = self._torn.get((min(a, b), max(a, b)), ())
         return [part if a < b else (1.0 - part[1], 1.0 - part[0]) for part in parts]

@@ -2,11 +2,13 @@
 
 A cut along a segment divides a quad or breaks a side, gives the flanks nodes of their own where
 they part (:mod:`.cut_state`), lays cables across it (:mod:`.segment_cables`) and writes it down.
-Where a crack goes, and when, is asked elsewhere: :mod:`.edge_cracks` and :mod:`.free_cracks`.
+Where a crack goes, and when, is asked elsewhere: :mod:`.free_cracks`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +22,7 @@ from shellcut.state import NOTCH, SplitRecord, State
 from .anisotropy import Anisotropy
 from .cut_state import cut_row, nodes_at, part_of_side, renew_nodes, sides_of
 from .cut_topology import CutTopology
-from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
+from .quad_polygon import Point, film_moments, shape_functions, spans
 from .segment import Segment
 from .segment_cables import SegmentCables
 
@@ -88,7 +90,7 @@ class Cuts:
         at_gauss_points: bool = False,
     ) -> None:
         n = state.node
-        self._shell, self._loads = shell, loads
+        self._shell, self._loads, self._strength = shell, loads, law.strength
         self._cables = SegmentCables(
             law, shell.material, anisotropy, at_gauss_points=at_gauss_points
         )
@@ -129,46 +131,13 @@ class Cuts:
         places = product(entry, state.node.x[nodes]), product(entry, state.node.X[nodes])
         _write_down(state, places, rows, kind, measure)
         renew_nodes(state, shell, topology, corners)
+        if segment.along_side:
+            self._name_halves(state, rows, chords)
         if kind != NOTCH:
             self._cables.lay(rows, chords, length)
             state.crack_length += length
         way = np.array(shape_functions(segment.exit)) - entry
         return Cut(rows, chords, product(way, state.node.X[nodes]) / length, length, kind)
-
-    def part(self, state: State, node: int, sides: list[Segment], kind: str, measure: float) -> int:
-        """Part a node along the sides between two groups of its quads, at its own end of each.
-
-        Parameters
-        ----------
-        state : State
-            Written.
-        node : int
-            Which node.
-        sides : list of Segment
-            From the node along these sides, those that are broken already left out.
-        kind, measure : str, float
-            As in :class:`shellcut.state.SplitRecord`.
-
-        Returns
-        -------
-        int
-            Its twin.
-        """
-        topology, shell, n = self.topology, self._shell, state.node
-        rows, here = [], -1
-        for side in sides:
-            start, stop, beside, chords = sides_of(topology, shell, side)
-            at_start = int(state.quads[side.row, corner_at(side.entry)]) == node
-            here, there = (start, stop) if at_start else (stop, start)
-            topology.break_end(here, there)
-            length = _length(state, side)
-            self._cables.lay(beside, chords, length, [0 if at_start else 1])
-            state.crack_length += 0.5 * length
-            rows += beside
-        twin = n.count
-        _write_down(state, (n.x[node], n.X[node]), rows, kind, measure, (node, twin))
-        renew_nodes(state, shell, topology, [here])
-        return twin
 
     def tear(
         self, state: State, side: tuple[int, int], start: float, stop: float, kind: str
@@ -202,6 +171,57 @@ class Cuts:
         """Make the cables of segments that have come to be open at one of their ends."""
         self._cables.wake(state, self._shell.area)
 
+    def _name_halves(
+        self, state: State, rows: list[int], chords: list[tuple[Point, Point]]
+    ) -> None:
+        """Write down which node has parted at the start of a side that has been broken."""
+        minus, plus = (
+            nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
+        )
+        if minus != plus:
+            node, twin = sorted(minus | plus)
+            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=twin)
+
+    def hand_over(
+        self, state: State, cut: Cut, forces: Sequence[Floats], first: int, *, exactly: bool
+    ) -> None:
+        """Let new cables take over the forces that held the nodes that have parted.
+
+        Parameters
+        ----------
+        state : State
+            Written: how much the cables pull more or less, in the record of the cut.
+        cut : Cut
+            Along a side; the last one.
+        forces : sequence of ndarray, shape (3,)
+            What the plus side pulled the minus side with at its start and stop [N].
+        first : int
+            Of the new cables.
+        exactly : bool
+            Whether they begin with that force, whatever their law says.
+        """
+        c = state.cable
+        jump = 0.0
+        for end, force in enumerate(forces):
+            nodes = [
+                nodes_at(state, row, chord[end])
+                for row, chord in zip(cut.rows, cut.chords, strict=True)
+            ]
+            new = first + np.flatnonzero(
+                (np.sort(c.ends[first : c.count], axis=1) == sorted(set().union(*nodes))).all(
+                    axis=1
+                )
+            )
+            if nodes[0] == nodes[1] or not new.size:
+                continue
+            pull = self._strength * c.area[new, None] * c.m[new]
+            if exactly:
+                part = c.area[new] / c.area[new].sum()
+                c.start_force[new] = part[:, None] * force - pull
+            else:
+                jump = max(jump, float(norm(force - pull.sum(axis=0))))
+        state.split_log[-1] = replace(state.split_log[-1], force_jump=jump)
+
     def _share_loads(self, rows: list[int]) -> None:
         """Tell the loads which part of their quad some rows hold."""
         if self._loads is None:
@@ -233,15 +253,14 @@ def _write_down(
     rows: list[int],
     kind: str,
     measure: float,
-    halves: tuple[int, int] = (-1, -1),
 ) -> None:
     """Write a record of a cut; places : of its start in space and in the reference, (3,) each."""
     place, reference = (tuple(x.tolist()) for x in places)
     state.split_log.append(
         SplitRecord(
             time=state.time,
-            node=halves[0],
-            twin=halves[1],
+            node=-1,
+            twin=-1,
             place=place,
             reference=reference,
             kind=kind,

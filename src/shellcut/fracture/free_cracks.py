@@ -1,26 +1,27 @@
-"""Cracks that cross quads: who is due, and how a crack advances by one quad.
+"""Cracks of a film: who is due, and how a crack advances by one quad or side.
 
-Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
-(:mod:`.crack_path`, beyond an earlier one :mod:`.tip_across`), when it is due
-(:mod:`.trial_sums`), which tips a blade drives (:mod:`.blade_drive`, all at once
-:mod:`.tip_watch`), in which direction the others run
-(:mod:`.free_direction`), where a cut begins (:mod:`.pierce`), and the cut itself (:mod:`.cuts`).
+Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes (:mod:`.crack_path`,
+beyond an earlier one :mod:`.tip_across`), when it is due (:mod:`.trial_sums`), which tips a blade
+drives (:mod:`.blade_drive`, all at once :mod:`.tip_watch`), where the others run
+(:mod:`.free_direction`, along sides only :mod:`.side_tears`), where a cut begins (:mod:`.pierce`),
+and the cut itself (:mod:`.cuts`).
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, product, unit
+from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import NOTCH, State
-from shellcut.tool.cutting_edge import BACK, CuttingEdges
+from shellcut.state import NOTCH, KnownTopology, State
+from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -28,17 +29,16 @@ from shellcut.tool.tool import Tool
 from .blade_drive import BladeDrive
 from .branching import Branching, ways
 from .crack_path import CrackPath
-from .criterion import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
+from .options import Fracture
 from .pierce import Pierce
-from .quad_fans import arriving, crack_tips, fans_of
-from .quad_polygon import FLANK, WHOLE, Point, common_side, shape_functions
+from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
-from .rows_ahead import table_of
 from .segment import Segment
-from .tip import Pace, Tip, restored_tips, saved_tips
+from .side_tears import Due, LargestStress, SideTears
+from .tip import Pace, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_across import tip_across
 from .tip_places import ONCOMING
 from .tip_watch import TipWatch
@@ -50,7 +50,7 @@ _SAME_PLACE = 1e-6
 
 
 class FreeCracks:
-    """All cracks through the quads of a film.
+    """All cracks of a film, through its quads or along its sides only.
 
     Parameters
     ----------
@@ -64,10 +64,8 @@ class FreeCracks:
         Of the cables.
     shell, loads : MITC4Shell, LoadSet
         Give the forces that hold a film together.
-    tool : Tool, optional
-        Whose edges cut.
-    motion : Motion, optional
-        Of the tool.
+    tool, motion : Tool, Motion, optional
+        Whose edges cut, and how they move.
     """
 
     def __init__(
@@ -82,11 +80,9 @@ class FreeCracks:
         motion: Motion | None,
     ) -> None:
         self._cuts = cuts
-        self.tips: list[Tip] = [
-            Tip((node, node), 0.0, -1, _heading_of_notch(state, node), 0.0)
-            for node in crack_tips(state)
-        ]
+        self.tips = tips_of_notches(state)
         self._shell = shell
+        self._known = KnownTopology()
         self._largest_speed = fracture.largest_speed or np.inf
         self._checked = False
         self._branching: Branching | None = None
@@ -94,27 +90,32 @@ class FreeCracks:
             self._branching = Branching(shell.material, law, fracture)
         topology, film = self._cuts.topology, fracture.anisotropy
         gauss = fracture.cable_places == "gauss"
-        self._path = CrackPath(topology, shell)
+        self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
+        self._exactly = fracture.equilibrium_start
         self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
         self._sums = TrialSums(self._trial)
+        self._sides: SideTears | None = None
+        self.stress: LargestStress | None = None
+        """Decides when cracks run, instead of the nodal force."""
+        if self._path.sides_only:
+            self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
+            self.stress = self._sides.stress
         self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
-        self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:
-            edges = CuttingEdges.of(tool)
-            self._drive = BladeDrive(edges, motion)
-            self._watch = TipWatch(self._path, self._trial, self._drive)
-            quad = table_of(state, self._path, [(0, (0.0, 0.0))], [()])
-            self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())), quad)
+            drive = BladeDrive(CuttingEdges.of(tool), motion)
+            self._watch = TipWatch(self._path, self._trial, drive, self.stress)
+            size = float(np.sqrt(shell.area.max()))
+            self._pierce = Pierce(state, self._path, drive, size)
 
     def run(self, state: State, pose: Pose) -> None:
-        """Advance every crack that is due, as often as it is, and begin cuts where blades enter."""
-        if self._drive is None:
+        """Advance every crack that is due, and begin cuts where blades enter."""
+        if self._pierce is None:
             self._advance_free(state)
             return
         while self._advance_driven(state):
             pass
-        self._begin_cuts(state, self._drive, pose)
+        self._begin_cuts(state, pose)
 
     def _advance_free(self, state: State) -> None:
         """Advance the cracks that no blade drives and that are due, by one quad at most.
@@ -124,25 +125,35 @@ class FreeCracks:
         """
         self._require_checks(state)
         for tip in list(self.tips):
+            if not self._known.is_of(state):
+                self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
+                self._known.take(state)
             if not self._is_there(tip) or state.time < tip.since:
                 continue  # another crack has just joined it, or it has just been here
-            if not self._path.rows_ahead(tip):
-                self.tips.remove(tip)
-                continue
             if tip.branch and self._branching is not None:
                 tip.branch = not self._branching.is_alone(*self._apart(state, tip))
-            ways = self._direction.ways(state, tip, self.tips, alone=not tip.branch)
-            found = (self._path.segment_from(state, tip, way, others=self.tips) for way in ways)
-            segment = next((one for one in found if one is not None), None)
-            if segment is None or self._is_held(state, segment):
+            find = self._through_quads if self._sides is None else self._sides.best
+            due = find(state, tip, self.tips)
+            if due is None or due.measure < 1.0 or self._is_held(state, due.segment):
                 continue
-            measure = self._sums.of_tear(state, tip, segment)
-            if measure >= 1.0 and not self._branch(state, tip, segment):
-                self._advance(state, tip, segment, "criterion", measure)
+            if not self._branch(state, tip, due.segment):
+                self._advance(state, tip, due.segment, "criterion", due.measure, due.force)
+
+    def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
+        """Return along which segment a crack would run that no blade drives."""
+        ways = self._direction.ways(state, tip, tips, alone=not tip.branch)
+        found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
+        segment = next((one for one in found if one is not None), None)
+        if segment is None:
+            return None
+        return Due(segment, self._sums.of_tear(state, tip, segment))
 
     def _is_held(self, state: State, segment: Segment) -> bool:
         """Whether moving supports hold the film together through which a segment would go."""
-        return bool(state.node.support_rate[state.quads[segment.row]].any())
+        nodes = state.quads[segment.row]
+        if self._path.sides_only:
+            nodes = nodes[[corner_at(segment.entry)]]
+        return bool(state.node.support_rate[nodes].any())
 
     def _require_checks(self, state: State) -> None:
         """Refuse checks that are too rare for cracks that may branch, when tips are first seen."""
@@ -243,10 +254,18 @@ class FreeCracks:
         return self._tip_after(state, ahead, cut, 1, cut.heading)
 
     def _through(self, state: State, back: Segment, ahead: Segment, kind: str) -> Cut | None:
-        """Cut a whole quad from where one ray from within leaves it to where the other does."""
-        if common_side(WHOLE, back.exit, ahead.exit) is not None:
+        """Cut a whole quad from where one ray from within leaves it to where the other does.
+
+        If these are the ends of one side, that is broken.
+        """
+        row, start, stop, end = ahead.row, back.exit, ahead.exit, ahead.corner
+        side = common_side(WHOLE, start, stop)
+        if side is None:
+            chord = Segment(row, start, stop, ahead.side, end)
+        elif min(back.corner, end) < 0 or not self._path.may_break(row, back.corner, end):
             return None
-        chord = Segment(ahead.row, back.exit, ahead.exit, ahead.side, ahead.corner)
+        else:
+            chord = Segment(row, start, stop, side, end, along_side=True)
         return self._cut(state, chord, kind, 0.0)
 
     def _is_there(self, tip: Tip) -> bool:
@@ -263,7 +282,7 @@ class FreeCracks:
             if watch.due(state, there, self.tips).any() and (segment := watch.segment(0)):
                 measure = float(watch.measure[0])
                 kind = "criterion" if measure >= 1.0 else "blade"
-                self._advance(state, tip, segment, kind, measure)
+                self._advance(state, tip, segment, kind, measure, watch.force[0])
                 went_on = True
         return went_on
 
@@ -282,10 +301,17 @@ class FreeCracks:
         segment: Segment,
         kind: str,
         measure: float,
+        force: Floats | None = None,
         *,
         branch: bool = False,
     ) -> None:
-        """Run a crack on along a segment, which may be one of two branches."""
+        """Run a crack on along a segment, which may be one of two branches.
+
+        force : F_c of a crack along a side, which its first cables take over.
+        """
+        n_cable, forces = state.n_cable, [] if force is None else [force.copy()]
+        if self._exactly:
+            forces.append(-self._sums.at_start(state, segment.reversed()))
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
         pace: Pace = ()
@@ -294,6 +320,8 @@ class FreeCracks:
             pace = self._branching.pace_after(tip, state.time, cut.length, size)
         self._end_at(state, segment, cut, 1, tip.heading, pace, branch=branch or tip.branch)
         self._cuts.wake(state)
+        if segment.along_side:
+            self._cuts.hand_over(state, cut, forces, n_cable, exactly=self._exactly)
 
     def _end_at(
         self,
@@ -337,7 +365,7 @@ class FreeCracks:
         if joined is not None and product(joined.heading, came) < ONCOMING:
             self.tips.remove(joined)
             return None
-        if cut.kind != NOTCH and self._drive is None:
+        if cut.kind != NOTCH and self._pierce is None:
             return None  # a tear begins at no edge of the film
         self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
         way = cut.way(state, heading)
@@ -361,7 +389,7 @@ class FreeCracks:
                 return True
         return False
 
-    def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
+    def _begin_cuts(self, state: State, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
         driven = self._watch.driven_places()
@@ -370,8 +398,7 @@ class FreeCracks:
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
             if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
-            ways = (self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0))
-            for back, ahead in itertools.product(*ways):
+            for back, ahead in self._pierce.ways(state, row, place, edge, self.tips):
                 cut = self._through(state, back, ahead, "blade")
                 if cut is not None:
                     break
@@ -381,27 +408,6 @@ class FreeCracks:
             self._end_at(state, ahead, cut, 1, cut.heading)
             self._cuts.wake(state)
 
-    def _towards(
-        self, state: State, row: int, place: Point, edge: int, drive: BladeDrive, reach: float
-    ) -> list[Segment]:
-        """Return segments from a place in a row to where an edge will be, or was before.
-
-        The first leads to where an oncoming crack ends, if there is one.
-        """
-        at, size = self._path.place_in(state, row, place), np.array([self._path.size(row)])
-        then = drive.find(at.x[None], size, state.time, edge, reach)
-        heading = product(then.rotation[0], drive.edges.segments[edge, BACK]) * -reach
-        drive.direct(at.t[None], heading[None], at.T[None], size)
-        way, lean = then.ways[0, 0], then.lean[0]
-        segment = self._path.segment(state, row, place, way, lean)
-        if segment is None:
-            return []
-        gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
-        heading = product(gap, state.node.X[state.quads[row]])
-        ends = self._path.oncoming(row, place, unit(heading), self.tips)
-        joined = self._path.segment(state, row, place, way, lean, ends) if ends else None
-        return [segment] if joined is None else [joined, segment]
-
     def forget(self, state: State) -> None:
         """Give up the tips in film that has been taken out of the run."""
         gone, there = state.quad.dropped, []
@@ -410,6 +416,10 @@ class FreeCracks:
             if not gone[ahead].any():
                 there.append(tip)
         self.tips = there
+
+    def tip_nodes(self, state: State) -> Ints:
+        """Return the nodes where cracks along sides end."""
+        return self._path.nodes_of(state, self.tips)
 
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
@@ -424,15 +434,17 @@ class FreeCracks:
         return at
 
     def saved(self) -> dict[str, Any]:
-        """Return the tips."""
-        return {"tips": saved_tips(self.tips)}
+        """Return the tips, the list of film near the edges, and a count."""
+        return {
+            "tips": saved_tips(self.tips),
+            "near": {} if self._pierce is None else self._pierce.saved(),
+            "n_borrowed": 0 if self.stress is None else self.stress.n_borrowed,
+        }
 
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`; ``state`` is restored already."""
         self.tips = restored_tips(saved["tips"])
-
-
-def _heading_of_notch(state: State, node: int) -> Floats:
-    """Return the direction in which a notch arrives at its tip."""
-    (far, _), *_ = arriving(state, fans_of(state, node))
-    return unit(state.node.X[node] - state.node.X[far])
+        if self._pierce is not None:
+            self._pierce.restore(state, saved["near"])
+        if self.stress is not None:
+            self.stress.n_borrowed = saved["n_borrowed"]

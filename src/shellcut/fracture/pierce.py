@@ -8,22 +8,36 @@ flank is left alone; a blade that crosses an earlier cut begins anew in the row 
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator, Sequence
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3, product, unit
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import State
-from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
+from shellcut.tool.cutting_edge import (
+    BACK,
+    NORMAL,
+    START,
+    VECTOR,
+    CuttingEdges,
+    segment_part,
+)
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .quad_polygon import AWAY, Point
+from .blade_drive import BladeDrive
+from .crack_path import CrackPath
+from .quad_polygon import AWAY, Point, shape_functions
 from .ray_ahead import AT_POINT, Aimed, at, through
-from .rows_ahead import RowsAhead
+from .rows_ahead import RowsAhead, table_of
+from .segment import Segment
+from .tip import Tip
 
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0
@@ -37,16 +51,18 @@ class Pierce:
 
     Parameters
     ----------
-    edges : CuttingEdges
-        Of the tool.
+    state : State
+        At the start.
+    path, drive : CrackPath, BladeDrive
+        Where cracks go, and where edges do.
     size : float
         Largest edge length of the film [mm].
-    quad : RowsAhead
-        Of a whole quad; which one is no matter.
     """
 
-    def __init__(self, edges: CuttingEdges, size: float, quad: RowsAhead) -> None:
-        self._edges = edges
+    def __init__(self, state: State, path: CrackPath, drive: BladeDrive, size: float) -> None:
+        self._path, self._drive = path, drive
+        self._edges = edges = drive.edges
+        quad = table_of(state, path, [(0, (0.0, 0.0))], [()])  # of any whole quad
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
         ends = [both[edges.body == b] for b in range(int(edges.body.max()) + 1)]
@@ -105,6 +121,63 @@ class Pierce:
             for k in range(n_found)
         ]
 
+    def ways(
+        self, state: State, row: int, place: Point, edge: int, tips: Sequence[Tip]
+    ) -> Iterator[tuple[Segment, Segment]]:
+        """Yield segments from a place in a row to where an edge was and to where it will be.
+
+        First those that lead to where an oncoming crack ends, if there are any. Cracks along sides
+        only lead along the nearest side of the row, both ways.
+
+        edge : segment of the cutting edge.  tips : of all cracks.
+        """
+        if not self._path.sides_only:
+            both = (self._towards(state, row, place, edge, tips, end) for end in (-1.0, 1.0))
+            yield from itertools.product(*both)
+        elif side := self._path.side_near(state, row, place, *self._way(state, row, place, edge)):
+            yield side.reversed(), side
+
+    def _towards(
+        self,
+        state: State,
+        row: int,
+        place: Point,
+        edge: int,
+        tips: Sequence[Tip],
+        reach: float,
+    ) -> list[Segment]:
+        way, lean = self._way(state, row, place, edge, reach)
+        segment = self._path.segment(state, row, place, way, lean)
+        if segment is None:
+            return []
+        gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
+        heading = product(gap, state.node.X[state.quads[row]])
+        ends = self._path.oncoming(row, place, unit(heading), tips)
+        joined = self._path.segment(state, row, place, way, lean, ends) if ends else None
+        return [segment] if joined is None else [joined, segment]
+
+    def _way(
+        self, state: State, row: int, place: Point, edge: int, reach: float = 1.0
+    ) -> tuple[Floats, Floats]:
+        """Return the direction to where an edge will be from a place, or was, and its lean, (3,).
+
+        reach : as of :meth:`.BladeDrive.find`.
+        """
+        at, size = self._path.place_in(state, row, place), np.array([self._path.size(row)])
+        then = self._drive.find(at.x[None], size, state.time, edge, reach)
+        heading = product(then.rotation[0], self._edges.segments[edge, BACK]) * -reach
+        self._drive.direct(at.t[None], heading[None], at.T[None], size)
+        return then.ways[0, 0], then.lean[0]
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list of nodes near the edges."""
+        return self._near.saved()
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._near.restore(state, saved)
+        self._list(state)
+
     def _list(self, state: State) -> None:
         """List the whole rows near the tool without a node at a flank, by their first nodes."""
         quads, whole = state.quads, state.quad.share[: state.n_quad] >= 1.0
@@ -142,10 +215,12 @@ def parts_quad(
 ) -> bool:
     """Return whether the trace of a plane at a place of quad e leaves it by two sides.
 
+    Or by both corners of one side, which is broken then.
+
     quad, chord : tables of one row and two rays, written.  x, t : (n_node, 3).  quads :
     (n_quad, 4).  normal : of the plane.  size : edge length [mm].
     """
-    if abs(xi) > 1.0 - 2.0 * AWAY or abs(eta) > 1.0 - 2.0 * AWAY:
+    if quad.sides_only or abs(xi) > 1.0 - 2.0 * AWAY or abs(eta) > 1.0 - 2.0 * AWAY:
         return True  # on a side to within round-off: the rules themselves decide
     quad.size[0], quad.entry[0, 0], quad.entry[0, 1] = size, xi, eta
     for a in range(4):
@@ -160,7 +235,8 @@ def parts_quad(
     together = False
     for side in range(4):
         together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
-    return not together
+    at_corners = chord.way[0, 1] == AT_POINT and chord.way[1, 1] == AT_POINT
+    return not together or (at_corners and chord.way[0, 2] != chord.way[1, 2])
 
 
 @inline

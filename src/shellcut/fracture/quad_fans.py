@@ -23,8 +23,6 @@ import numpy as np
 from shellcut.arrays import Ints, product
 from shellcut.state import State
 
-Edge = tuple[int, int]
-
 
 @dataclass(frozen=True)
 class Fan:
@@ -115,12 +113,6 @@ def _with_one_quad(pair: Ints, n_node: int) -> Ints:
     return np.asarray(pair[count[inverse] == 1])
 
 
-def origin_edge(state: State, i: int, j: int) -> Edge:
-    """Return the reference edge that an edge belonged to before any split."""
-    a, b = int(state.node.origin[i]), int(state.node.origin[j])
-    return (a, b) if a < b else (b, a)
-
-
 def open_edge_copies(state: State) -> Ints:
     """Return the crack and notch edges as their two flank copies, shape (n, 2, 2).
 
@@ -158,16 +150,6 @@ def _flank_pairs(pair: Ints, origin: Ints, n_origin: int) -> Ints:
     _, first, count = np.unique(key, return_index=True, return_counts=True)
     first = first[count == 2]
     return np.asarray(np.stack([pair[first], pair[first + 1]], axis=1))
-
-
-def open_edges(state: State) -> dict[Edge, list[Edge]]:
-    """Return the crack and notch edges: reference edge -> its two flank copies (node pairs)."""
-    copies = open_edge_copies(state)
-    reference = state.node.origin[copies[:, 0]].tolist()
-    return {
-        (a, b): [(i, j), (k, m)]
-        for (a, b), ((i, j), (k, m)) in zip(reference, copies.tolist(), strict=True)
-    }
 
 
 def crack_tips(state: State) -> list[int]:

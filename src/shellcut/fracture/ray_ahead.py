@@ -11,6 +11,9 @@ lean: sides are straight in space, chords of the parametric square are not. Wher
    node, a side that the ray leaves by less than that is broken as a side;
 4. on the side itself, at least ``SNAP`` of it from its corners.
 
+Cracks along sides only know one rule: of the two sides at its node that bound the row into which
+the ray leads, the one at the smaller angle to it that can be broken.
+
 There is no segment where the direction leads out of the polygon, unless it grazes the side on which
 it begins. Distances across the ray are those in the sheet: out of it, folds under a blade do not
 count. What lasts as long as the topology is found once (:mod:`.rows_ahead`); with every step only
@@ -156,6 +159,8 @@ def through(
         far = dot(start, way) + s * (dot(stop, way) - dot(start, way))
         if 0.0 < far < best:
             best, hit, along, first_is_nearer = far, j, s, abs(off_a) <= abs(off_b)
+    if ahead.sides_only:
+        return hit >= 0 and _along_a_side(ahead, k, i, here, normal, way, x, aimed)
     if hit < 0:
         return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
     for end in range(2):
@@ -174,6 +179,32 @@ def through(
         if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
             return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)
+
+
+@inline
+def _along_a_side(
+    ahead: RowsAhead,
+    k: int,
+    i: int,
+    here: Vec3,
+    normal: Vec3,
+    way: Vec3,
+    x: Floats,
+    aimed: Aimed,
+) -> bool:
+    """Write the segment of tip i along the side of row k at the least angle to the ray."""
+    least, found = np.inf, False
+    for j in range(ahead.n_point[k]):
+        if not ahead.breaks[k, j]:
+            continue
+        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        off, far = abs(dot(gap, normal)), dot(gap, way)
+        if far > 0.0 and off < least * far:
+            least, found = off / far, True
+            aimed.way[i, 1], aimed.way[i, 2] = ALONG_SIDE, j
+            aimed.way[i, 3] = ahead.common[k, j]
+            aimed.exit[i, 0], aimed.exit[i, 1] = ahead.point[k, j, 0], ahead.point[k, j, 1]
+    return found
 
 
 @inline

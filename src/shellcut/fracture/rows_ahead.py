@@ -92,6 +92,8 @@ class RowsAhead(NamedTuple):
     """Edge of the polygon on which one lies, or point at which it is ..."""
     end_nth: Annotated[Ints, "(n_end,)"]
     """... and which crossing of that edge it is, -1 at a point, -2 on a flank."""
+    sides_only: bool
+    """Whether cracks go along sides of the mesh only."""
 
 
 def tips_of(
@@ -156,6 +158,7 @@ def table_of(
         end=np.array([end.place for end in oncoming]).reshape(-1, 2),
         end_edge=np.array([end.edge for end in oncoming], np.int64),
         end_nth=np.zeros(len(oncoming), np.int64),
+        sides_only=places.sides_only,
     )
     known: list[tuple[float, bool]] = []
     for k, (row, entry) in enumerate(every):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .quad_polygon import Point, along_side
+from .quad_polygon import Point, along_side, corner_at
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,11 @@ class Segment:
     """Whether it runs from corner to corner along a side of the quad."""
     right: float = 1.0
     """Share of the row to the right of it, 1 along a side."""
+
+    def reversed(self) -> Segment:
+        """Return the same along a side the other way."""
+        corner = corner_at(self.entry)
+        return Segment(self.row, self.exit, self.entry, self.side, corner, self.along_side)
 
     def on_side_of(self, ring: Sequence[int]) -> tuple[tuple[int, int], float]:
         """Return the nodes of the side at which it ends, ascending, and where on it.

@@ -17,7 +17,6 @@ along its segment; the place itself may lie on the new cut.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 from typing import Any, ClassVar
 
@@ -107,7 +106,6 @@ class SegmentCables:
         rows: list[int],
         chords: list[tuple[Point, Point]],
         length: float,
-        ends: Sequence[int] = (0, 1),
     ) -> None:
         """Lay a cable across either half of a new segment; they sleep.
 
@@ -119,10 +117,8 @@ class SegmentCables:
             Its two ends in the quad of each.
         length : float
             In the reference film [mm].
-        ends : sequence of int
-            Where it is cut: 0 for the half at its start, 1 for that at its end.
         """
-        for end in ends:
+        for end in (0, 1):
             minus, plus = (chord[::-1] if end else chord for chord in chords)
             way = -1.0 if end else 1.0
             if not self._at_gauss_points:

@@ -7,8 +7,10 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, unit
+from shellcut.state import State
 
+from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import Point
 
 # Outside the parametric square: written for a tip that lies on no flank.
@@ -49,6 +51,16 @@ class Tip:
     def at_node(self) -> bool:
         """Whether it lies at a node."""
         return self.flank is None and self.ends[0] == self.ends[1]
+
+
+def tips_of_notches(state: State) -> list[Tip]:
+    """Return the tips of the notches with which a mesh is made."""
+    tips = []
+    for node in crack_tips(state):
+        (far, _), *_ = arriving(state, fans_of(state, node))
+        heading = unit(state.node.X[node] - state.node.X[far])
+        tips.append(Tip((node, node), 0.0, -1, heading, 0.0))
+    return tips
 
 
 def saved_tips(tips: list[Tip]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, product, unit
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
@@ -55,10 +55,14 @@ class TipPlaces:
         Which rows there are.
     shell : MITC4Shell
         Gives the nodes of the mesh at their corners and their sizes.
+    sides_only : bool
+        Whether cracks go along sides of the mesh only.
     """
 
-    def __init__(self, topology: CutTopology, shell: MITC4Shell) -> None:
-        self.topology, self._shell = topology, shell
+    def __init__(
+        self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
+    ) -> None:
+        self.topology, self._shell, self.sides_only = topology, shell, sides_only
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
@@ -136,7 +140,10 @@ class TipPlaces:
 
         heading : (3,), of the other in the reference film; ``entry`` is its place in the row.
         """
-        polygon, found = self.topology.polygon(row), []
+        found: list[End] = []
+        if self.sides_only:
+            return found  # it meets them at nodes
+        polygon = self.topology.polygon(row)
         points = polygon.points
         for other in others:
             if product(other.heading, heading) > ONCOMING or row in other.behind:
@@ -249,6 +256,11 @@ class TipPlaces:
             return np.asarray(product(shape_functions(tip.flank), X))
         a, b = state.node.X[list(tip.ends)]
         return np.asarray(a + tip.s * (b - a))
+
+    def nodes_of(self, state: State, tips: Sequence[Tip]) -> Ints:
+        """Return the nodes of tips with film ahead that lie at nodes, shape (n_tip,)."""
+        first = [rows[0] for tip in tips if (rows := self.rows_ahead(tip))]
+        return np.array([state.quads[row, corner_at(place)] for row, place in first], np.int64)
 
     def nearest(self, state: State, tip: Tip, others: Sequence[Tip]) -> float:
         """Return how near the nearest other tip is in the reference film [mm], inf if none is."""

@@ -21,6 +21,7 @@ from .crack_path import CrackPath
 from .ray_ahead import Aimed, leave
 from .rows_ahead import RowsAhead, Tips, tips_of
 from .segment import Segment
+from .side_tears import LargestStress
 from .tip import Tip
 from .trial_cut import Pair, TrialCut
 from .trial_sums import Trial, TrialSums, Weighed
@@ -33,10 +34,19 @@ class TipWatch:
     ----------
     path, trial_cut, drive : CrackPath, TrialCut, BladeDrive
         The rules.
+    stress : LargestStress, optional
+        Whose measure counts, if it does.
     """
 
-    def __init__(self, path: CrackPath, trial_cut: TrialCut, drive: BladeDrive) -> None:
+    def __init__(
+        self,
+        path: CrackPath,
+        trial_cut: TrialCut,
+        drive: BladeDrive,
+        stress: LargestStress | None = None,
+    ) -> None:
         self._path, self._trial_cut, self._drive = path, trial_cut, drive
+        self._stress = stress
         self._known = KnownTopology()
         self._count = (-1, -1)
         self._table: Tips
@@ -58,6 +68,11 @@ class TipWatch:
     def measure(self) -> Floats:
         """What the trial cuts of tips with a segment measured at the last question, (n_tip,)."""
         return self._weighed.measure
+
+    @property
+    def force(self) -> Floats:
+        """F_c of the same tips [N], (n_tip, 3)."""
+        return self._weighed.force
 
     def alive(self, state: State, tips: list[Tip]) -> list[Tip]:
         """Return the tips with film ahead: not at a rim, nor where another crack came across."""
@@ -103,6 +118,8 @@ class TipWatch:
                 self._way = way
                 self._sums.take(self._trials(state))
             self._sums.weigh(state, self._aimed, self._weighed)
+            if self._stress is not None:
+                self.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
             leads_on = self._aimed.way[:, 0] >= 0
             self._due[:] = leads_on & (driven.passed | (self.measure >= 1.0))
         return self._due

@@ -24,7 +24,7 @@ is taken off the force along the flanks, as in a crack that is sheared under pre
 
     sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
 
-At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.criterion`).
+At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.options`).
 """
 
 from __future__ import annotations
@@ -154,19 +154,7 @@ class TrialSums:
 
     def of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
         """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
-        trial, one = (
-            Trial(0, self._trial_cut.behind(tip), self._trial_cut.pairs(state, segment)),
-            Weighed.of(1),
-        )
-        self.take([trial])
-        aimed = Aimed(
-            way=np.zeros((1, 4), np.int64),
-            nodes=state.quads[[segment.row]].astype(np.int64),
-            entry=np.array([segment.entry]),
-            exit=np.array([segment.exit]),
-            right=np.array([segment.right]),
-        )
-        self.weigh(state, aimed, one)
+        trial, one = self._alone(state, self._trial_cut.behind(tip), segment)
         if one.measure[0] == -np.inf:
             return -np.inf
         force, length = one.force[0], float(one.length[0])
@@ -177,6 +165,26 @@ class TrialSums:
             pull = max(along + across, 0.0) if opens else 0.0
         before, after = self._trial_cut.factors(state, tip, segment)
         return pull / (self._trial_cut.carried * 0.5 * (before * trial.length + after * length))
+
+    def at_start(self, state: State, segment: Segment) -> Floats:
+        """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
+        _, one = self._alone(state, 0.0, segment)
+        return np.asarray(one.force[0])
+
+    def _alone(self, state: State, length: float, segment: Segment) -> tuple[Trial, Weighed]:
+        """Return the trial cut along one segment, and what it has; length : of that behind [mm]."""
+        trial = Trial(0, length, self._trial_cut.pairs(state, segment))
+        one = Weighed.of(1)
+        self.take([trial])
+        aimed = Aimed(
+            way=np.zeros((1, 4), np.int64),
+            nodes=state.quads[[segment.row]].astype(np.int64),
+            entry=np.array([segment.entry]),
+            exit=np.array([segment.exit]),
+            right=np.array([segment.right]),
+        )
+        self.weigh(state, aimed, one)
+        return trial, one
 
 
 @kernel

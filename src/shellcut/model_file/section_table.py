@@ -12,7 +12,7 @@ from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import NO_IMPRINT, Fracture
+from shellcut.fracture.options import NO_IMPRINT, Fracture
 from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.outline import mesh_from_outline

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from shellcut.checks.row import lies_under
 from shellcut.checks.sweep import Sweep
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool

@@ -22,7 +22,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, unit
-from shellcut.fracture.quad_fans import arriving, fans_of
+from shellcut.arrays import Floats, Ints, unit
 from shellcut.state import local_edge_length
 
 if TYPE_CHECKING:
@@ -22,8 +21,6 @@ class CrackEnds(NamedTuple):
     """Of the ends, shape (n_end, 3), [mm]."""
     director: Floats
     """There, shape (n_end, 3)."""
-    at_rim: Bools
-    """Whether an end lies on the film's boundary, shape (n_end,)."""
     heading: Callable[[int], Floats]
     """Takes the number of an end; returns the direction of its last edge, shape (3,)."""
     obstacle: Floats
@@ -36,35 +33,15 @@ class CrackEnds(NamedTuple):
     @classmethod
     def of(cls, sim: Simulation, rim: Ints) -> CrackEnds:
         """Return them for the present cracks; rim : nodes of the film's boundary."""
-        if sim.cracks is not None and sim.cracks.free is not None:
-            return cls._through_quads(sim, rim)
-        n, edges = sim.state.node, sim.cracks.edges if sim.cracks is not None else None
-        tips = np.array(edges.tips if edges is not None else [], np.int64)
-        halves = np.flatnonzero(n.halved[: sim.state.n_node])
-        nodes = np.unique(np.concatenate([rim, halves, tips]))
-        own = np.full(nodes.size, -1)
-        own[np.searchsorted(nodes, tips)] = np.arange(tips.size)
-
-        def heading(i: int) -> Floats:
-            crack = arriving(sim.state, fans_of(sim.state, int(tips[i])))
-            return np.asarray(n.X[tips[i]] - n.X[crack[0][0]])
-
-        return cls(
-            n.X[tips],
-            sim.mesh.directors[n.origin[tips]],
-            np.isin(tips, rim),
-            heading,
-            n.X[nodes],
-            local_edge_length(n.contact_area[nodes]),
-            own,
-        )
-
-    @classmethod
-    def _through_quads(cls, sim: Simulation, rim: Ints) -> CrackEnds:
-        assert sim.cracks is not None
-        assert sim.cracks.free is not None
-        n, f, free = sim.state.node, sim.state.flank, sim.cracks.free
-        place, t = free.at_tips(sim.mesh.nodes), free.at_tips(sim.mesh.directors)
+        n, f = sim.state.node, sim.state.flank
+        tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
+        if sim.cracks is not None:
+            free = sim.cracks.free
+            tips, place, t = (
+                free.tips,
+                free.at_tips(sim.mesh.nodes),
+                free.at_tips(sim.mesh.directors),
+            )
         size = np.sqrt(sim.shell.area)
         n_tip, flanks = len(place), f.node[: f.count]
         # Nodes through which a crack goes: both flanks have film there.
@@ -75,8 +52,7 @@ class CrackEnds(NamedTuple):
         return cls(
             place,
             unit(t),
-            np.zeros(n_tip, np.bool_),  # a crack that has reached the rim has no end there
-            lambda i: free.tips[i].heading,
+            lambda i: tips[i].heading,
             np.concatenate([n.X[nodes], n.X[flanks], place]),
             np.concatenate(
                 [

@@ -161,8 +161,6 @@ class CutFront:
         return np.asarray(along)
 
     def _ahead(self, sim: Simulation, tip: int, ends: CrackEnds) -> float:
-        if ends.at_rim[tip]:
-            return 0.0
         first, second, curvature = self._course(sim, tip, ends)
         others = ends.own != tip
         gap = ends.obstacle[others] - ends.place[tip]

@@ -64,10 +64,10 @@ def run_summary(
         "n_imperfection": sim.imperfection.number,
         "imperfection_mm": sim.imperfection.amplitude,
     }
-    if sim.cracks is not None and sim.cracks.edges is not None:
-        figures["n_recovery_borrowed"] = sim.cracks.edges.criterion.n_borrowed
-    if sim.cracks is not None and sim.cracks.free is not None:
+    if sim.cracks is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
+        if sim.cracks.free.stress is not None:
+            figures["n_recovery_borrowed"] = sim.cracks.free.stress.n_borrowed
     finite: dict[str, Any] = {
         name: int(value) if name.startswith("n_") else float(value)
         for name, value in figures.items()
@@ -76,7 +76,7 @@ def run_summary(
     coordinate = r.coordinate_name, r.coordinate_unit
     finite |= run_figures(history, coordinate, r.columns[0], end)
     if sim.cracks is not None:
-        finite["crack_path"] = "edges" if sim.cracks.free is None else "free"
+        finite["crack_path"] = sim.fracture.path
     if sim.between_steps:
         finite["digest"] = run_digest(sim.saved(), history)
     return finite | {"resistance": r.meaning, "options": _options(sim)}

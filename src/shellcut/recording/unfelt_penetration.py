@@ -59,9 +59,9 @@ class UnfeltPenetration:
         """
         sim = self._sim
         cuts = sim.tool is not None and sim.tool.n_edge > 0
-        if not cuts or sim.cracks is None or sim.cracks.edges is None:
+        if not cuts or sim.cracks is None or sim.fracture.path != "edges":
             return np.zeros(0, np.int64)
-        return np.array(sim.cracks.edges.tips, np.int64)
+        return sim.cracks.free.tip_nodes(sim.state)
 
     def _polygon(self, row: int) -> Part:
         cracks = self._sim.cracks

@@ -15,7 +15,7 @@ from shellcut.contact.point_contact import PointContact
 from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.options import Fracture
 from shellcut.fracture.ray_ahead import MERGE
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh

@@ -18,8 +18,8 @@ from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.cracks import Cracks
-from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
+from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -346,7 +346,7 @@ class Simulation:
         ValueError
             If cracks go along edges, it is too late, or the line begins outside the film.
         """
-        if self.cracks is None or self.cracks.free is None:
+        if self.cracks is None or self.fracture.path != "free":
             raise ValueError(
                 'cracks must go through quads, Fracture(path="free"); else cut the mesh, Mesh.cut'
             )

@@ -26,7 +26,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3, unit
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, dot, norm, sub
@@ -80,22 +80,6 @@ class CuttingEdges(NamedTuple):
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
         return cls(np.stack(rows, axis=1), tool.edge_body, solid, tool.edge_radius)
-
-    def strip_boxes(self, beside: float, deep: float) -> tuple[Floats, Floats]:
-        """Return boxes around the strips of each tooth: low, high corners, (n_body, 3) [mm].
-
-        Every point that a segment of the tooth owns, no deeper than ``deep`` [mm] and within
-        ``beside`` [mm] of its mid-plane, lies in the box of that tooth.
-        """
-        start, vector, normal, back = (self.segments[:, part] for part in range(4))
-        widened, deepest = _STRIP_SLOPE * deep * unit(vector), deep * back
-        end = start + vector
-        corners = np.stack([start, end, start - widened + deepest, end + widened + deepest], axis=1)
-        aside = beside * np.abs(normal)[:, None]
-        mine = [self.body == b for b in range(int(self.body.max(initial=-1)) + 1)]
-        low = [(corners - aside)[m].min(axis=(0, 1)) for m in mine]
-        high = [(corners + aside)[m].max(axis=(0, 1)) for m in mine]
-        return np.array(low), np.array(high)
 
 
 @inline

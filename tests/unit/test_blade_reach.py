@@ -1,44 +1,31 @@
-"""Where the blade-cut rule finds nodes cut: where the blade is, and nowhere else."""
-
-from functools import cache
+"""Where a blade has passed the tip of a crack: where it is, and nowhere else; likewise cables."""
 
 import numpy as np
 import pytest
 
-from naive import cases
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
-from shellcut.fracture.blade_cut import BladeCut
+from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.models.opening import opening_test
 from shellcut.state import JOINTED
+from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool_file import read_tool
 
-REACH = 0.3  # of a whole node of unit squares, beside the edge and behind it [mm]
-NO_RIM = np.zeros(0, np.bool_)
+REACH = 0.3  # behind the edge, within which the film is surely cut [mm]
 HERE = Pose.at_origin()
 RADIUS = 9.4
 
 
-@cache
-def _sheet(n):
-    return rectangle(float(n), float(n), n_x=n, n_y=n)
-
-
 def cut_of(tool, points):
-    """Return which of these places a node inside the sheet is pierced at."""
-    n = int(np.ceil(np.sqrt(len(points))))
-    _, state = cases.set_up(_sheet(n))
-    state.node.contact_area[:] = 0.25
-    state.node.x[: state.n_node] = 1e3
-    state.node.x[: len(points)] = points
-    found = BladeCut(tool, 1.0, NO_RIM).cut_nodes(state, [], HERE)
-    cut = np.zeros(len(points), np.bool_)
-    cut[list(found)] = True
-    return cut
+    """Return at which of these places a blade has passed the tip of a crack."""
+    motion = StraightMotion((1.0, 0.0, 0.0), speed=1.0)
+    drive = BladeDrive(CuttingEdges.of(tool), motion)
+    return drive.find(points, np.ones(len(points)), 0.0).passed.copy()
 
 
 def cables_met(tool, points, across):
@@ -69,7 +56,7 @@ class Tooth:
         over = (z + s * np.tan(self.relief)) * np.cos(self.relief)  # the relief
         cut = (depth > 0.02) & (depth < REACH - 0.02) & (along > 0.02) & (over > 0.6 * depth)
         cut &= z < self.height - 0.2
-        whole = (depth < -0.02) | (depth > REACH + 0.02) | (over < -0.02)
+        whole = (depth < -0.02) | (over < -0.02)
         return cut, whole | (z > self.height + 0.02)
 
 
@@ -140,7 +127,7 @@ def test_nodes_are_cut_where_a_straight_blade_is(edge_angle):
     inside &= (along > 0.0) & (along < 1.0 / np.sin(np.radians(edge_angle)))
     assert inside.sum() > 20
     assert found[inside].all()
-    assert not found[(abs(z) > 0.5) | (depth < -1e-9) | (depth > REACH + 1e-9)].any()
+    assert not found[(abs(z) > 0.5) | (depth < -1e-9)].any()
 
 
 def test_film_that_presses_on_a_relief_is_not_cut():
@@ -151,12 +138,16 @@ def test_film_that_presses_on_a_relief_is_not_cut():
 
 
 @pytest.mark.parametrize("eta", [75.0, 85.0])
-def test_a_steep_tooth_splits_nothing_behind_its_tip(eta):
-    # The tips stand 0.02 mm over nodes of the ring and pass between them when they come down: the
-    # first node that the edges reach is the next one, at 4.8 degrees.
+def test_a_steep_tooth_cuts_only_the_side_through_which_it_goes(eta):
+    # The tips stand 0.02 mm over nodes of the ring and pass between them when they come down: each
+    # breaks the side from there to the next node, 5 degrees ahead, and nothing behind it.
     sim = opening_test("quick", tool=tooth_ring(edge_inclination_deg=eta)).simulation
     while np.degrees(sim.motion.coordinate(sim.state.time)) < 1.5:
         sim.step()
-    assert sim.state.split_log == []
+    assert [split.kind for split in sim.state.split_log] == ["blade"] * 4
+    ends = sim.cracks.free.at_tips(sim.mesh.nodes)
+    angles = np.sort(np.degrees(np.arctan2(ends[:, 1], ends[:, 0])) % 360.0)
+    wanted = np.sort(np.add.outer(np.arange(4) * 90.0, [0.0, 5.0]).ravel())
+    np.testing.assert_allclose(angles, wanted, atol=1e-9)
     # The tips themselves press between the nodes; no node is in a tooth.
     assert sim.contact.forces.deepest == 0.0

@@ -1,0 +1,169 @@
+"""How cracks start and run: the options of a film's fracture.
+
+When a crack at its tip runs, by two measures that reach 1:
+
+``"force"`` (default)
+    The nodal force of a trial cut (:mod:`.trial_sums`). The new cables take over this very force,
+    so a crack starts near equilibrium.
+``"stress"``
+    sigma_I / sigma_F with the stress recovered at the mid-surface, the paper's
+    (:mod:`.largest_stress`).
+
+Cracks run from their tips and from where a cutting edge goes through whole film. [Frangi2010] says
+any node, which would also part nodes beside the cut.
+
+**The blade-cut rule** (:mod:`.blade_drive`) differs from [Frangi2010]: a tip that a cutting edge
+has passed runs whatever the stress, for a sheet under a blade hangs on the cables and its tip may
+stay below the strength while the blade runs on; film that the edge goes through is cut
+(:mod:`.pierce`). The rule knows the blade's geometry and the nodes' positions; there is no list of
+nodes of an expected path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal, TypeAlias, get_args
+
+from shellcut.arguments import Option, checked
+
+from .anisotropy import Anisotropy
+
+Measure: TypeAlias = Literal["force", "stress"]
+Path: TypeAlias = Literal["free", "edges"]
+CablePlaces: TypeAlias = Literal["ends", "gauss"]
+DropLoose: TypeAlias = Literal["never", "clear"]
+
+_ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
+
+
+NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
+"""What to write for the path ``"imprint"`` of earlier versions."""
+
+
+@checked
+@dataclass(frozen=True)
+class Fracture:
+    """How cracks start and run.
+
+    Left out, the path is ``"free"``, or ``"edges"`` where another option exists for these only:
+    ``criterion``, ``blade_cut``, ``turn_limit_deg`` or ``equilibrium_start`` that differ from their
+    defaults. A ready model takes ``"edges"`` too where edges lie under the whole path.
+
+    Parameters
+    ----------
+    anisotropy : Anisotropy, optional
+        How strength and energy depend on the direction of a crack, for cracks through the quads
+        that no blade drives.
+    branching : bool
+        Whether a crack through quads that no blade drives may become two (:mod:`.branching`): once
+        it runs at half of the film's Rayleigh speed. Needs ``check_every`` so small that it can.
+
+    Examples
+    --------
+    >>> Fracture(criterion="stress").blade_cut
+    True
+    >>> Fracture().decided().path, Fracture(criterion="stress").decided().path
+    ('free', 'edges')
+    """
+
+    criterion: Annotated[Measure, Option("", "measure of a crack that runs")] = "force"
+    blade_cut: Annotated[
+        bool, Option("", "whether the blade cuts what it goes through and has passed")
+    ] = True
+    turn_limit_deg: Annotated[
+        float,
+        Option(
+            "deg",
+            "largest turn of a crack along edges that no blade drives, from its last edge",
+            above=0,
+            below=180,
+        ),
+    ] = 57.0
+    check_every: Annotated[int, Option("", "steps between two checks", least=1)] = 10
+    equilibrium_start: Annotated[
+        bool,
+        Option(
+            "",
+            "start cables of a crack along edges with the force that its node carried, fading as "
+            "they open",
+        ),
+    ] = False
+    path: Annotated[
+        Path | None,
+        Option(
+            "",
+            "of cracks: free through quads, or along edges",
+            unset="edges if they lie under the whole path or another option needs them, else free",
+        ),
+    ] = None
+    anisotropy: Anisotropy | None = None
+    cable_places: Annotated[
+        CablePlaces,
+        Option(
+            "",
+            "cables across a segment of a crack through quads, at its ends or its Gauss points, "
+            "where the force of a cut ripples less",
+        ),
+    ] = "ends"
+    largest_speed: Annotated[
+        float | None,
+        Option(
+            "mm/s",
+            "of cracks through quads that no blade drives",
+            above=0,
+            unset="one quad in check_every steps, mostly below the film's Rayleigh speed",
+        ),
+    ] = None
+    branching: bool = False
+    drop_loose: Annotated[
+        DropLoose,
+        Option("", "take pieces that nothing holds out of the run once clear of film and tool"),
+    ] = "never"
+
+    def __post_init__(self) -> None:
+        if problems := list(self._contradictions()):
+            raise ValueError("; ".join(problems))
+
+    def _contradictions(self) -> Iterator[str]:
+        """Yield what does not go with the path, or with another option."""
+        of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
+        if str(self.path) == "imprint":
+            yield f"path must be one of {get_args(Path)}, got 'imprint'; {NO_IMPRINT}"
+        elif self.path == "free":
+            for name in of_edges:
+                needed = type(self).__dataclass_fields__[name].default
+                yield (
+                    f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"
+                )
+        elif self.path is not None:
+            for name in of_quads:
+                yield f"{name} is of cracks through the quads only: take path='free'"
+        elif of_edges and of_quads:
+            yield (
+                f"{', '.join(of_edges)} must be left out, of cracks along edges only, or "
+                f"{', '.join(of_quads)}, of cracks through the quads only"
+            )
+
+    @property
+    def only_along_edges(self) -> tuple[str, ...]:
+        """Names of the options that exist for cracks along edges only and are set."""
+        return self._set_of(_ONLY_ALONG_EDGES)
+
+    @property
+    def needed_path(self) -> Path | None:
+        """The path that is given, or that other options need; None where any will do."""
+        if self.path is not None:
+            return self.path
+        if self.only_along_edges:
+            return "edges"
+        return "free" if self._set_of(_ONLY_THROUGH_QUADS) else None
+
+    def decided(self) -> Fracture:
+        """Return the same with a path, the default where any will do."""
+        return replace(self, path=self.needed_path or "free")
+
+    def _set_of(self, names: Iterable[str]) -> tuple[str, ...]:
+        every = type(self).__dataclass_fields__
+        return tuple(name for name in names if getattr(self, name) != every[name].default)

@@ -1,0 +1,189 @@
+"""Where and when a crack runs along sides of the mesh that no blade drives.
+
+From its tip, a node, it may go on along every side that has whole film on both sides of it and by
+which it does not turn too sharply; if all sides turn by more, along those that turn least, for a
+crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_sums`). With the
+nodal force F_c and the chord c from where the crack came to where it would go, m being the normal
+to c in the sheet, the measure is
+
+    F_c · m / (sigma_F h (L_in + L_out) / 2),
+
+and the side with the largest normal traction F_c · m / |c| is taken: a uniform stress gives
+F_c = ½ h |c| sigma · m whatever sides lead along c, where the measure would favour short ones.
+
+By the paper's criterion ([Frangi2010] 4) the measure is sigma_I / sigma_F, the largest principal
+stress of the mid-surface recovered from the node's patch ([ZienkiewiczZhu1992]), and the side is
+the one most nearly normal to the direction of sigma_I. It depends on the mesh, which F_c does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, norm, product, unit
+from shellcut.mitc4.nodal_stress import NodalStress, recover
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import KnownTopology, State
+
+from .crack_path import CrackPath
+from .options import Fracture
+from .quad_polygon import CORNERS, corner_at, shape_functions
+from .ray_ahead import Aimed
+from .segment import Segment
+from .tip import Tip
+from .trial_cut import TrialCut
+from .trial_sums import Trial, TrialSums, Weighed
+
+# Cosines of two turns that count as the same.
+_SAME_TURN = 1e-6
+
+
+class LargestStress:
+    """The paper's measure at the tips of cracks along sides.
+
+    Parameters
+    ----------
+    shell, path : MITC4Shell, CrackPath
+        The film, and what lies ahead of a tip.
+    strength : float
+        sigma_F [MPa].
+    """
+
+    def __init__(self, shell: MITC4Shell, path: CrackPath, strength: float) -> None:
+        self._shell, self._path, self._strength = shell, path, strength
+        self.n_borrowed = 0
+        """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
+
+    def at(self, state: State, tips: Sequence[Tip], others: Sequence[Tip]) -> tuple[Floats, Floats]:
+        """Return sigma_I / sigma_F, shape (n_tip,), and its directions, at tips with film ahead.
+
+        others : all tips, whose patches lie on both flanks.
+        """
+        nodes, ends = (self._path.nodes_of(state, one) for one in (tips, others))
+        found: NodalStress = recover(state, self._shell, nodes, tips=ends.tolist())
+        self.n_borrowed += found.n_borrowed
+        return found.principal / self._strength, found.direction
+
+
+class _Tried(NamedTuple):
+    """Sides along which a crack may go on from its tip, and the trial cuts along them."""
+
+    segments: list[Segment]
+    nodes: Ints
+    """Of their rows, and of the row whose director counts, shape (n_side + 1, 4)."""
+    ways: Floats
+    """Weights that give of their positions the vectors along them, and the way the crack came."""
+    corner: int
+    """Of that last row, at which the tip is."""
+    sums: TrialSums
+    aimed: Aimed
+    weighed: Weighed
+
+
+class Due(NamedTuple):
+    """Along which side a crack would run."""
+
+    segment: Segment
+    measure: float
+    """It runs at 1."""
+    force: Floats | None = None
+    """F_c of one along a side [N], shape (3,)."""
+
+
+class SideTears:
+    """Finds the sides along which cracks tear.
+
+    Parameters
+    ----------
+    shell, path, trial_cut : MITC4Shell, CrackPath, TrialCut
+        The film, what lies ahead of a tip, and the nodal forces.
+    strength : float
+        sigma_F [MPa].
+    fracture : Fracture
+        How cracks run.
+    """
+
+    def __init__(
+        self,
+        shell: MITC4Shell,
+        path: CrackPath,
+        trial_cut: TrialCut,
+        strength: float,
+        fracture: Fracture,
+    ) -> None:
+        self._path, self._trial_cut = path, trial_cut
+        self._cos_limit = math.cos(math.radians(fracture.turn_limit_deg))
+        self.stress: LargestStress | None = None
+        """Decides instead of the nodal force."""
+        if fracture.criterion == "stress":
+            self.stress = LargestStress(shell, path, strength)
+        self._known, self._n_cable = KnownTopology(), -1
+        self._tried: dict[Tip, _Tried] = {}
+
+    def best(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
+        """Return along which side a crack would run from its tip, None if there is none.
+
+        tips : all of them.
+        """
+        if not self._known.is_of(state) or state.n_cable != self._n_cable:
+            self._tried.clear()
+            self._known.take(state)
+            self._n_cable = state.n_cable
+        if tip not in self._tried:
+            self._tried[tip] = self._try(state, tip)
+        segments, nodes, weights, corner, sums, aimed, weighed = self._tried[tip]
+        if not segments:
+            return None
+        sums.weigh(state, aimed, weighed)
+        ways = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
+        chord = ways[:-1] + tip.length * unit(ways[-1])
+        a, b, c = state.node.t[nodes[-1, corner]].tolist()
+        m = product(chord, np.array([[0.0, c, -b], [-c, 0.0, a], [b, -a, 0.0]]))  # t x chord
+        size = norm(m)
+        pull = (weighed.force * m).sum(axis=1) / size
+        if self.stress is None:
+            k = int(np.argmax(pull / size))
+            held = 0.5 * (tip.length + weighed.length[k]) * self._trial_cut.carried
+            return Due(segments[k], float(pull[k] / held), weighed.force[k])
+        measure, direction = self.stress.at(state, [tip], tips)
+        k = int(np.argmin(np.abs(product(chord, direction[0])) / size))
+        return Due(segments[k], float(measure[0]), weighed.force[k])
+
+    def _try(self, state: State, tip: Tip) -> _Tried:
+        """Return the sides along which a crack may go on, each with its trial cut."""
+        segments = self._sides(state, tip)
+        n, sums = len(segments), TrialSums(self._trial_cut)
+        length = self._trial_cut.behind(tip)
+        pairs = [self._trial_cut.pairs(state, one) for one in segments]
+        sums.take([Trial(i, length, one) for i, one in enumerate(pairs)])
+        aimed = Aimed.of(n)
+        for i, one in enumerate(segments):
+            aimed.nodes[i] = state.quads[one.row]
+            aimed.entry[i], aimed.exit[i], aimed.right[i] = one.entry, one.exit, one.right
+        row, entry = self._path.rows_ahead(tip)[0]
+        ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
+        nodes = state.quads[[*(one.row for one in segments), row]]
+        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, aimed, Weighed.of(n))
+
+    def _sides(self, state: State, tip: Tip) -> list[Segment]:
+        """Return the sides by which a crack turns by no more than it may."""
+        found: dict[int, Segment] = {}
+        for row, entry in self._path.rows_ahead(tip):
+            ring, start = self._path.ring(row), corner_at(entry)
+            for side, end in ((start, (start + 1) % 4), ((start - 1) % 4, (start - 1) % 4)):
+                if ring[end] not in found and self._path.may_break(row, start, end):
+                    found[ring[end]] = Segment(row, entry, CORNERS[end], side, end, along_side=True)
+        sides = list(found.values())
+        ways = [unit(product(_weights(one), state.node.X[state.quads[one.row]])) for one in sides]
+        turns = [float(product(way, tip.heading)) for way in ways]
+        least = min(self._cos_limit, max(turns, default=1.0)) - _SAME_TURN
+        return [one for one, cosine in zip(sides, turns, strict=True) if cosine >= least]
+
+
+def _weights(segment: Segment) -> Floats:
+    """Return weights of the nodes of a row that give the vector along a segment, shape (4,)."""
+    return np.subtract(shape_functions(segment.exit), shape_functions(segment.entry))
