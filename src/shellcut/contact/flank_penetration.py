@@ -22,8 +22,8 @@ from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.signed_distance import TriangleGrid, signed_distance
 
 from .edge_contact import EdgeContact
-from .film_edges import open_edges, rows_at
-from .film_outline import FilmOutline, Part
+from .film_edges import FilmEdges
+from .film_outline import Part
 from .penalty_contact import PenaltyContact
 
 _PARTS = 8
@@ -47,7 +47,7 @@ class FlankPenetration:
         self, contact: PenaltyContact, edges: EdgeContact | None, part_of: Callable[[int], Part]
     ) -> None:
         self._contact, self._edges = contact, edges
-        self._outline = FilmOutline(part_of)
+        self._film = contact.film_edges or FilmEdges(contact.law, part_of)
         self._around = ConvexNeighbours.of(contact.tool)
         self._deepest = BoundOnce(_deepest_beside_chords)
 
@@ -58,8 +58,8 @@ class FlankPenetration:
         deeper below their own side than half of the tool's thickness.
         """
         contact, unfelt = self._contact, 0.0
-        near = contact.near.ids
-        ends = open_edges(state, self._outline.of(state), rows_at(state, near))
+        edges = self._film.of(state)
+        ends = edges.node[edges.near(contact.near.ids)]
         if self._edges is not None:
             pressing, offset = self._edges.pressing()
             unfelt = float(offset.max(initial=0.0))

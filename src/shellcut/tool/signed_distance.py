@@ -121,6 +121,12 @@ def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
 
 
 @inline
+def within_edges(p: Vec3, t: int, surface: TriangleSurface) -> float:
+    """Return how far the foot of p on the plane of a triangle is inside its edges [mm]."""
+    return _over(p, t, surface.planes)[1]
+
+
+@inline
 def _above(p: Vec3, t: int, k: int, planes: Floats) -> float:
     n = planes[t, k, 0], planes[t, k, 1], planes[t, k, 2]
     return dot(n, p) - float(planes[t, k, 3])
