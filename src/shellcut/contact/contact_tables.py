@@ -54,9 +54,11 @@ class Looks(NamedTuple):
     """Range of validity [mm]: the result holds while the carrier is closer than this to that
     position."""
     flat: Annotated[Floats, "(n_row,)"]
-    """Likewise, of the plane on which the depth is measured while it lasts; 0 for none."""
-    plane: Annotated[Floats, "(n_row, 4)"]
-    """Outward normal of that plane, and its product with points of the plane [mm]."""
+    """Likewise, of the faces from which the depth is measured while it lasts; 0 for none."""
+    face: Annotated[Floats, "(n_row, 2, 4)"]
+    """Outward normals of one or two faces, and their products with points of the faces [mm]."""
+    n_face: Annotated[Ints, "(n_row,)"]
+    """How many there are."""
     within: Annotated[Bools, "(n_row,)"]
     """Whether it was inside."""
     closest: Annotated[Ints, "(n_row, 2)"]
@@ -72,7 +74,8 @@ class Looks(NamedTuple):
             place=np.zeros((n, 3)),
             lasts=np.zeros(n),
             flat=np.zeros(n),
-            plane=np.zeros((n, 4)),
+            face=np.zeros((n, 2, 4)),
+            n_face=np.zeros(n, np.int64),
             within=np.zeros(n, np.bool_),
             closest=np.zeros((n, 2), np.int64),
             across=np.full(n, -1),
@@ -134,6 +137,8 @@ class ContactTool(NamedTuple):
     """Finds the surface near a point."""
     reach: float
     """Points up to this far outside the surface are found [mm]."""
+    empty_around: Annotated[SmallInts, "(n_cell,)"]
+    """Cells of the grid from each to the next from which anything is."""
     round_off: float
     """Subtracted from a distance from the surface [mm]."""
     triangle_body: Annotated[Ints, "(n_triangle,)"]

@@ -113,6 +113,7 @@ class PenaltyContact(PressTerm):
         self.solid = ContactTool(
             grid=self.grid.arrays,
             reach=self.grid.reach,
+            empty_around=self.grid.empty_around,
             round_off=_ROUND_OFF * float(np.abs(tool.vertices).max()),
             triangle_body=tool.triangle_body,
             segments=CuttingEdges.of(tool).segments,

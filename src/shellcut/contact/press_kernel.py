@@ -29,6 +29,7 @@ from shellcut.numerics.jit import always_inline, inline, kernel
 from shellcut.numerics.vec3 import (
     add,
     add_scaled,
+    add_scaled,
     add_to,
     combine,
     dot,
@@ -42,18 +43,28 @@ from shellcut.state import QuadsAtNodes, local_edge_length
 from shellcut.tool.cutting_edge import CUT_DEPTH, NORMAL, segment_part, strip_coordinates
 from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.rounded_depth import rounded_depth
-from shellcut.tool.signed_distance import closest_of_side, signed_distance_to, within_edges
+from shellcut.tool.signed_distance import (
+    at_least,
+    clear_for,
+    closest_of_side,
+    over_only_for,
+    signed_distance_to,
+    within_edges,
+)
 from shellcut.tool.touch import Touch, react
 
-from .contact_tables import ContactNodes, ContactTables, ContactTool
+from .contact_tables import ContactNodes, ContactTables, ContactTool, Looks
 from .near_nodes import largest_speed, tool_way
 from .settings import largest_rebound, smoothed, smoothed_integral
 
 # Of the local edge length: quads whose mean centre is farther from the mid-plane lie beside it.
 _CLEARLY_BESIDE = 0.15
 
-# Square of the sine of the angle between two faces from which on it counts as no angle.
-_PARALLEL = 1e-12
+# Cosine of an angle between normals that is none.
+_SAME = 1.0 - 1e-12
+
+# Of the radius: depths that agree so far are one.
+_AGREES = 1e-9
 
 # Of what a place the blade goes through is too deep by: way after which it is looked at again.
 _AGAIN = 0.25
@@ -169,7 +180,12 @@ def _look_up(
     looks.within[i] = found and dot(way, normal) < 0.0
     looks.flat[i] = 0.0
     if not looks.within[i]:
-        looks.lasts[i] = (norm(way) if found else tool.reach) - tool.round_off
+        away = norm(way)
+        if not found:
+            away = at_least(p, tool.reach, grid.cells, tool.empty_around)
+        looks.lasts[i] = away - tool.round_off
+        if found and feature == 0 and away < tables.rounding:
+            _keep_plane(i, p, triangle, tool, looks)
         return triangle, q, side
     whole, flank = triangle, grid.surface.flank
     if side == 0 and tables.per_carrier == 1:
@@ -182,34 +198,75 @@ def _look_up(
         ahead = min(ahead, of_side)
     looks.lasts[i] = 0.5 * ahead - tool.round_off
     looks.closest[i, 0], looks.closest[i, 1] = whole, triangle
-    if triangle == whole and feature == 0:
-        looks.flat[i] = _flat_for(i, p, triangle, side, tables)
     return triangle, q, side
 
 
 @inline
-def _flat_for(i: int, p: Vec3, triangle: int, side: int, tables: ContactTables) -> float:
-    """Return how far a carrier may move so that its depth stays that under its triangle's plane.
+def _keep_plane(i: int, p: Vec3, triangle: int, tool: ContactTool, looks: Looks) -> None:
+    """Write the face that a carrier outside is over, and how long it holds."""
+    surface = tool.grid.surface
+    for c in range(4):
+        looks.face[i, 0, c] = surface.planes[triangle, 0, c]
+    looks.n_face[i] = 1
+    within = within_edges(p, triangle, surface)
+    looks.flat[i] = over_only_for(p, triangle, within, tool.grid) - tool.round_off
 
-    p : in the body frame, over the inside of the triangle.  Writes the plane.
+
+@inline
+def _keep_faces(
+    i: int, p: Vec3, g: float, outward: Vec3, side: int, tables: ContactTables
+) -> None:
+    """Write the faces that the ball touches by which a carrier is rounded, and how long they hold.
+
+    p : in the body frame, inside.  g, outward : its depth and way out [mm].
     """
     looks, tool, radius = tables.looks, tables.tool, tables.rounding
-    surface, around = tool.grid.surface, tool.around
+    surface, one, two = tool.grid.surface, looks.closest[i, 1], looks.across[i]
+    centre = add_scaled(p, g - radius, outward)
+    if looks.closest[i, 0] != one or not 0.0 < g < radius:
+        return
+    straight = dot(load(surface.planes[one], 0), outward) > _SAME
+    if straight:
+        two = one
+    if two < 0:
+        return
+    within = min(within_edges(centre, one, surface), within_edges(centre, two, surface))
+    if within <= 0.0:
+        return
     for c in range(4):
-        looks.plane[i, c] = surface.planes[triangle, 0, c]
-    n = load(looks.plane, i)
-    g = looks.plane[i, 3] - dot(n, p)
-    flat = min(looks.lasts[i], within_edges(p, triangle, surface))
-    for k in range(around.start[triangle], around.start[triangle + 1]):
-        t = around.triangle[k]
-        if side * surface.flank[t] < 0:
-            continue
-        other = load(surface.planes[t], 0)
-        cosine = dot(n, other)
-        depth = surface.planes[t, 0, 3] - dot(other, p) + (radius - g) * cosine
-        sine = sqrt(max(1.0 - cosine * cosine, _PARALLEL))
-        flat = min(flat, (depth - radius) / sine)
-    return flat
+        looks.face[i, 0, c] = surface.planes[one, 0, c]
+        looks.face[i, 1, c] = surface.planes[two, 0, c]
+    looks.n_face[i] = 1 if straight else 2
+    again, _ = _under_faces(i, p, radius, looks)
+    if abs(again - g) < _AGREES * radius:
+        free = clear_for(centre, radius, one, two, side, within, tool.grid)
+        looks.flat[i] = free - tool.round_off
+
+
+@always_inline
+def _under_faces(i: int, p: Vec3, radius: float, looks: Looks) -> tuple[float, Vec3]:
+    """Return how deep a carrier is under its one or two faces, rounded [mm], and the way out.
+
+    p : in the body frame.  Not above zero outside one of them; from the radius on, not to be used.
+    """
+    n = load(looks.face[i], 0)
+    g = looks.face[i, 0, 3] - dot(n, p)
+    if looks.n_face[i] < 2:
+        return g, n
+    other = load(looks.face[i], 1)
+    beyond = looks.face[i, 1, 3] - dot(other, p)
+    if min(g, beyond) <= 0.0:
+        return 0.0, n
+    a, b, c = radius - g, radius - beyond, dot(n, other)
+    whole = 1.0 - c * c
+    of_n, of_other = (a - c * b) / whole, (b - c * a) / whole
+    if of_other <= 0.0:
+        return g, n
+    if of_n <= 0.0:
+        return beyond, other
+    w = combine(of_n, n, of_other, other)
+    length = norm(w)
+    return radius - length, scale(1.0 / length, w)
 
 
 @always_inline
@@ -328,8 +385,8 @@ def add_press_forces(
         if edges:
             one_side, lies = _side_of_ends(i, tables)
             if not one_side or lies != side[row]:
-                looks.lasts[i] = min(looks.lasts[i], 0.0) if looks.within[i] else looks.lasts[i]
-                looks.flat[i] = 0.0
+                if looks.within[i]:
+                    looks.lasts[i] = looks.flat[i] = 0.0
             if not one_side:
                 absorbed += max(memory.work[row], 0.0)
                 work += _let_go(i, dt, tables)
@@ -340,15 +397,23 @@ def add_press_forces(
         p = to_body(x, pose)
         way = sub(p, load(looks.place, i))
         gone = dot(way, way)
-        triangle, q = looks.closest[i, 1], p
-        on_plane = gone < looks.flat[i] * abs(looks.flat[i]) and (edges or lies != 0)
-        if on_plane:
-            outward = load(looks.plane, i)
-            g = looks.plane[i, 3] - dot(outward, p)
+        triangle, q, fresh = looks.closest[i, 1], p, False
+        outward, g = load(looks.face[i], 0), 0.0
+        on_faces = gone < looks.flat[i] * abs(looks.flat[i])
+        if on_faces and not looks.within[i]:
+            over = dot(outward, p) - looks.face[i, 0, 3]
+            if over >= 0.0:
+                looks.until[i] = walked + min(over, looks.flat[i] - sqrt(gone))
+                continue
+            on_faces = False
+        if on_faces and (edges or lies != 0):
+            g, outward = _under_faces(i, p, tables.rounding, looks)
+            on_faces = g < tables.rounding
+        if on_faces:
             looks.within[i] = g > 0.0
             if g <= 0.0:
                 looks.lasts[i] = looks.flat[i] = 0.0
-        elif gone < looks.lasts[i] * abs(looks.lasts[i]):
+        elif gone < looks.lasts[i] * abs(looks.lasts[i]) and looks.flat[i] <= 0.0:
             if not looks.within[i]:  # has not come to the surface since
                 looks.until[i] = walked + looks.lasts[i] - sqrt(gone)
                 continue
@@ -357,14 +422,17 @@ def add_press_forces(
                 looks.lasts[i] = looks.flat[i] = 0.0
         else:
             triangle, q, lies = _look_up(i, p, lies, pose, tables)
+            fresh = True
         if not looks.within[i]:
             work += _let_go(i, dt, tables)
             looks.until[i] = walked + looks.lasts[i]
             continue
-        if not on_plane:
+        if not on_faces:
             g, outward, looks.across[i] = rounded_depth(
                 p, q, triangle, lies, tables.rounding, tool.grid, tool.around, looks.across[i]
             )
+            if fresh:
+                _keep_faces(i, p, g, outward, lies, tables)
         if edges and lies != 0 and g > law.tool_half_thickness:
             if lies * surface.flank[looks.closest[i, 0]] < 0:  # the blade goes through
                 absorbed += max(memory.work[row], 0.0)

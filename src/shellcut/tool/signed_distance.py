@@ -76,6 +76,10 @@ class TriangleGrid(NamedTuple):
     surface: TriangleSurface
 
 
+# Far above that of a height over a plane, far below any depth that counts [mm].
+ROUND_OFF = 1e-9
+
+
 @inline
 def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
     """Return the point of triangle (a, b, c) closest to ``p`` [mm] and the feature it lies on."""
@@ -165,6 +169,22 @@ def cell_of(p: Vec3, cells: GridCells) -> tuple[bool, int]:
 
 
 @inline
+def at_least(p: Vec3, reach: float, cells: GridCells, empty_around: SmallInts) -> float:
+    """Return a distance than which a point is no closer to the solid, where none is found [mm].
+
+    reach : within which it would be [mm].  empty_around : cells from each to the next with a list.
+    """
+    lower, shape = cells.lower, cells.shape
+    outside, cell = 0.0, 0
+    for c in range(3):
+        most = cells.size * shape[c]
+        along = p[c] - lower[c]
+        outside = max(outside, max(-along, along - most))
+        cell = cell * shape[c] + min(max(int(along / cells.size), 0), shape[c] - 1)
+    return max(outside, cells.size * (empty_around[cell] - 1)) + reach
+
+
+@inline
 def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
     # of the cell, with a slack far above the round-off of cells and distances
     lower, cell_size, shape = cells.lower, cells.size, cells.shape
@@ -221,6 +241,92 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
         else:
             second = min(second, squared)
     return best < np.inf, triangle, feature, nearest, sqrt(second) - sqrt(best)
+
+
+@inline
+def clear_for(z: Vec3, r: float, one: int, two: int, side: int, most: float, grid: TriangleGrid) -> float:
+    """Return how far a ball may move and touch no face of the side but one or two [mm].
+
+    z : its centre, in the body frame, r [mm] deep under the triangles ``one`` and ``two``, which
+    may be the same, and from then on no less.  most : the largest answer [mm].
+
+    It moves along these triangles. What lies in one of their planes or outside it comes no closer
+    than r; the depth under another plane changes by the sine of the angle to them.
+    """
+    grid = borrowed(grid)
+    cell_start, cell_triangles, cell_distance = grid.lists
+    surface = grid.surface
+    in_grid, cell = cell_of(z, grid.cells)
+    if not in_grid:
+        return 0.0
+    off_centre = _distance_from_centre(z, cell, grid.cells)
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if cell_distance[k] - off_centre - r > most:
+            break
+        t = cell_triangles[k]
+        if t in (one, two) or side * surface.flank[t] < 0:
+            continue
+        height, within = _over(z, t, surface.planes)
+        beside = min(within, 0.0)
+        free = sqrt(height * height + beside * beside) - r
+        if free >= most:
+            continue
+        if -height > r:
+            steep = max(_sine(t, one, surface.planes), _sine(t, two, surface.planes))
+            free = max(free, (-height - r) / max(steep, ROUND_OFF))
+        if free < most and not (_lies_above(t, one, surface) or _lies_above(t, two, surface)):
+            most = free
+    return most
+
+
+@inline
+def _sine(t: int, other: int, planes: Floats) -> float:
+    """Return the sine of the angle between the planes of two triangles."""
+    cosine = 0.0
+    for c in range(3):
+        cosine += planes[t, 0, c] * planes[other, 0, c]
+    return sqrt(max(1.0 - cosine * cosine, 0.0))
+
+
+@inline
+def over_only_for(p: Vec3, triangle: int, most: float, grid: TriangleGrid) -> float:
+    """Return how far a point may move and be inside only under the plane of a triangle [mm].
+
+    p : outside, in the body frame, over the inside of ``triangle`` as long as it moves by no more
+    than ``most``, the largest answer [mm].  What lies below the plane cannot hold it.
+    """
+    grid = borrowed(grid)
+    cell_start, cell_triangles, cell_distance = grid.lists
+    surface = grid.surface
+    _, cell = cell_of(p, grid.cells)
+    off_centre = _distance_from_centre(p, cell, grid.cells)
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if cell_distance[k] - off_centre > most:
+            break
+        t = cell_triangles[k]
+        height, within = _over(p, t, surface.planes)
+        beside = min(within, 0.0)
+        away = sqrt(height * height + beside * beside)
+        if away < most and t != triangle and not _lies_above(t, triangle, surface, -1.0):
+            most = away
+    return most
+
+
+@inline
+def _lies_above(t: int, triangle: int, surface: TriangleSurface, up: float = 1.0) -> bool:
+    """Return whether one triangle lies in the plane of another, or outside that.
+
+    up : -1 to ask for the inside.
+    """
+    least = np.inf
+    for a in range(3):
+        corner = (
+            surface.corners[t, a, 0],
+            surface.corners[t, a, 1],
+            surface.corners[t, a, 2],
+        )
+        least = min(least, up * _above(corner, triangle, 0, surface.planes))
+    return least > -ROUND_OFF
 
 
 @inline
