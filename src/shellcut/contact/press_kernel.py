@@ -237,36 +237,35 @@ def _keep_faces(
         looks.face[i, 0, c] = surface.planes[one, 0, c]
         looks.face[i, 1, c] = surface.planes[two, 0, c]
     looks.n_face[i] = 1 if straight else 2
-    again, _ = _under_faces(i, p, radius, looks)
+    _, again, _ = _under_faces(i, p, radius, looks)
     if abs(again - g) < _AGREES * radius:
-        free = clear_for(centre, radius, one, two, side, within, tool.grid)
+        free = clear_for(centre, radius, radius - g, one, two, side, within, tool.grid)
         looks.flat[i] = free - tool.round_off
 
 
 @always_inline
-def _under_faces(i: int, p: Vec3, radius: float, looks: Looks) -> tuple[float, Vec3]:
-    """Return how deep a carrier is under its one or two faces, rounded [mm], and the way out.
+def _under_faces(i: int, p: Vec3, radius: float, looks: Looks) -> tuple[bool, float, Vec3]:
+    """Return whether a carrier is under its one or two faces, how deep, rounded [mm], and way out.
 
-    p : in the body frame.  Not above zero outside one of them; from the radius on, not to be used.
+    p : in the body frame.  From the radius on the depth is not to be used.
     """
     n = load(looks.face[i], 0)
     g = looks.face[i, 0, 3] - dot(n, p)
     if looks.n_face[i] < 2:
-        return g, n
+        return g > 0.0, g, n
     other = load(looks.face[i], 1)
     beyond = looks.face[i, 1, 3] - dot(other, p)
-    if min(g, beyond) <= 0.0:
-        return 0.0, n
+    inside = min(g, beyond) > 0.0
     a, b, c = radius - g, radius - beyond, dot(n, other)
     whole = 1.0 - c * c
     of_n, of_other = (a - c * b) / whole, (b - c * a) / whole
     if of_other <= 0.0:
-        return g, n
+        return inside, g, n
     if of_n <= 0.0:
-        return beyond, other
+        return inside, beyond, other
     w = combine(of_n, n, of_other, other)
     length = norm(w)
-    return radius - length, scale(1.0 / length, w)
+    return inside, radius - length, scale(1.0 / length, w)
 
 
 @always_inline
@@ -398,7 +397,7 @@ def add_press_forces(
         way = sub(p, load(looks.place, i))
         gone = dot(way, way)
         triangle, q, fresh = looks.closest[i, 1], p, False
-        outward, g = load(looks.face[i], 0), 0.0
+        outward, g, inside = load(looks.face[i], 0), 0.0, False
         on_faces = gone < looks.flat[i] * abs(looks.flat[i])
         if on_faces and not looks.within[i]:
             over = dot(outward, p) - looks.face[i, 0, 3]
@@ -406,14 +405,20 @@ def add_press_forces(
                 looks.until[i] = walked + min(over, looks.flat[i] - sqrt(gone))
                 continue
             on_faces = False
-        if on_faces and (edges or lies != 0):
-            g, outward = _under_faces(i, p, tables.rounding, looks)
+        # A node without a side may get one: it is looked up again.
+        on_faces = on_faces and (edges or lies != 0)
+        if on_faces:
+            inside, g, outward = _under_faces(i, p, tables.rounding, looks)
             on_faces = g < tables.rounding
         if on_faces:
-            looks.within[i] = g > 0.0
-            if g <= 0.0:
+            looks.within[i] = inside
+            if not inside:
                 looks.lasts[i] = looks.flat[i] = 0.0
-        elif gone < looks.lasts[i] * abs(looks.lasts[i]) and looks.flat[i] <= 0.0:
+        elif (
+            gone < looks.lasts[i] * abs(looks.lasts[i])
+            and looks.flat[i] <= 0.0
+            and (edges or lies != 0 or not looks.within[i])
+        ):
             if not looks.within[i]:  # has not come to the surface since
                 looks.until[i] = walked + looks.lasts[i] - sqrt(gone)
                 continue

@@ -196,6 +196,20 @@ def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
 
 
 @inline
+def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> float:
+    """Return a distance from which on triangles of the side are that a cell does not list [mm].
+
+    From a point that is ``off_centre`` [mm] from its centre: a cell lists what is closer to that
+    than the closest of the side and its diagonal.
+    """
+    cell_start, cell_triangles, cell_distance = grid.lists
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if side * grid.surface.flank[cell_triangles[k]] >= 0:
+            return cell_distance[k] + sqrt(3.0) * grid.cells.size - off_centre
+    return 0.0
+
+
+@inline
 def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, int, Vec3, float]:
     """Return whether a triangle was found, the closest one of the side, feature, point and gap.
 
@@ -215,6 +229,7 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
     if not in_grid:
         return False, triangle, feature, nearest, 0.0
     off_centre = _distance_from_centre(p, cell, grid.cells)
+    beyond = max(_unlisted(cell, side, off_centre, grid), 0.0)
     for k in range(cell_start[cell], cell_start[cell + 1]):
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
@@ -240,15 +255,25 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
             feature = where
         else:
             second = min(second, squared)
-    return best < np.inf, triangle, feature, nearest, sqrt(second) - sqrt(best)
+    return best < np.inf, triangle, feature, nearest, min(sqrt(second), beyond) - sqrt(best)
 
 
 @inline
-def clear_for(z: Vec3, r: float, one: int, two: int, side: int, most: float, grid: TriangleGrid) -> float:
+def clear_for(
+    z: Vec3,
+    r: float,
+    way: float,
+    one: int,
+    two: int,
+    side: int,
+    most: float,
+    grid: TriangleGrid,
+) -> float:
     """Return how far a ball may move and touch no face of the side but one or two [mm].
 
     z : its centre, in the body frame, r [mm] deep under the triangles ``one`` and ``two``, which
-    may be the same, and from then on no less.  most : the largest answer [mm].
+    may be the same, and from then on no less.  way : from there to a point, which moves along and
+    stays this side of the faces of the other side [mm].  most : the largest answer [mm].
 
     It moves along these triangles. What lies in one of their planes or outside it comes no closer
     than r; the depth under another plane changes by the sine of the angle to them.
@@ -260,15 +285,20 @@ def clear_for(z: Vec3, r: float, one: int, two: int, side: int, most: float, gri
     if not in_grid:
         return 0.0
     off_centre = _distance_from_centre(z, cell, grid.cells)
+    most = min(most, _unlisted(cell, side, off_centre, grid) - r)
     for k in range(cell_start[cell], cell_start[cell + 1]):
         if cell_distance[k] - off_centre - r > most:
             break
         t = cell_triangles[k]
-        if t in (one, two) or side * surface.flank[t] < 0:
+        if t in (one, two):
             continue
         height, within = _over(z, t, surface.planes)
         beside = min(within, 0.0)
-        free = sqrt(height * height + beside * beside) - r
+        away = sqrt(height * height + beside * beside)
+        if side * surface.flank[t] < 0:
+            most = min(most, away - way)
+            continue
+        free = away - r
         if free >= most:
             continue
         if -height > r:
@@ -300,6 +330,7 @@ def over_only_for(p: Vec3, triangle: int, most: float, grid: TriangleGrid) -> fl
     surface = grid.surface
     _, cell = cell_of(p, grid.cells)
     off_centre = _distance_from_centre(p, cell, grid.cells)
+    most = min(most, _unlisted(cell, 0, off_centre, grid))
     for k in range(cell_start[cell], cell_start[cell + 1]):
         if cell_distance[k] - off_centre > most:
             break
