@@ -47,7 +47,7 @@ from .settings import STEEPEST
 SPACING = 1.1
 """Largest distance of points on an edge, over the radius by which the tool's edges are rounded."""
 
-MOST = 8
+MOST = 16
 """Points on an edge of a typical quad, at most."""
 
 # Of any edge; a key is that of the edge times this, and the place on the edge.

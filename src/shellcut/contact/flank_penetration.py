@@ -2,7 +2,7 @@
 
 A rim or a flank whose nodes lie beside a tooth may cross it between them. Contact of the nodes does
 not feel that, :mod:`.edge_contact` does if it is switched on. It is measured during a run, with or
-without, as what an edge is deeper than the chord of its ends (:mod:`.deepest_on_edge`); of an edge
+without, as what an edge is deeper than the chord of its ends ; of an edge
 that presses, the part of it that does not.
 """
 
