@@ -68,7 +68,9 @@ class EdgeContact(PressTerm):
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self._contact = contact
         nothing = np.zeros(0, np.int64)
-        super().__init__("edges", contact.tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
+        super().__init__(
+            "edges", contact.tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing
+        )
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         self._key, self._near = nothing, nothing
         self._looks, self._memory = Looks.none_yet(0), Memory.blank(0)
@@ -108,10 +110,17 @@ class EdgeContact(PressTerm):
         nodes = np.flatnonzero(more)
         return nodes, more[nodes]
 
-    def pressing(self) -> tuple[Ints, Floats]:
-        """Return the ends of the edges that press, (n, 2), and the depth that does not [mm]."""
-        presses = self.carriers.pressure > 0.0
-        return self.carriers.node[presses, :2], self._memory.offset[presses]
+    def felt(self, key: Ints) -> tuple[Ints, Floats]:
+        """Return the first place of each of some edges, and the end, and what each presses [mm].
+
+        key : of the edges, ascending, listed or not.
+        """
+        of_edge = self._key // _MOST_OF_ANY
+        first = np.searchsorted(of_edge, np.append(key, np.iinfo(np.int64).max))
+        listed = np.isin(of_edge, key)
+        first = np.append(0, np.cumsum(listed))[first]
+        pressed = self._memory.depth - self._memory.offset
+        return first, np.maximum(pressed, 0.0)[listed]
 
     def saved(self) -> dict[str, Any]:
         """Return the list, what is kept of its places, and the last forces."""
@@ -138,7 +147,11 @@ class EdgeContact(PressTerm):
         edges = self._edges.of(state)
         near = edges.near(self._contact.near.ids)
         room = int((edges.length[near] / self._spacing + 2.0).sum())
-        key, node, weight = np.empty(room, np.int64), np.zeros((room, 4), np.int64), np.zeros((room, 4))
+        key, node, weight = (
+            np.empty(room, np.int64),
+            np.zeros((room, 4), np.int64),
+            np.zeros((room, 4)),
+        )
         k = np.empty(room)
         count = self._list(near, edges, self._spacing, key, node, weight, k)
         key = key[:count].copy()
@@ -148,8 +161,9 @@ class EdgeContact(PressTerm):
         self.kept = np.where(same, at, -1)
         to, of = np.flatnonzero(same), at[same]
         looks, memory = Looks.none_yet(count), Memory.blank(count)
-        for new, old in (*zip(looks[1:], self._looks[1:]), *zip(memory[1:], had[1:])):
-            new[to] = old[of]
+        for one, other in ((looks, self._looks), (memory, had)):
+            for new, old in zip(one[1:], other[1:], strict=True):
+                new[to] = old[of]
         gone = np.setdiff1d(np.flatnonzero(had.force.any(axis=1)), of)
         v = state.node.velocity_half[self.carriers.node[gone]]
         moved = (self.carriers.weight[gone, :, None] * v).sum(axis=1)

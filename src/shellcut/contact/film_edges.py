@@ -147,8 +147,8 @@ def _ends_of_open_edges(
 ) -> int:
     """Write the ends of the open edges of all rows to found : (n, 2); return their number.
 
-    key : (n,), written, ascending.  first : (n_row + 1,), of each row's flank points.  node, place : (n_flank,), (n_flank, 2), of
-    these points row by row.
+    key : (n,), written, ascending.  first : (n_row + 1,), of each row's flank points.  node,
+    place : (n_flank,), (n_flank, 2), of these points row by row.
     """
     count = 0
     for row in range(n_row):

@@ -36,7 +36,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, Ints
+from shellcut.arrays import Held, HeldBy, Ints
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce

@@ -29,7 +29,6 @@ from shellcut.numerics.jit import always_inline, inline, kernel
 from shellcut.numerics.vec3 import (
     add,
     add_scaled,
-    add_scaled,
     add_to,
     combine,
     dot,
@@ -189,9 +188,7 @@ def _look_up(
         return triangle, q, side
     whole, flank = triangle, grid.surface.flank
     if side == 0 and tables.per_carrier == 1:
-        side = _side_of_quads(
-            tables.carriers.node[i, 0], pose, tool, tables.nodes, tables.around
-        )
+        side = _side_of_quads(tables.carriers.node[i, 0], pose, tool, tables.nodes, tables.around)
         side = int(flank[triangle]) if side == 0 else side
     if side * flank[triangle] < 0:
         _, triangle, feature, q, of_side = closest_of_side(p, side, grid)
@@ -213,9 +210,7 @@ def _keep_plane(i: int, p: Vec3, triangle: int, tool: ContactTool, looks: Looks)
 
 
 @inline
-def _keep_faces(
-    i: int, p: Vec3, g: float, outward: Vec3, side: int, tables: ContactTables
-) -> None:
+def _keep_faces(i: int, p: Vec3, g: float, outward: Vec3, side: int, tables: ContactTables) -> None:
     """Write the faces that the ball touches by which a carrier is rounded, and how long they hold.
 
     p : in the body frame, inside.  g, outward : its depth and way out [mm].
@@ -303,9 +298,10 @@ def _impact(
 
 @always_inline
 def _loaded_depth(
-    i: int, g: float, stiffness: float, dt: float, absorbed: float, tables: ContactTables
+    i: int, g: float, stiffness: float, dt: float, tables: ContactTables
 ) -> tuple[float, float]:
     """Absorb part of a jump; return the depth that presses [mm] and the absorbed energy [N·mm]."""
+    absorbed = 0.0
     law, row, offset = tables.law, tables.memory.row[i], tables.memory.offset
     g_m, loaded = law.smoothing_depth, max(g, 0.0)
     if offset[row] > 0.0:
@@ -356,6 +352,88 @@ def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench:
     react(f, x, carriers.body[i], pose, wrench)
 
 
+@always_inline
+def _see(
+    i: int, p: Vec3, lies: int, walked: float, pose: Pose, tables: ContactTables
+) -> tuple[bool, int, float, Vec3, int]:
+    """Return whether a carrier is inside, and if so the closest triangle, depth, way out and side.
+
+    p : in the body frame, [mm].  lies : its side so far.  Writes its look, and how long it waits.
+    """
+    looks, tool, radius = tables.looks, tables.tool, tables.rounding
+    way = sub(p, load(looks.place, i))
+    gone = dot(way, way)
+    triangle, q, fresh = looks.closest[i, 1], p, False
+    # A node without a side may get one: it is looked up again.
+    settled = tables.per_carrier > 1 or lies != 0 or not looks.within[i]
+    if settled and gone < looks.flat[i] * abs(looks.flat[i]):
+        if not looks.within[i]:
+            over = dot(load(looks.face[i], 0), p) - looks.face[i, 0, 3]
+            if over >= 0.0:
+                looks.until[i] = walked + min(over, looks.flat[i] - sqrt(gone))
+                return False, triangle, 0.0, p, lies
+        else:
+            inside, g, outward = _under_faces(i, p, radius, looks)
+            if not inside:
+                looks.within[i] = False
+                looks.lasts[i] = looks.flat[i] = 0.0
+            if g < radius:
+                return inside, triangle, g, outward, lies
+    if settled and looks.flat[i] <= 0.0 and gone < looks.lasts[i] * abs(looks.lasts[i]):
+        if not looks.within[i]:  # has not come to the surface since
+            looks.until[i] = walked + looks.lasts[i] - sqrt(gone)
+            return False, triangle, 0.0, p, lies
+        triangle, q = _followed(i, p, tables)
+        if not looks.within[i]:
+            looks.lasts[i] = looks.flat[i] = 0.0
+    else:
+        triangle, q, lies = _look_up(i, p, lies, pose, tables)
+        fresh = True
+    if not looks.within[i]:
+        looks.until[i] = walked + looks.lasts[i]
+        return False, triangle, 0.0, p, lies
+    g, outward, looks.across[i] = rounded_depth(
+        p, q, triangle, lies, radius, tool.grid, tool.around, looks.across[i]
+    )
+    if fresh:
+        _keep_faces(i, p, g, outward, lies, tables)
+    return True, triangle, g, outward, lies
+
+
+@always_inline
+def _pressure(
+    i: int,
+    x: Vec3,
+    p: Vec3,
+    g: float,
+    outward: Vec3,
+    dt: float,
+    before: Pose,
+    pose: Pose,
+    tables: ContactTables,
+) -> tuple[float, float, float]:
+    """Return the force of a carrier along its way out [N], its energy and what it has absorbed.
+
+    x, p : where it is in space and in the body frame [mm].  g, outward : its depth and the way out.
+    """
+    memory, row = tables.memory, tables.memory.row[i]
+    stiffness, g_m = tables.carriers.stiffness[i], tables.law.smoothing_depth
+    impact, back = _impact(i, x, p, g, dt, before, tables)
+    loaded, absorbed = _loaded_depth(i, g, stiffness, dt, tables)
+    magnitude = stiffness * smoothed(loaded, g_m)
+    energy = stiffness * smoothed_integral(loaded, g_m)
+    spent = energy
+    if impact and dt > 0.0:
+        pushed, mass = _pushed(i, turn(outward, pose), tables)
+        if mass > 0.0:
+            into = dot(back, outward)
+            spent = memory.work[row] + 0.5 * dot(load(memory.force, row), turn(back, pose))
+            magnitude = min(magnitude, largest_rebound(spent, into, pushed, mass, dt))
+            spent += 0.5 * magnitude * into
+    memory.work[row] = spent
+    return magnitude, energy, absorbed
+
+
 @kernel
 def add_press_forces(
     pose: Pose, before: Pose, dt: float, tables: ContactTables, touch: Touch
@@ -367,9 +445,8 @@ def add_press_forces(
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
-    law, looks, carriers, memory = tables.law, tables.looks, tables.carriers, tables.memory
-    tool, clock, g_m = tables.tool, tables.clock, tables.law.smoothing_depth
-    surface, side, edges = tool.grid.surface, memory.side, tables.per_carrier > 1
+    looks, carriers, memory, tool = tables.looks, tables.carriers, tables.memory, tables.tool
+    side, edges, clock = memory.side, tables.per_carrier > 1, tables.clock
     if not edges:
         clock.walked[0] += tool_way(pose, before, clock.radius)
         fastest = largest_speed(clock.node, clock.node.shape[0], tables.nodes.velocity_half)
@@ -380,96 +457,35 @@ def add_press_forces(
     for i in range(memory.row.shape[0]):
         if walked < looks.until[i]:
             continue
-        row, lies = memory.row[i], 0
+        row, one_side, lies = memory.row[i], True, int(side[memory.row[i]])
         if edges:
             one_side, lies = _side_of_ends(i, tables)
-            if not one_side or lies != side[row]:
-                if looks.within[i]:
-                    looks.lasts[i] = looks.flat[i] = 0.0
-            if not one_side:
-                absorbed += max(memory.work[row], 0.0)
-                work += _let_go(i, dt, tables)
-                continue
-        else:
-            lies = int(side[row])
+            if looks.within[i] and not (one_side and lies == side[row]):
+                looks.lasts[i] = looks.flat[i] = 0.0
         x = _place_of(i, tables)
         p = to_body(x, pose)
-        way = sub(p, load(looks.place, i))
-        gone = dot(way, way)
-        triangle, q, fresh = looks.closest[i, 1], p, False
-        outward, g, inside = load(looks.face[i], 0), 0.0, False
-        on_faces = gone < looks.flat[i] * abs(looks.flat[i])
-        if on_faces and not looks.within[i]:
-            over = dot(outward, p) - looks.face[i, 0, 3]
-            if over >= 0.0:
-                looks.until[i] = walked + min(over, looks.flat[i] - sqrt(gone))
-                continue
-            on_faces = False
-        # A node without a side may get one: it is looked up again.
-        on_faces = on_faces and (edges or lies != 0)
-        if on_faces:
-            inside, g, outward = _under_faces(i, p, tables.rounding, looks)
-            on_faces = g < tables.rounding
-        if on_faces:
-            looks.within[i] = inside
-            if not inside:
-                looks.lasts[i] = looks.flat[i] = 0.0
-        elif (
-            gone < looks.lasts[i] * abs(looks.lasts[i])
-            and looks.flat[i] <= 0.0
-            and (edges or lies != 0 or not looks.within[i])
-        ):
-            if not looks.within[i]:  # has not come to the surface since
-                looks.until[i] = walked + looks.lasts[i] - sqrt(gone)
-                continue
-            triangle, q = _followed(i, p, tables)
-            if not looks.within[i]:
-                looks.lasts[i] = looks.flat[i] = 0.0
-        else:
-            triangle, q, lies = _look_up(i, p, lies, pose, tables)
-            fresh = True
-        if not looks.within[i]:
-            work += _let_go(i, dt, tables)
-            looks.until[i] = walked + looks.lasts[i]
-            continue
-        if not on_faces:
-            g, outward, looks.across[i] = rounded_depth(
-                p, q, triangle, lies, tables.rounding, tool.grid, tool.around, looks.across[i]
-            )
-            if fresh:
-                _keep_faces(i, p, g, outward, lies, tables)
-        if edges and lies != 0 and g > law.tool_half_thickness:
-            if lies * surface.flank[looks.closest[i, 0]] < 0:  # the blade goes through
-                absorbed += max(memory.work[row], 0.0)
-                work += _let_go(i, dt, tables)
-                looks.until[i] = walked + _AGAIN * (g - law.tool_half_thickness)
-                continue
-        if edges and side[row] * lies < 0:
+        inside, triangle, g, outward = False, 0, 0.0, p
+        if one_side:
+            inside, triangle, g, outward, lies = _see(i, p, lies, walked, pose, tables)
+        through = not one_side
+        if edges and inside and lies * tool.grid.surface.flank[looks.closest[i, 0]] < 0:
+            too_deep = g - tables.law.tool_half_thickness
+            through = too_deep > 0.0
+            looks.until[i] = walked + _AGAIN * max(too_deep, 0.0)
+        if through or (inside and side[row] * lies < 0):
             absorbed += max(memory.work[row], 0.0)
+        if through or not inside:
+            work += _let_go(i, dt, tables)
+            continue
         side[row] = lies
-        store(carriers.normal, i, outward)
         old, moved = load(memory.force, row), _velocity_of(i, tables)
-        impact, back = _impact(i, x, p, g, dt, before, tables)
-        stiffness = carriers.stiffness[i]
-        loaded, absorbed = _loaded_depth(i, g, stiffness, dt, absorbed, tables)
-        magnitude = stiffness * smoothed(loaded, g_m)
-        energy = stiffness * smoothed_integral(loaded, g_m)
-        direction = turn(outward, pose)
-        spent = energy
-        if impact and dt > 0.0:
-            pushed, mass = _pushed(i, direction, tables)
-            if mass > 0.0:
-                into = dot(back, outward)
-                spent = memory.work[row] + 0.5 * dot(old, turn(back, pose))
-                magnitude = min(magnitude, largest_rebound(spent, into, pushed, mass, dt))
-                spent += 0.5 * magnitude * into
-        memory.work[row] = spent
-        n_touching, deepest = n_touching + 1, max(deepest, g - memory.offset[row] if edges else g)
-        stored += energy
-        f = scale(magnitude, direction)
+        magnitude, energy, lost = _pressure(i, x, p, g, outward, dt, before, pose, tables)
+        n_touching, stored, absorbed = n_touching + 1, stored + energy, absorbed + lost
+        deepest = max(deepest, g - memory.offset[row] if edges else g)
+        f = scale(magnitude, turn(outward, pose))
         work += 0.5 * dt * dot(add(old, f), moved)
-        carriers.body[i] = tool.triangle_body[triangle]
-        carriers.pressure[i] = magnitude
+        store(carriers.normal, i, outward)
+        carriers.body[i], carriers.pressure[i] = tool.triangle_body[triangle], magnitude
         _put_on(i, x, f, pose, tables, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return deepest
