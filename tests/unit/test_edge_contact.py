@@ -25,7 +25,7 @@ from shellcut.tool.pose import Pose
 
 MU = 0.3
 FAR = np.array([50.0, 0.0, 0.0])
-DOWN = Contact(film_edges=True, tool_points=False, friction=MU)
+RUBS = Contact(film_edges=True, tool_points=False, friction=MU)
 
 
 def term(sim, name="edges"):
@@ -272,7 +272,7 @@ def test_a_rim_pushed_between_nodes_is_felt():
         else:
             assert book.tool_work == 0.0  # it goes through the rim, and nothing feels it
             r, ends = sim.contact.law.rounding, sim.pose.to_body(n.x[rim])
-            looked = [k / 8 for k in range(1, 8)]
+            looked = [k / 16 for k in range(1, 16)]
             seen = [(1.0 - t) * p + t * q for p, q in pairwise(ends) for t in looked]
             depths = [depth_at(p, sim.tool, r)[0] for p in seen]
             assert unfelt == pytest.approx(max(depths), rel=1e-12)  # the same, but for round-off
@@ -332,7 +332,7 @@ def test_places_of_a_new_list_keep_their_memory_and_count_at_once():
 
 
 def test_friction_on_places_holds_to_mu_times_the_pressure_and_closes():
-    sim = pushed(DOWN, direction=(0.6, 0.5, 0.62))
+    sim = pushed(RUBS, direction=(0.6, 0.5, 0.62))
     n, slipped = sim.state.node, 0
     while sim.motion.coordinate(sim.state.time) < 0.25:
         sim.step()
@@ -356,7 +356,7 @@ def test_friction_on_places_holds_to_mu_times_the_pressure_and_closes():
 
 def test_friction_of_a_bar_dragged_along_a_rim_is_mu_times_what_presses():
     """At nodes that nothing moves: it sticks up to mu N with the stiffness of what presses."""
-    sim = pushed(DOWN, at=0.35)
+    sim = pushed(RUBS, at=0.35)
     sim.state.node.supported[:] = True
     s = sim.state
     s.dt = 1e-6
@@ -377,7 +377,8 @@ def test_friction_of_a_bar_dragged_along_a_rim_is_mu_times_what_presses():
     assert normal > 1.0
     # Places that are hardly pressed slip at once.
     assert pulls[2] == pytest.approx(TANGENTIAL * k * ways[2], rel=1e-2)
-    assert pulls[-1] == pytest.approx(MU * normal, rel=1e-9)
+    # What the way in has stretched across is not quite gone after 0.1 mm.
+    assert pulls[-1] == pytest.approx(MU * normal, rel=1e-4)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])

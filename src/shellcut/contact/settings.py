@@ -104,7 +104,7 @@ class Contact:
         Whether corners and edges of the tool push the film between its nodes, see
         :mod:`shellcut.contact.point_contact`.
     film_edges : bool, optional
-        Whether rims and flanks of the film touch edges of the tool between their nodes, see
+        Whether rims and flanks of the film touch the tool between their nodes, see
         :mod:`shellcut.contact.edge_contact`. By default they do in the opening test only. Where it
         is off, how deep they go in is measured, and the verdict of a run says so.
 
