@@ -105,7 +105,8 @@ class EdgeContact(PressTerm):
         near = edges.near(soon)
         ends = edges.node[near].ravel()
         half = np.repeat(0.5 * STEEPEST * edges.stiffness[near], 2)
-        more = np.bincount(ends, half, state.n_node)
+        # Of nothing bincount returns whole numbers.
+        more: Floats = np.bincount(ends, half, state.n_node).astype(float)
         more[soon] = 0.0
         nodes = np.flatnonzero(more)
         return nodes, more[nodes]
@@ -116,11 +117,11 @@ class EdgeContact(PressTerm):
         key : of the edges, ascending, listed or not.
         """
         of_edge = self._key // _MOST_OF_ANY
-        first = np.searchsorted(of_edge, np.append(key, np.iinfo(np.int64).max))
+        at: Ints = np.searchsorted(of_edge, np.append(key, np.iinfo(np.int64).max))
         listed = np.isin(of_edge, key)
-        first = np.append(0, np.cumsum(listed))[first]
-        pressed = self._memory.depth - self._memory.offset
-        return first, np.maximum(pressed, 0.0)[listed]
+        pressed: Floats = np.maximum(self._memory.depth - self._memory.offset, 0.0)
+        first: Ints = np.append(0, np.cumsum(listed))[at].astype(np.int64)
+        return first, pressed[listed]
 
     def saved(self) -> dict[str, Any]:
         """Return the list, what is kept of its places, and the last forces."""
@@ -161,9 +162,9 @@ class EdgeContact(PressTerm):
         self.kept = np.where(same, at, -1)
         to, of = np.flatnonzero(same), at[same]
         looks, memory = Looks.none_yet(count), Memory.blank(count)
-        for one, other in ((looks, self._looks), (memory, had)):
-            for new, old in zip(one[1:], other[1:], strict=True):
-                new[to] = old[of]
+        kept: Any = zip((*looks[1:], *memory[1:]), (*self._looks[1:], *had[1:]), strict=True)
+        for new, old in kept:
+            new[to] = old[of]
         gone = np.setdiff1d(np.flatnonzero(had.force.any(axis=1)), of)
         v = state.node.velocity_half[self.carriers.node[gone]]
         moved = (self.carriers.weight[gone, :, None] * v).sum(axis=1)

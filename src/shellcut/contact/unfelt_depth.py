@@ -158,7 +158,8 @@ class FlankPenetration:
         side, depth = state.node.contact_side, state.node.contact_depth
         at = side[edges.node[rows]]
         rows, at = rows[at[:, 0] * at[:, 1] >= 0], at[at[:, 0] * at[:, 1] >= 0]
-        first, felt = np.zeros(rows.size + 1, np.int64), np.zeros(0)
+        first: Ints = np.zeros(rows.size + 1, np.int64)
+        felt: Floats = np.zeros(0)
         if self._edges is not None:
             first, felt = self._edges.felt(edges.key[rows])
         return float(

@@ -75,7 +75,7 @@ class ClosestTriangleGrid:
         steps = scipy.ndimage.distance_transform_cdt(empty, "chessboard")
         if not lists.triangle.size:
             steps = np.zeros(cells.shape)
-        return np.minimum(steps, 127).astype(np.int8).ravel()
+        return np.asarray(np.minimum(steps, 127).astype(np.int8).ravel())
 
     def __repr__(self) -> str:
         cells, lists, _ = self.arrays

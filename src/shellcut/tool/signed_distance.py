@@ -181,7 +181,8 @@ def at_least(p: Vec3, reach: float, cells: GridCells, empty_around: SmallInts) -
         along = p[c] - lower[c]
         outside = max(outside, max(-along, along - most))
         cell = cell * shape[c] + min(max(int(along / cells.size), 0), shape[c] - 1)
-    return max(outside, cells.size * (empty_around[cell] - 1)) + reach
+    around: float = cells.size * (empty_around[cell] - 1)
+    return max(outside, around) + reach
 
 
 @inline
@@ -205,7 +206,7 @@ def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> fl
     cell_start, cell_triangles, cell_distance = grid.lists
     for k in range(cell_start[cell], cell_start[cell + 1]):
         if side * grid.surface.flank[cell_triangles[k]] >= 0:
-            return cell_distance[k] + sqrt(3.0) * grid.cells.size - off_centre
+            return float(cell_distance[k]) + sqrt(3.0) * grid.cells.size - off_centre
     return 0.0
 
 
