@@ -7,9 +7,8 @@ and f are in :mod:`shellcut.contact.settings`. Friction on the faces is a term o
 
 *Search.* Global: the nodes near a tooth are listed now and then
 (:mod:`shellcut.contact.near_nodes`). Local: a listed node looks up the closest triangles of its
-cell in a grid fixed to the tool. The result is valid until the node has moved a certain distance
-relative to the tool: outside, the distance from the surface, until which it cannot touch and is
-skipped; inside, half of the amount by which other triangles are farther than the closest.
+cell in a grid fixed to the tool, and knows how long what it has found holds
+(:mod:`shellcut.contact.look_at_tool`).
 
 *Depth and normal* are those of the tool with its convex edges rounded, so that the force is
 continuous, the gradient of a potential (:mod:`shellcut.tool.rounded_depth`).
