@@ -9,7 +9,7 @@ import pytest
 from notched_strip import cutting
 from shellcut.arrays import Bools, Floats, Ints, Numbers
 from shellcut.cables import directional_cable
-from shellcut.contact import penalty_contact
+from shellcut.contact import press_kernel
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -99,9 +99,9 @@ def test_swapped_fields_of_the_cables_are_refused(run):
 
 def test_swapped_fields_of_the_contact_are_refused(run):
     tables = run.contact.tables.table
-    swapped = tables._replace(near=tables.near._replace(lasts=tables.nodes.contact_mass))
-    call = BoundOnce(penalty_contact._add_contact_forces)
-    with pytest.raises(TypeError, match=r"Lookups\.lasts .* where n_near is"):
+    swapped = tables._replace(looks=tables.looks._replace(lasts=tables.nodes.contact_mass))
+    call = BoundOnce(press_kernel.add_press_forces)
+    with pytest.raises(TypeError, match=r"Looks\.lasts .* where n_row is"):
         call(run.pose, run.pose, 1e-9, swapped, run.contact.touch)
 
 

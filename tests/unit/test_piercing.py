@@ -5,7 +5,7 @@ import pytest
 
 from far_pose import FAR
 from naive import cases
-from shellcut.contact.missed_penetration import ToolWires, missed_penetration
+from shellcut.contact.unfelt_depth import ToolWires, missed_penetration
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring

@@ -13,9 +13,9 @@ from notched_strip import cutting
 from shellcut.arrays import Floats
 from shellcut.contact.contact_points import contact_points
 from shellcut.contact.foot_on_quad import foot_on_quad, point_of, quad_surface
-from shellcut.contact.missed_penetration import ToolWires
 from shellcut.contact.point_contact import felt_nodes
 from shellcut.contact.settings import Contact, node_stiffness
+from shellcut.contact.unfelt_depth import ToolWires
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from shellcut import CohesiveLaw, Contact, ShellMaterial, Simulation, Statics
-from shellcut.contact.missed_penetration import ToolWires, missed_penetration
+from shellcut.contact.unfelt_depth import ToolWires, missed_penetration
 from shellcut.loads.loads import Pressure
 from shellcut.loads.supports import Support
 from shellcut.mesh.structured import opening_disc, rectangle

@@ -1,4 +1,4 @@
-"""Named tables of the arguments of the penalty contact's kernel, and of all that presses."""
+"""Named tables of what touches: points of the film with weights on its nodes, and their memory."""
 
 from __future__ import annotations
 
@@ -43,40 +43,91 @@ class Carriers(NamedTuple):
         return cls(node.copy(), weight, body, np.zeros(n), np.zeros(n), normal)
 
 
-class Lookups(NamedTuple):
-    """What is known of each listed node in the tool, most of it from its last look-up."""
+class Looks(NamedTuple):
+    """What is known of where each carrier is in the tool, most of it from its last look-up."""
 
-    node: Annotated[Ints, "(n_near,)"]
-    """Node ids, ascending."""
-    place: Annotated[Floats, "(n_near, 3)"]
+    until: Annotated[Floats, "(n_row,)"]
+    """Way walked from which on it may touch, and is looked at again [mm]."""
+    place: Annotated[Floats, "(n_row, 3)"]
     """Position of the look-up, in the body frame [mm]."""
-    lasts: Annotated[Floats, "(n_near,)"]
-    """Range of validity [mm]: the result holds while the node is closer than this to that
+    lasts: Annotated[Floats, "(n_row,)"]
+    """Range of validity [mm]: the result holds while the carrier is closer than this to that
     position."""
-    within: Annotated[Bools, "(n_near,)"]
-    """Whether the node was inside."""
-    closest: Annotated[Ints, "(n_near, 2)"]
+    flat: Annotated[Floats, "(n_row,)"]
+    """Likewise, of the faces from which the depth is measured while it lasts; 0 for none."""
+    face: Annotated[Floats, "(n_row, 2, 4)"]
+    """Outward normals of one or two faces, and their products with points of the faces [mm]."""
+    n_face: Annotated[Ints, "(n_row,)"]
+    """How many there are."""
+    within: Annotated[Bools, "(n_row,)"]
+    """Whether it was inside."""
+    closest: Annotated[Ints, "(n_row, 2)"]
     """If inside: the closest triangle of all, and the closest of its side."""
-    depth: Annotated[Floats, "(n_near,)"]
-    """If inside: the depth below the rounded surface, at this step [mm]."""
-    out: Annotated[Floats, "(n_near, 3)"]
-    """And the unit vector out there, in the body frame."""
-    across: Annotated[Ints, "(n_near,)"]
+    across: Annotated[Ints, "(n_row,)"]
     """Face beyond the edge around which it was rounded last, -1 for none."""
 
     @classmethod
-    def none_yet(cls, nodes: Ints) -> Lookups:
-        """Return the table of nodes that have not been looked up yet."""
+    def none_yet(cls, n: int) -> Looks:
+        """Return the table of n carriers that have not been looked up yet."""
         return cls(
-            node=nodes,
-            place=np.zeros((nodes.size, 3)),
-            lasts=np.zeros(nodes.size),
-            within=np.zeros(nodes.size, np.bool_),
-            closest=np.zeros((nodes.size, 2), np.int64),
-            depth=np.zeros(nodes.size),
-            out=np.zeros((nodes.size, 3)),
-            across=np.full(nodes.size, -1),
+            until=np.zeros(n),
+            place=np.zeros((n, 3)),
+            lasts=np.zeros(n),
+            flat=np.zeros(n),
+            face=np.zeros((n, 2, 4)),
+            n_face=np.zeros(n, np.int64),
+            within=np.zeros(n, np.bool_),
+            closest=np.zeros((n, 2), np.int64),
+            across=np.full(n, -1),
         )
+
+
+class Memory(NamedTuple):
+    """What is kept of each contact, in rows of its own: of nodes it is in the state."""
+
+    row: Annotated[Ints, "(n_row,)"]
+    """Row of each carrier in the following arrays: node ids if these are the state's."""
+    side: Annotated[SmallInts, "(n_kept,)"]
+    """Side of the blade on which it lies: +1, -1, or 0 while unknown."""
+    depth: Annotated[Floats, "(n_kept,)"]
+    """Depth in the tool [mm], 0 outside."""
+    offset: Annotated[Floats, "(n_kept,)"]
+    """Part of the depth that does not press [mm]."""
+    work: Annotated[Floats, "(n_kept,)"]
+    """Work put into the contact since it began [N·mm]."""
+    force: Annotated[Floats, "(n_kept, 3)"]
+    """On the film [N]."""
+
+    @classmethod
+    def of_nodes(cls, state: State, ids: Ints) -> Memory:
+        """Return that of some nodes, whose rows are in the state."""
+        n = state.node
+        return cls(
+            row=ids,
+            side=n.contact_side,
+            depth=n.contact_depth,
+            offset=n.contact_offset,
+            work=n.contact_work,
+            force=n.contact_force,
+        )
+
+    @classmethod
+    def blank(cls, n: int) -> Memory:
+        """Return that of n carriers that touch nothing."""
+        row, side = np.arange(n, dtype=np.int64), np.zeros(n, np.int8)
+        depth, offset, work = np.zeros((3, n))
+        return cls(row, side, depth, offset, work, np.zeros((n, 3)))
+
+
+class Clock(NamedTuple):
+    """How far tool and film may have come nearer to one another."""
+
+    node: Annotated[Ints, "(n_moving,)"]
+    """Nodes whose largest speed counts."""
+    walked: Annotated[Floats, "(1,)"]
+    """Way of both together since the list was made [mm]."""
+    radius: float
+    """Of the tool's farthest point, around the body's origin [mm]."""
 
 
 class ContactTool(NamedTuple):
@@ -86,6 +137,8 @@ class ContactTool(NamedTuple):
     """Finds the surface near a point."""
     reach: float
     """Points up to this far outside the surface are found [mm]."""
+    empty_around: Annotated[SmallInts, "(n_cell,)"]
+    """Cells of the grid from each to the next from which anything is."""
     round_off: float
     """Subtracted from a distance from the surface [mm]."""
     triangle_body: Annotated[Ints, "(n_triangle,)"]
@@ -109,11 +162,7 @@ class ContactNodes(NamedTuple):
     contact_mass: Annotated[Floats, "(n_node,)"]
     supported: Annotated[Bools, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]
-    """Kernels write this and the following fields."""
-    contact_depth: Annotated[Floats, "(n_node,)"]
-    contact_offset: Annotated[Floats, "(n_node,)"]
-    contact_work: Annotated[Floats, "(n_node,)"]
-    contact_force: Annotated[Floats, "(n_node, 3)"]
+    """Of the blade, of each node: kernels write this and the force."""
     force: Annotated[Floats, "(n_node, 3)"]
 
     @classmethod
@@ -123,11 +172,17 @@ class ContactNodes(NamedTuple):
 
 
 class ContactTables(NamedTuple):
-    """Kernel arguments that stay valid until the list of near nodes is renewed."""
+    """Kernel arguments that stay valid until the list is made anew."""
 
+    per_carrier: int
+    """Nodes that carry each place: 1 of nodes, 2 of places on edges of the film."""
+    rounding: float
+    """Radius by which convex edges of the tool are rounded [mm]."""
     tool: ContactTool
     law: PenaltyLaw
-    near: Lookups
+    clock: Clock
+    looks: Looks
     carriers: Carriers
+    memory: Memory
     nodes: ContactNodes
     around: QuadsAtNodes

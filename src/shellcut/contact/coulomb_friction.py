@@ -23,34 +23,20 @@ mean force times the slip: also for a normal that turns (the spring loses its pa
 what comes off (N = 0, so u' = 0: what was stored is dissipated). The work itself comes from the
 forces on film and tool, each in their own motion, so that work = stored + dissipated is a check.
 
-*Which pressure.* An edge of the film presses with the energy that it has over that of its ends
-(:mod:`.edge_contact`): with f(D) at its place s, and takes (1 - s) f(D_a) and s f(D_b) from what
-its ends are pressed with. The nodes rub with all that they are pressed with. So mu multiplies what
-the edge adds,
-
-    N = k max(f(D) - (1 - s) f(D_a) - s f(D_b), 0),
-
-and friction of nodes and edges together takes mu times the sum of all pressures at most. Towards an
-end of the edge N goes to zero, and the node takes over. d is the way of the film's material at s, s
-held: where the edges slide along one another their crossing runs away from it.
-
 *History.* The spring of a node is kept in the state, and a split leaves its new node that of the
 node it comes from. The spring of a point of the tool follows the point from quad to quad. That of
-an edge belongs to the edge of the film, from one edge of the tool to the next and through splits
-along edges of the mesh. What leaves the list of the term that presses it lets go.
+a place on an edge stays with the place. What leaves the list of the term that presses it lets go.
 
 *Stiffness.* k_t is ``TANGENTIAL`` times the k of the penalty: what is pressed slips by mu N / k_t =
 2 mu f(g) from rest, less than its own depth for mu up to ½. The spring acts across the normal, the
 penalty along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the
 penalty, the largest singular value of the two together is at most k sqrt(a² (1 + mu²) +
 TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so
-2 % of the step at most. Where the contact of an edge adds no stiffness to that of its ends, the
-springs of friction, as stiff at the ends as they are, come on top with k_t at both ends.
+2 % of the step at most. Places on edges share the k of their nodes, and so its springs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -154,8 +140,6 @@ class CoulombFriction(ForceTerm):
         Whose pressure it acts across; evaluated before this in every step.
     coefficient : float
         mu.
-    uncounted : callable, optional
-        Returns nodes where it presses and stiffness [N/mm] that it does not count as its own.
     """
 
     booked = (
@@ -165,15 +149,8 @@ class CoulombFriction(ForceTerm):
     )
     """What goes from the sums into the ledger."""
 
-    def __init__(
-        self,
-        name: str,
-        pressing: PressTerm,
-        coefficient: float,
-        uncounted: Callable[[], Held] | None = None,
-    ) -> None:
-        self.name, self.coefficient = name, coefficient
-        self._pressing, self._uncounted = pressing, uncounted
+    def __init__(self, name: str, pressing: PressTerm, coefficient: float) -> None:
+        self.name, self.coefficient, self._pressing = name, coefficient, pressing
         self.touch = Touch.none(len(pressing.touch.wrench), len(FrictionForces._fields) - 1)
         self._touch, self._hold = Holder()(self.touch), Holder()
         self.springs = Springs.at_rest(pressing.carriers.node)
@@ -206,12 +183,7 @@ class CoulombFriction(ForceTerm):
     def stiffness(self, _state: State, counted: HeldBy) -> Held:
         """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
         near, penalty = counted[self._pressing.name]
-        slips = stiffer_by(self.coefficient) * penalty
-        if self._uncounted is None:
-            return near, slips
-        nodes, steepest = self._uncounted()
-        springs = TANGENTIAL / STEEPEST * steepest
-        return np.concatenate([near, nodes]), np.concatenate([slips, springs])
+        return near, stiffer_by(self.coefficient) * penalty
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the energy of the springs at the last evaluation, by its name in the ledger."""

@@ -8,50 +8,110 @@ stands for all.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Annotated, NamedTuple
+
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallIds
+from shellcut.arrays import Floats, Ints, SmallIds, norm
 from shellcut.numerics.jit import inline, kernel
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 
-from .film_outline import Outline
+from .film_outline import FilmOutline, Outline, Part
+from .settings import PenaltyLaw
+
+# Edges of a polygon, at most: a key is that of its row times this, and its place there.
+_MOST_EDGES = 64
 
 # Of xi and eta: places that agree so far are one, as are weights on a side.
 _SAME = 1e-9
 _DIGITS = 9
 
 
-def open_edges(state: State, outline: Outline, rows: Ints) -> Ints:
-    """Return the nodes at both ends of the edges at which the film of some rows ends, (n, 2).
+class OpenEdges(NamedTuple):
+    """The edges at which the film ends, and what of the nodes' stiffness they take."""
+
+    node: Annotated[Ints, "(n_edge, 2)"]
+    """Nodes at both ends."""
+    key: Annotated[Ints, "(n_edge,)"]
+    """Of row and edge of its polygon, ascending."""
+    length: Annotated[Floats, "(n_edge,)"]
+    """In the reference configuration [mm]."""
+    stiffness: Annotated[Floats, "(n_edge,)"]
+    """K of each, half of which either end gives up [N/mm]."""
+    left: Annotated[Floats, "(n_node,)"]
+    """What is left at each node [N/mm]."""
+
+    def near(self, nodes: Ints) -> Ints:
+        """Return the rows of the edges that end at one of some nodes."""
+        at = np.zeros(self.left.size, np.bool_)
+        at[nodes] = True
+        return np.flatnonzero(at[self.node].any(axis=1))
+
+    def with_ends_at(self, nodes: Ints) -> Ints:
+        """Return some nodes and the other ends of the edges that end there, ascending."""
+        return np.union1d(nodes, self.node[self.near(nodes)])
+
+
+class FilmEdges:
+    """Keeps the open edges of a film up to date from cut to cut.
+
+    Parameters
+    ----------
+    law : PenaltyLaw
+    part_of : Callable
+        Returns the polygon of a row that is cut.
+    """
+
+    def __init__(self, law: PenaltyLaw, part_of: Callable[[int], Part]) -> None:
+        self._law, self._outline, self._known = law, FilmOutline(part_of), KnownTopology()
+        self._edges: OpenEdges | None = None
+
+    def of(self, state: State) -> OpenEdges:
+        """Return the edges of the film as it is now."""
+        if self._edges is None or not self._known.is_of(state):
+            self._edges = open_edges(state, self._outline.of(state), self._law)
+            self._known.take(state)
+        return self._edges
+
+
+def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
+    """Return the edges at which the film ends.
+
+    Let k_a be the stiffness of a node and d_a the number of edges that end there: an edge takes
+    K = 2 min(k_a / d_a, k_b / d_b), half of it from either end.
 
     Parameters
     ----------
     state : State
     outline : Outline
         Of its film.
-    rows : ndarray of int, shape (n_row,)
-        Quads and copies, ascending.
+    law : PenaltyLaw
     """
-    f, n_row = state.flank, state.n_quad
+    f, n, n_row = state.flank, state.node, state.n_quad
     by_row = np.argsort(f.row[: f.count], kind="stable")
     first = np.searchsorted(f.row[: f.count][by_row], np.arange(n_row + 1))
-    found = np.empty((rows.size * outline.point.shape[1], 2), np.int64)
+    room = n_row * outline.point.shape[1]
+    found, key = np.empty((room, 2), np.int64), np.empty(room, np.int64)
     count = _ends_of_open_edges(
-        rows, outline, state.quad.nodes, first, f.node[by_row], f.place[by_row], found
+        n_row, outline, state.quad.nodes, first, f.node[by_row], f.place[by_row], found, key
     )
-    found = found[:count]
+    node, key = found[:count], key[:count]
     if f.count:
-        found = _one_of_each_place(state)[found]
-    return np.asarray(found[found[:, 0] != found[:, 1]])
-
-
-def rows_at(state: State, nodes: Ints) -> Ints:
-    """Return the quads and copies at some nodes and flank points, ascending."""
-    at = np.zeros(state.node.count, np.bool_)
-    at[nodes] = True
-    f = state.flank
-    at[f.nodes[: f.count][at[f.node[: f.count]]]] = True
-    return np.flatnonzero(at[state.quads].any(axis=1))
+        node = _one_of_each_place(state)[node]
+        differ = node[:, 0] != node[:, 1]
+        node, key = node[differ], key[differ]
+    own = n.contact_share[: n.count] * law.of_nodes(n.contact_area[: n.count])
+    ending = np.bincount(node.ravel(), minlength=n.count)
+    stiffness = 2.0 * (own[node] / ending[node]).min(axis=1)
+    taken = np.bincount(node.ravel(), np.repeat(0.5 * stiffness, 2), minlength=n.count)
+    return OpenEdges(
+        node=np.ascontiguousarray(node),
+        key=key.copy(),
+        length=norm(n.X[node[:, 1]] - n.X[node[:, 0]]),
+        stiffness=stiffness,
+        left=np.maximum(own - taken, 0.0),
+    )
 
 
 def _one_of_each_place(state: State) -> Ints:
@@ -76,21 +136,22 @@ def _one_of_each_place(state: State) -> Ints:
 
 @kernel
 def _ends_of_open_edges(
-    rows: Ints,
+    n_row: int,
     outline: Outline,
     quads: SmallIds,
     first: Ints,
     node: Ints,
     place: Floats,
     found: Ints,
+    key: Ints,
 ) -> int:
-    """Write the ends of the open edges of some rows to found : (n, 2); return their number.
+    """Write the ends of the open edges of all rows to found : (n, 2); return their number.
 
-    first : (n_row + 1,), of each row's flank points.  node, place : (n_flank,), (n_flank, 2), of
-    these points row by row.
+    key : (n,), written, ascending.  first : (n_row + 1,), of each row's flank points.  node,
+    place : (n_flank,), (n_flank, 2), of these points row by row.
     """
     count = 0
-    for row in rows:
+    for row in range(n_row):
         if outline.absent[row]:
             continue
         n = outline.n_edge[row]
@@ -101,6 +162,7 @@ def _ends_of_open_edges(
             b = _node_at(row, (k + 1) % n, outline, quads, first, node, place)
             if a >= 0 and b >= 0:
                 found[count, 0], found[count, 1] = a, b
+                key[count] = _MOST_EDGES * row + k
                 count += 1
     return count
 

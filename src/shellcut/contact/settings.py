@@ -183,6 +183,10 @@ class PenaltyLaw(NamedTuple):
             absorb_slowness=ABSORB_WAVES * math.sqrt(density / stretching),
         )
 
+    def of_nodes(self, area: Floats) -> Floats:
+        """Return k of nodes from their area [mm²], (n,) [N/mm]."""
+        return np.asarray(np.clip(self.penalty * area, self.softest, self.stiffest))
+
     def steepest(self, area: Floats) -> Floats:
         """Return the largest slope of the nodes' force from their area [mm²], (n,) [N/mm]."""
         law, softest, stiffest = STEEPEST * self.penalty, self.softest, self.stiffest

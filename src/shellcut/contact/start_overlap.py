@@ -11,7 +11,7 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .missed_penetration import ToolWires
+from .unfelt_depth import ToolWires
 
 _FAR = 0.25
 """Of the tool's extent along its way: a start this far in is no small error of its place."""

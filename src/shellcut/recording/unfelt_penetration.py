@@ -8,9 +8,8 @@ import numpy as np
 
 from shellcut.arrays import Ints
 from shellcut.contact.edge_contact import EdgeContact
-from shellcut.contact.flank_penetration import FlankPenetration
-from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.contact.point_contact import felt_nodes
+from shellcut.contact.unfelt_depth import FlankPenetration, ToolWires, missed_penetration
 
 if TYPE_CHECKING:
     from shellcut.contact.film_outline import Part

@@ -45,7 +45,8 @@ def contact_terms(
         return None, []
     edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
     aside = MERGE if fracture.path == "free" else 0.0
-    contact = PenaltyContact(tool, settings, film, edge_length, aside)
+    of_edges = part_of if settings.film_edges else None
+    contact = PenaltyContact(tool, settings, film, edge_length, aside, of_edges)
     terms: list[ForceTerm] = [contact]
     if settings.friction > 0.0:
         terms.append(CoulombFriction("friction", contact, settings.friction))
@@ -56,11 +57,10 @@ def contact_terms(
         if settings.friction > 0.0:
             terms.append(CoulombFriction("point_friction", points, settings.friction))
     if settings.film_edges:
-        edges = EdgeContact(contact, edge_length, part_of)
+        edges = EdgeContact(contact, edge_length)
         terms.append(edges)
         if settings.friction > 0.0:
-            mu, alone = settings.friction, edges.stiffness_alone
-            terms.append(CoulombFriction("edge_friction", edges, mu, alone))
+            terms.append(CoulombFriction("edge_friction", edges, settings.friction))
     return contact, terms
 
 

@@ -16,13 +16,15 @@ The grid is built here; :mod:`shellcut.tool.signed_distance` looks points up in 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, log2, sqrt
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
-from shellcut.arrays import Bools, Floats, Ints, Numbers, Vec3, angles, unit
+from shellcut.arrays import Bools, Floats, Ints, Numbers, SmallInts, Vec3, angles, unit
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import dot, sub
 
@@ -64,6 +66,16 @@ class ClosestTriangleGrid:
     def __post_init__(self) -> None:
         for array in (*self.arrays.lists, *self.arrays.surface):
             array.flags.writeable = False
+
+    @cached_property
+    def empty_around(self) -> SmallInts:
+        """Cells from each to the next one with a list, 127 at most, (n_cell,); for `at_least`."""
+        cells, lists, _ = self.arrays
+        empty = np.diff(lists.start).reshape(cells.shape) == 0
+        steps = scipy.ndimage.distance_transform_cdt(empty, "chessboard")
+        if not lists.triangle.size:
+            steps = np.zeros(cells.shape)
+        return np.asarray(np.minimum(steps, 127).astype(np.int8).ravel())
 
     def __repr__(self) -> str:
         cells, lists, _ = self.arrays

@@ -76,6 +76,10 @@ class TriangleGrid(NamedTuple):
     surface: TriangleSurface
 
 
+# Far above that of a height over a plane, far below any depth that counts [mm].
+ROUND_OFF = 1e-9
+
+
 @inline
 def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
     """Return the point of triangle (a, b, c) closest to ``p`` [mm] and the feature it lies on."""
@@ -121,6 +125,12 @@ def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
 
 
 @inline
+def within_edges(p: Vec3, t: int, surface: TriangleSurface) -> float:
+    """Return how far the foot of p on the plane of a triangle is inside its edges [mm]."""
+    return _over(p, t, surface.planes)[1]
+
+
+@inline
 def _above(p: Vec3, t: int, k: int, planes: Floats) -> float:
     n = planes[t, k, 0], planes[t, k, 1], planes[t, k, 2]
     return dot(n, p) - float(planes[t, k, 3])
@@ -159,6 +169,23 @@ def cell_of(p: Vec3, cells: GridCells) -> tuple[bool, int]:
 
 
 @inline
+def at_least(p: Vec3, reach: float, cells: GridCells, empty_around: SmallInts) -> float:
+    """Return a distance than which a point is no closer to the solid, where none is found [mm].
+
+    reach : within which it would be [mm].  empty_around : cells from each to the next with a list.
+    """
+    lower, shape = cells.lower, cells.shape
+    outside, cell = 0.0, 0
+    for c in range(3):
+        most = cells.size * shape[c]
+        along = p[c] - lower[c]
+        outside = max(outside, max(-along, along - most))
+        cell = cell * shape[c] + min(max(int(along / cells.size), 0), shape[c] - 1)
+    around: float = cells.size * (empty_around[cell] - 1)
+    return max(outside, around) + reach
+
+
+@inline
 def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
     # of the cell, with a slack far above the round-off of cells and distances
     lower, cell_size, shape = cells.lower, cells.size, cells.shape
@@ -167,6 +194,20 @@ def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
     v = p[1] - lower[1] - cell_size * (ij % shape[1] + 0.5)
     w = p[2] - lower[2] - cell_size * (cell % shape[2] + 0.5)
     return sqrt(u * u + v * v + w * w) + 1e-9 * cell_size
+
+
+@inline
+def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> float:
+    """Return a distance from which on triangles of the side are that a cell does not list [mm].
+
+    From a point that is ``off_centre`` [mm] from its centre: a cell lists what is closer to that
+    than the closest of the side and its diagonal.
+    """
+    cell_start, cell_triangles, cell_distance = grid.lists
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if side * grid.surface.flank[cell_triangles[k]] >= 0:
+            return float(cell_distance[k]) + sqrt(3.0) * grid.cells.size - off_centre
+    return 0.0
 
 
 @inline
@@ -189,6 +230,7 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
     if not in_grid:
         return False, triangle, feature, nearest, 0.0
     off_centre = _distance_from_centre(p, cell, grid.cells)
+    beyond = max(_unlisted(cell, side, off_centre, grid), 0.0)
     for k in range(cell_start[cell], cell_start[cell + 1]):
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
@@ -214,7 +256,109 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
             feature = where
         else:
             second = min(second, squared)
-    return best < np.inf, triangle, feature, nearest, sqrt(second) - sqrt(best)
+    return best < np.inf, triangle, feature, nearest, min(sqrt(second), beyond) - sqrt(best)
+
+
+@inline
+def clear_for(
+    z: Vec3,
+    r: float,
+    way: float,
+    one: int,
+    two: int,
+    side: int,
+    most: float,
+    grid: TriangleGrid,
+) -> float:
+    """Return how far a ball may move and touch no face of the side but one or two [mm].
+
+    z : its centre, in the body frame, r [mm] deep under the triangles ``one`` and ``two``, which
+    may be the same, and from then on no less.  way : from there to a point, which moves along and
+    stays this side of the faces of the other side [mm].  most : the largest answer [mm].
+
+    It moves along these triangles. What lies in one of their planes or outside it comes no closer
+    than r; the depth under another plane changes by the sine of the angle to them.
+    """
+    grid = borrowed(grid)
+    cell_start, cell_triangles, cell_distance = grid.lists
+    surface = grid.surface
+    in_grid, cell = cell_of(z, grid.cells)
+    if not in_grid:
+        return 0.0
+    off_centre = _distance_from_centre(z, cell, grid.cells)
+    most = min(most, _unlisted(cell, side, off_centre, grid) - r)
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if cell_distance[k] - off_centre - r > most:
+            break
+        t = cell_triangles[k]
+        if t in (one, two):
+            continue
+        height, within = _over(z, t, surface.planes)
+        beside = min(within, 0.0)
+        away = sqrt(height * height + beside * beside)
+        if side * surface.flank[t] < 0:
+            most = min(most, away - way)
+            continue
+        free = away - r
+        if free >= most:
+            continue
+        if -height > r:
+            steep = max(_sine(t, one, surface.planes), _sine(t, two, surface.planes))
+            free = max(free, (-height - r) / max(steep, ROUND_OFF))
+        if free < most and not (_lies_above(t, one, surface) or _lies_above(t, two, surface)):
+            most = free
+    return most
+
+
+@inline
+def _sine(t: int, other: int, planes: Floats) -> float:
+    """Return the sine of the angle between the planes of two triangles."""
+    cosine = 0.0
+    for c in range(3):
+        cosine += planes[t, 0, c] * planes[other, 0, c]
+    return sqrt(max(1.0 - cosine * cosine, 0.0))
+
+
+@inline
+def over_only_for(p: Vec3, triangle: int, most: float, grid: TriangleGrid) -> float:
+    """Return how far a point may move and be inside only under the plane of a triangle [mm].
+
+    p : outside, in the body frame, over the inside of ``triangle`` as long as it moves by no more
+    than ``most``, the largest answer [mm].  What lies below the plane cannot hold it.
+    """
+    grid = borrowed(grid)
+    cell_start, cell_triangles, cell_distance = grid.lists
+    surface = grid.surface
+    _, cell = cell_of(p, grid.cells)
+    off_centre = _distance_from_centre(p, cell, grid.cells)
+    most = min(most, _unlisted(cell, 0, off_centre, grid))
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if cell_distance[k] - off_centre > most:
+            break
+        t = cell_triangles[k]
+        height, within = _over(p, t, surface.planes)
+        beside = min(within, 0.0)
+        away = sqrt(height * height + beside * beside)
+        if away < most and t != triangle and not _lies_above(t, triangle, surface, -1.0):
+            most = away
+    return most
+
+
+@inline
+def _lies_above(t: int, triangle: int, surface: TriangleSurface, up: float = 1.0) -> bool:
+    """Return whether one triangle lies in the plane of another, or outside that.
+
+    up : -1 to ask for the inside.
+    """
+    least = np.inf
+    for a in range(3):
+        corner = (
+            surface.corners[t, a, 0],
+            surface.corners[t, a, 1],
+            surface.corners[t, a, 2],
+        )
+        least = min(least, up * _above(corner, triangle, 0, surface.planes))
+    return least > -ROUND_OFF
 
 
 @inline

@@ -1,11 +1,15 @@
-"""Penetration that no contact feels: where the tool passes through quads.
+"""Penetration that no contact feels, measured during a run: the tool in quads, edges in the tool.
 
 Nodes feel the faces of the tool, and quads its corners and edges, but for those that cut; what goes
 through a quad without either is measured during a run and reported. At the start any is refused.
+
+A rim or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places on
+the edges (:mod:`.edge_contact`), if these touch; what goes deeper than is felt is measured, too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Annotated, NamedTuple
 
@@ -13,15 +17,27 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body
+from shellcut.tool.rounded_depth import rounded_depth
+from shellcut.tool.signed_distance import signed_distance
 from shellcut.tool.tool import Tool
+
+from .contact_tables import ContactTool
+from .edge_contact import EdgeContact
+from .film_edges import FilmEdges
+from .film_outline import Part
+from .penalty_contact import PenaltyContact
+from .settings import PenaltyLaw
 
 # Wires in a bundle; all of a bundle are skipped together.
 _BUNDLE = 64
+
+_PARTS = 16
+"""Of an edge of the film; its depth is looked up where these meet."""
 
 # Fraction of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
@@ -108,6 +124,104 @@ def missed_penetration(
         noticed[felt] = True
     quads, depth = wires.crossed_quads(n.x, state.quads, noticed, pose)
     return quads.size, float(depth.max(initial=0.0))
+
+
+class FlankPenetration:
+    """Measures how deep edges of the film go into the tool unfelt.
+
+    Parameters
+    ----------
+    contact : PenaltyContact
+        Of the nodes.
+    edges : EdgeContact or None
+        Of the film's edges, if that is switched on.
+    part_of : Callable
+        Returns the polygon of a row that is cut.
+    """
+
+    def __init__(
+        self, contact: PenaltyContact, edges: EdgeContact | None, part_of: Callable[[int], Part]
+    ) -> None:
+        self._contact, self._edges = contact, edges
+        self._film = contact.film_edges or FilmEdges(contact.law, part_of)
+        self._deepest = BoundOnce(_deepest_unfelt)
+
+    def largest(self, state: State, pose: Pose) -> float:
+        """Return by how much an edge is deeper between the points that touch than is felt [mm].
+
+        What is felt is interpolated between its ends and its places, if these touch. Edges that the
+        blade goes through are left out: those with ends on both sides of it, or deeper below their
+        own side than half of the tool's thickness, and closer to the other.
+        """
+        contact, edges = self._contact, self._film.of(state)
+        rows = edges.near(contact.near.ids)
+        side, depth = state.node.contact_side, state.node.contact_depth
+        at = side[edges.node[rows]]
+        rows, at = rows[at[:, 0] * at[:, 1] >= 0], at[at[:, 0] * at[:, 1] >= 0]
+        first: Ints = np.zeros(rows.size + 1, np.int64)
+        felt: Floats = np.zeros(0)
+        if self._edges is not None:
+            first, felt = self._edges.felt(edges.key[rows])
+        return float(
+            self._deepest(
+                edges.node[rows],
+                np.where(at[:, 0] != 0, at[:, 0], at[:, 1]).astype(np.int64),
+                np.maximum(depth[edges.node[rows]], 0.0),
+                first,
+                felt,
+                state.node.x,
+                pose,
+                contact.solid,
+                contact.law,
+            )
+        )
+
+
+@kernel
+def _deepest_unfelt(
+    ends: Ints,
+    side: Ints,
+    depth: Floats,
+    first: Ints,
+    felt: Floats,
+    x: Floats,
+    pose: Pose,
+    tool: ContactTool,
+    law: PenaltyLaw,
+) -> float:
+    """Return how much deeper than is felt the deepest of some edges goes into the tool [mm].
+
+    ends : (n, 2), nodes of all in x : (n_node, 3).  side : (n,), of the blade.  depth : (n, 2), of
+    the ends [mm].  first, felt : (n + 1,), (n_place,), of the places on each edge [mm].
+    """
+    pose, tool, law = borrowed(pose), borrowed(tool), borrowed(law)
+    surface, deepest = tool.grid.surface, 0.0
+    for i in range(ends.shape[0]):
+        a, b = to_body(load(x, ends[i, 0]), pose), to_body(load(x, ends[i, 1]), pose)
+        m = first[i + 1] - first[i]
+        for k in range(1, _PARTS):
+            s = k / _PARTS
+            p = combine(1.0 - s, a, s, b)
+            found, inside, triangle, q, whole, _ = signed_distance(p, side[i], tool.grid)
+            if not (found and inside):
+                continue
+            D, _, _ = rounded_depth(p, q, triangle, side[i], law.rounding, tool.grid, tool.around)
+            if side[i] * surface.flank[whole] < 0 and law.tool_half_thickness < D:
+                continue
+            # Places lie at (j + 1/2) / m; before the first and behind the last are the ends.
+            at = s * m - 0.5
+            j = int(np.floor(at))
+            part = at - j
+            before = felt[first[i] + j] if j >= 0 else depth[i, 0]
+            behind = felt[first[i] + j + 1] if j + 1 < m else depth[i, 1]
+            if j < 0:
+                part = s * m / 0.5
+            elif j + 1 >= m:
+                part = (s * m - (m - 0.5)) / 0.5
+            if m == 0:
+                before, behind, part = depth[i, 0], depth[i, 1], s
+            deepest = max(deepest, D - (1.0 - part) * before - part * behind)
+    return deepest
 
 
 def _boxes(wires: Floats, first: Ints) -> Floats:

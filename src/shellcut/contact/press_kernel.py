@@ -1,0 +1,247 @@
+"""The penalty of film on tool, point by point: one kernel for nodes and for places on edges.
+
+A carrier inside the tool by the depth g gets the force k f(g) along the outward normal, shared
+among its nodes by its weights; the tool gets the opposite. See :mod:`.penalty_contact` for depth,
+side, jumps and impacts, :mod:`.edge_contact` for what is special to places on edges.
+Where it is in the tool says :mod:`.look_at_tool`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Vec3
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import always_inline, kernel
+from shellcut.numerics.vec3 import add, add_to, combine, dot, load, norm, scale, store, sub
+from shellcut.state import local_edge_length
+from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.touch import Touch, react
+
+from .contact_tables import ContactTables
+from .look_at_tool import see
+from .near_nodes import largest_speed, tool_way
+from .settings import largest_rebound, smoothed, smoothed_integral
+
+# Of what a place the blade goes through is too deep by: way after which it is looked at again.
+_AGAIN = 0.25
+
+
+@always_inline
+def _place_of(i: int, tables: ContactTables) -> Vec3:
+    """Return where a carrier is in space [mm]."""
+    carriers, x = tables.carriers, tables.nodes.x
+    at = load(x, carriers.node[i, 0])
+    if tables.per_carrier == 1:
+        return at
+    other = load(x, carriers.node[i, 1])
+    return combine(carriers.weight[i, 0], at, carriers.weight[i, 1], other)
+
+
+@always_inline
+def _velocity_of(i: int, tables: ContactTables) -> Vec3:
+    """Return the velocity of a carrier [mm/s]."""
+    carriers, v = tables.carriers, tables.nodes.velocity_half
+    at = load(v, carriers.node[i, 0])
+    if tables.per_carrier == 1:
+        return at
+    other = load(v, carriers.node[i, 1])
+    return combine(carriers.weight[i, 0], at, carriers.weight[i, 1], other)
+
+
+@always_inline
+def _let_go(i: int, dt: float, tables: ContactTables) -> float:
+    """Take a carrier out of contact; return half the work of its last force [N·mm]."""
+    memory, row, work = tables.memory, tables.memory.row[i], 0.0
+    old = load(memory.force, row)
+    if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
+        work = 0.5 * dt * dot(old, _velocity_of(i, tables))
+        store(memory.force, row, (0.0, 0.0, 0.0))
+    memory.side[row] = 0
+    memory.depth[row] = memory.offset[row] = memory.work[row] = 0.0
+    tables.carriers.pressure[i] = 0.0
+    return work
+
+
+@always_inline
+def _side_of_ends(i: int, tables: ContactTables) -> tuple[bool, int]:
+    """Return whether the ends of an edge may lie on one side of the blade, and which.
+
+    While a place on it is inside it keeps its side, unless an end has got the other one.
+    """
+    node, side, memory = tables.carriers.node, tables.nodes.contact_side, tables.memory
+    a, b, row = int(side[node[i, 0]]), int(side[node[i, 1]]), memory.row[i]
+    lies = a if a != 0 else b
+    had = int(memory.side[row])
+    if memory.depth[row] > 0.0 and had * lies >= 0:
+        lies = had
+    return a * b >= 0, lies
+
+
+@always_inline
+def _impact(
+    i: int, x: Vec3, p: Vec3, g: float, dt: float, before: Pose, tables: ContactTables
+) -> tuple[bool, Vec3]:
+    """Write the depth g of a carrier; return whether it has hit the surface, and its way back [mm].
+
+    x, p : where it is in space and in the body frame [mm].
+    """
+    memory, noticed = tables.memory, tables.law.noticed
+    row, way = memory.row[i], (0.0, 0.0, 0.0)
+    change = g - memory.depth[row]
+    impact = abs(change) > noticed
+    if impact:
+        was = to_body(combine(1.0, x, -dt, _velocity_of(i, tables)), before)
+        way = sub(was, p)
+        if change > noticed + norm(way):  # more than film and tool have moved
+            memory.offset[row] += change
+            impact = False
+    memory.depth[row] = g
+    return impact, way
+
+
+@always_inline
+def _loaded_depth(
+    i: int, g: float, stiffness: float, dt: float, tables: ContactTables
+) -> tuple[float, float]:
+    """Absorb part of a jump; return the depth that presses [mm] and the absorbed energy [N·mm]."""
+    absorbed = 0.0
+    law, row, offset = tables.law, tables.memory.row[i], tables.memory.offset
+    g_m, loaded = law.smoothing_depth, max(g, 0.0)
+    if offset[row] > 0.0:
+        loaded = max(g - offset[row], 0.0)
+        if tables.per_carrier == 1:
+            absorbed += stiffness * smoothed_integral(loaded, g_m)
+            edge_length = local_edge_length(tables.nodes.contact_area[tables.carriers.node[i, 0]])
+            offset[row] *= np.exp(-dt / (law.absorb_slowness * edge_length))
+        # What has come out may come in again: that is felt at once.
+        offset[row] = min(offset[row], max(g, 0.0))
+        loaded = max(g, 0.0) - offset[row]
+        if tables.per_carrier == 1:
+            absorbed -= stiffness * smoothed_integral(loaded, g_m)
+    return loaded, absorbed
+
+
+@always_inline
+def _pushed(i: int, direction: Vec3, tables: ContactTables) -> tuple[float, float]:
+    """Return all other force on a carrier into the face [N], and the mass that it moves [t].
+
+    A supported node moves by itself: with no other the mass is 0.
+    """
+    carriers, nodes = tables.carriers, tables.nodes
+    if tables.per_carrier == 1:
+        n = carriers.node[i, 0]
+        mass = 0.0 if nodes.supported[n] else nodes.contact_mass[n]
+        return -dot(load(nodes.force, n), direction), mass
+    light = rate = 0.0
+    for c in range(2):
+        n, weight = carriers.node[i, c], carriers.weight[i, c]
+        if not nodes.supported[n]:
+            part = weight / nodes.contact_mass[n]
+            light += weight * part
+            rate -= part * dot(load(nodes.force, n), direction)
+    return (rate / light, 1.0 / light) if light > 0.0 else (0.0, 0.0)
+
+
+@always_inline
+def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench: Floats) -> None:
+    """Add a force f [N] on a carrier to its nodes and minus it to its tooth."""
+    carriers, force = tables.carriers, tables.nodes.force
+    store(tables.memory.force, tables.memory.row[i], f)
+    if tables.per_carrier == 1:
+        add_to(force, carriers.node[i, 0], f)
+    else:
+        for c in range(2):
+            add_to(force, carriers.node[i, c], scale(carriers.weight[i, c], f))
+    react(f, x, carriers.body[i], pose, wrench)
+
+
+@always_inline
+def _pressure(
+    i: int,
+    x: Vec3,
+    p: Vec3,
+    g: float,
+    outward: Vec3,
+    dt: float,
+    before: Pose,
+    pose: Pose,
+    tables: ContactTables,
+) -> tuple[float, float, float]:
+    """Return the force of a carrier along its way out [N], its energy and what it has absorbed.
+
+    x, p : where it is in space and in the body frame [mm].  g, outward : its depth and the way out.
+    """
+    memory, row = tables.memory, tables.memory.row[i]
+    stiffness, g_m = tables.carriers.stiffness[i], tables.law.smoothing_depth
+    impact, back = _impact(i, x, p, g, dt, before, tables)
+    loaded, absorbed = _loaded_depth(i, g, stiffness, dt, tables)
+    magnitude = stiffness * smoothed(loaded, g_m)
+    energy = stiffness * smoothed_integral(loaded, g_m)
+    spent = energy
+    if impact and dt > 0.0:
+        pushed, mass = _pushed(i, turn(outward, pose), tables)
+        if mass > 0.0:
+            into = dot(back, outward)
+            spent = memory.work[row] + 0.5 * dot(load(memory.force, row), turn(back, pose))
+            magnitude = min(magnitude, largest_rebound(spent, into, pushed, mass, dt))
+            spent += 0.5 * magnitude * into
+    memory.work[row] = spent
+    return magnitude, energy, absorbed
+
+
+@kernel
+def add_press_forces(
+    pose: Pose, before: Pose, dt: float, tables: ContactTables, touch: Touch
+) -> float:
+    """Add the forces of the listed carriers to those of their nodes; return the largest depth [mm].
+
+    Writes the looks, the memory, and touch, see :class:`.press_forces.PressForces`.
+    """
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
+    looks, carriers, memory, tool = tables.looks, tables.carriers, tables.memory, tables.tool
+    side, edges, clock = memory.side, tables.per_carrier > 1, tables.clock
+    if not edges:
+        clock.walked[0] += tool_way(pose, before, clock.radius)
+        fastest = largest_speed(clock.node, clock.node.shape[0], tables.nodes.velocity_half)
+        clock.walked[0] += dt * fastest
+    walked = clock.walked[0]
+    work = stored = absorbed = deepest = 0.0
+    n_touching = 0
+    for i in range(memory.row.shape[0]):
+        if walked < looks.until[i]:
+            continue
+        row, one_side, lies = memory.row[i], True, int(side[memory.row[i]])
+        if edges:
+            one_side, lies = _side_of_ends(i, tables)
+            if looks.within[i] and not (one_side and lies == side[row]):
+                looks.lasts[i] = looks.flat[i] = 0.0
+        x = _place_of(i, tables)
+        p = to_body(x, pose)
+        inside, triangle, g, outward = False, 0, 0.0, p
+        if one_side:
+            inside, triangle, g, outward, lies = see(i, p, lies, walked, pose, tables)
+        through = not one_side
+        if edges and inside and lies * tool.grid.surface.flank[looks.closest[i, 0]] < 0:
+            too_deep = g - tables.law.tool_half_thickness
+            through = too_deep > 0.0
+            looks.until[i] = walked + _AGAIN * max(too_deep, 0.0)
+        if through or (inside and side[row] * lies < 0):
+            absorbed += max(memory.work[row], 0.0)
+        if through or not inside:
+            work += _let_go(i, dt, tables)
+            continue
+        side[row] = lies
+        old, moved = load(memory.force, row), _velocity_of(i, tables)
+        magnitude, energy, lost = _pressure(i, x, p, g, outward, dt, before, pose, tables)
+        n_touching, stored, absorbed = n_touching + 1, stored + energy, absorbed + lost
+        deepest = max(deepest, g - memory.offset[row] if edges else g)
+        f = scale(magnitude, turn(outward, pose))
+        work += 0.5 * dt * dot(add(old, f), moved)
+        store(carriers.normal, i, outward)
+        carriers.body[i], carriers.pressure[i] = tool.triangle_body[triangle], magnitude
+        _put_on(i, x, f, pose, tables, wrench)
+    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
+    return deepest
