@@ -16,10 +16,24 @@ from shellcut.simulation.hooks import StopWhen
 
 QUICK = ["opening on M1", "through quads", "trouser", "disc"]
 
+OTHER_SUM = """
+import builtins, math, runpy, sys
+plain = builtins.sum
+def other(numbers, start=0):
+    numbers = list(numbers)
+    floats = numbers and all(type(one) is float for one in numbers)
+    return math.fsum([start, *numbers]) if floats else plain(numbers, start)
+builtins.sum = other
+del sys.argv[0]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+"""Runs a program with another sum of floats in the last digit, as that of Python 3.12 is."""
+
 
 def elsewhere(names, **environment):
-    """Return the digests from a process of its own."""
-    command = [sys.executable, str(Path(__file__).parent / "digest_cases.py"), *names]
+    """Return the digests from a process of its own, with another sum."""
+    command = [sys.executable, "-c", OTHER_SUM, str(Path(__file__).parent / "digest_cases.py")]
+    command += names
     environment = {**os.environ, **environment}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return {name: tuple(row) for name, row in json.loads(done.stdout).items()}

@@ -201,4 +201,4 @@ def _latest(pace: Pace, way: float) -> Pace:
 
 def _way(pace: Pace) -> float:
     """Return the length of some segments together [mm]."""
-    return sum(length for _, length in pace)
+    return float(np.add.reduce([length for _, length in pace]))

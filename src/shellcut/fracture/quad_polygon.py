@@ -154,8 +154,8 @@ def beyond(a: Point, b: Point) -> list[int]:
 
 def centre_of(polygon: Polygon) -> Point:
     """Return the mean of a polygon's points."""
-    n = len(polygon.points)
-    return sum(p[0] for p in polygon.points) / n, sum(p[1] for p in polygon.points) / n
+    x, y = (np.add.reduce(polygon.points) / len(polygon.points)).tolist()
+    return x, y
 
 
 def film_beside(polygon: Polygon) -> Point:

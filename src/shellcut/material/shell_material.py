@@ -134,7 +134,7 @@ class ShellMaterial:
     @property
     def thickness(self) -> float:
         """Total thickness h [mm]."""
-        return float(sum(layer.thickness for layer in self.layers))
+        return float(np.add.reduce([layer.thickness for layer in self.layers]))
 
     @property
     def is_linear(self) -> bool:
@@ -171,12 +171,13 @@ class ShellMaterial:
     @property
     def stretching_stiffness(self) -> float:
         """Nominal stiffness in tension, the sum of E h over the layers [N/mm]."""
-        return float(sum(one.material.stretching_modulus * one.thickness for one in self.layers))
+        moduli = [one.material.stretching_modulus * one.thickness for one in self.layers]
+        return float(np.add.reduce(moduli))
 
     @property
     def area_density(self) -> float:
         """Mass over area, the sum of rho h over the layers [t/mm²]."""
-        return float(sum(one.material.density * one.thickness for one in self.layers))
+        return float(np.add.reduce([one.material.density * one.thickness for one in self.layers]))
 
     @property
     def is_symmetric(self) -> bool:

@@ -61,7 +61,7 @@ class SupportPull:
         )
         self._time = np.linspace(0.0, until, _N_SAMPLE + 1)
         times = self._time.tolist()
-        fastest = [max(sum(r(t) ** 2 for r in one) for one in rates) for t in times]
+        fastest = [max(np.add.reduce([r(t) ** 2 for r in one]) for one in rates) for t in times]
         speed = np.sqrt(np.array(fastest))
         mean = 0.5 * (speed[1:] + speed[:-1])
         self._way = np.concatenate([[0.0], np.cumsum(mean * np.diff(self._time))])

@@ -123,7 +123,7 @@ class Resistance:
             for term in sim.terms.on_tool
         ]
         for k, (figure, unit) in enumerate(self.columns):
-            yield figure, unit, sum(values[k] for _, values in of_terms)
+            yield figure, unit, float(np.add.reduce([values[k] for _, values in of_terms]))
             for name, values in of_terms:
                 yield f"{figure}_{name}", unit, values[k]
         if isinstance(self._reading, _AboutAxis):

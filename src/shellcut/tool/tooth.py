@@ -114,7 +114,8 @@ def _strip(
     # Join two neighbouring d-lines, both from low to high, by the shorter diagonal; the triangles
     # are counter-clockwise with s to the right and z up, which is outward on the plus side.
     def squared(i: int, j: int) -> float:
-        return sum((u - v) ** 2 for u, v in zip(points[i], points[j], strict=True))
+        (a, b, c), (d, e, f) = points[i], points[j]
+        return (a - d) ** 2 + (b - e) ** 2 + (c - f) ** 2
 
     triangles = []
     a = b = 0
