@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import hypot
 from typing import NamedTuple
 
@@ -63,7 +64,8 @@ class TipPlaces:
         self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
     ) -> None:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
-        self._past: dict[tuple[Tip, int], float] = {}
+        # The mesh alone decides, and rows are sorted anew after every cut.
+        self._beside = lru_cache(maxsize=1024)(self._past_a_row)
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
@@ -234,19 +236,15 @@ class TipPlaces:
         along, slopes = self._parts_of(row, place, heading)
         return np.asarray(product(along, slopes))
 
-    def _beside(self, at: tuple[int, Point], tip: Tip) -> float:
+    def _past_a_row(self, at: tuple[int, Point], tip: Tip) -> float:
         """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
 
-        To so many digits that rows on either side of a straight crack are equal. Found once, for
-        the mesh alone decides.
+        To so many digits that rows on either side of a straight crack are equal.
 
         at : row and corner.  tip : whose heading.
         """
-        key = tip, at[0]
-        if key not in self._past:
-            along, _ = self._parts_of(*at, tip.heading)
-            self._past[key] = round(float((along * at[1]).max() / np.abs(along).max()), 6)
-        return self._past[key]
+        along, _ = self._parts_of(*at, tip.heading)
+        return round(float((along * at[1]).max() / np.abs(along).max()), 6)
 
     def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
         """Return a heading in (xi, eta) of a row, and the slopes of shape functions, (2, 4)."""
