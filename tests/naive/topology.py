@@ -29,3 +29,19 @@ def crack_length(mesh, state):
         0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j]))
         for i, j in open_ends(mesh, state)
     )
+
+
+def parted(state, node, cut):
+    """Groups of the quads at a node when its edges to the nodes ``cut`` no longer hold."""
+    around = [e for e in range(len(state.quads)) if node in state.quads[e]]
+    groups = []
+    for e in around:
+        ring = state.quads[e].tolist()
+        a = ring.index(node)
+        mine = {ring[(a + 1) % 4], ring[a - 1]} - set(cut)
+        joined = [g for g in groups if g[1] & mine]
+        for g in joined:
+            groups.remove(g)
+        quads = {e}.union(*(g[0] for g in joined))
+        groups.append((quads, mine.union(*(g[1] for g in joined))))
+    return sorted(tuple(sorted(quads)) for quads, _ in groups)

@@ -8,8 +8,12 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import LoadSet, Pressure
+from shellcut.loads.supports import Support
 from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
+from shellcut.tool.shapes import straight_blade
 
 H = 0.074
 STRENGTH = 18.0
@@ -153,3 +157,27 @@ def test_moving_supports_hold_the_film_together(criterion):
 def test_refusals(changes, message):
     with pytest.raises(ValueError, match=message):
         Fracture(**changes)
+
+
+@pytest.mark.parametrize("path", ["free", "edges"])
+@pytest.mark.parametrize("beside", [0.0, 0.03, 0.049])
+def test_a_rim_entered_beside_an_edge_of_the_mesh_is_cut_along_it_at_once(path, beside):
+    film = rectangle(4.0, 4.0, size=0.8)
+    blade = straight_blade(length=4.0, height=3.0).translated((-0.05, 0.4 + beside * 0.8, 0.0))
+    sim = Simulation(
+        film,
+        cases.FILM,
+        supports=[Support.clamped("top"), Support.clamped("bottom")],
+        tool=blade,
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=5e-5),
+        law=CohesiveLaw(),
+        fracture=Fracture(path=path),
+    )
+    while not sim.state.split_log:
+        sim.step()
+        past = sim.motion.coordinate(sim.state.time) - 0.05
+        assert past < 0.02  # at the first check; the edge moves by 0.01 mm from check to check
+    (cut,) = sim.state.split_log
+    np.testing.assert_allclose(cut.reference[:2], [0.0, 0.4], atol=1e-12)
+    assert sim.state.crack_length == pytest.approx(0.8)
+    assert past > 0.0

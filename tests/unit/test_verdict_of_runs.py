@@ -106,7 +106,7 @@ def test_a_crack_that_leads_has_not_left_the_path(strip_cut):
     )
     for lead, options in (
         (3.2, {"material": foil, "to": 3.0, "speed": 12000.0}),
-        (0.8, {"motion": there_and_back, "to": 3.6, "fracture": Fracture(path="free")}),
+        (0.2, {"motion": there_and_back, "to": 3.6, "fracture": Fracture(path="free")}),
     ):
         run = strip_cut(**options)
         assert run.summary["crack_lead_mm"] > lead

@@ -36,7 +36,7 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose_of_motion import pose_at
+from shellcut.tool.pose_of_motion import poses_of
 
 # How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
 _REACH = 0.5
@@ -101,7 +101,7 @@ class BladeDrive:
     """
 
     def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
-        self.edges, self._motion = edges, motion
+        self.edges, self._motion, self._pose_at = edges, motion, poses_of(motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
         self._allocate(0)
 
@@ -148,8 +148,8 @@ class BladeDrive:
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
-        found, tried, motion = self.driven, self._tried, self._motion
-        tried.rotation[:], tried.translation[:] = pose_at(motion, time)
+        found, tried, motion, pose_at = self.driven, self._tried, self._motion, self._pose_at
+        tried.rotation[:], tried.translation[:] = pose_at(time)
         tried.spin[:], tried.velocity[:] = motion.twist(time)
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
@@ -160,7 +160,7 @@ class BladeDrive:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    tried.rotation[i], tried.translation[i] = pose_at(motion, later)
+                    tried.rotation[i], tried.translation[i] = pose_at(later)
                     tried.spin[i], tried.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
             count = self._try_poses(x, size, self.edges, tried, found, reach, False, more)

@@ -276,7 +276,13 @@ def _pierced(
     segments, body = edges.segments, edges.body
     n_found = 0
     for i in range(whole.shape[0]):
-        e, corner = whole[i], to_body(load(x, first[i]), pose)
+        e, here, far = whole[i], load(x, first[i]), True
+        for tip in range(tips.shape[0]):
+            gap = sub(load(tips, tip), here)
+            far = far and dot(gap, gap) > _NEAR_A_TIP**2 * area[e]
+        if not far:
+            continue
+        corner = to_body(here, pose)
         for b in range(low.shape[0]):
             if not in_box(corner, low, high, b):
                 continue
@@ -295,13 +301,8 @@ def _pierced(
                     xi, eta = 2.0 * w1 - 1.0, 2.0 * (w1 + w2) - 1.0
                 if not hit:
                     continue
-                far = True
-                here = load(x, quads[e, 0])
-                for tip in range(tips.shape[0]):
-                    gap = sub(load(tips, tip), here)
-                    far = far and dot(gap, gap) > _NEAR_A_TIP**2 * area[e]
                 plane = turn(segment_part(segments, k, NORMAL), pose)
-                if far and parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, sqrt(area[e])):
+                if parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, sqrt(area[e])):
                     row[n_found], segment[n_found] = e, k
                     place[n_found, 0], place[n_found, 1] = xi, eta
                     n_found += 1

@@ -206,7 +206,7 @@ def _fill(
         if table.on_edge[k, j] and np.hypot(*np.subtract(after, entry)) > AWAY:
             table.first[k] = (j + 1) % n
         table.crossing[k, j, 0] = len(known)
-        if side != FLANK:
+        if side != FLANK and not places.sides_only:
             for s in reversed(places.topology.crossings(ring[side], ring[(side + 1) % 4])):
                 place = on_side(side, s)
                 can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None

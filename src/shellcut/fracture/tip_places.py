@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import hypot
 from typing import NamedTuple
 
@@ -63,6 +64,8 @@ class TipPlaces:
         self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
     ) -> None:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
+        # The mesh alone decides, and rows are sorted anew after every cut.
+        self._beside = lru_cache(maxsize=1024)(self._past_a_row)
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
@@ -81,7 +84,7 @@ class TipPlaces:
         """
         rows = self.rows_at_tip(tip)
         if tip.flank is None and tip.at_node:
-            rows.sort(key=lambda at: self._beside(at, tip.heading))
+            rows.sort(key=lambda at: self._beside(at, tip))
         return rows
 
     def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
@@ -185,7 +188,7 @@ class TipPlaces:
         return (
             len({self.topology.parent(r) for r in beside}) == 2
             and not self.topology.is_broken(a, b)
-            and not self.topology.crossings(a, b)
+            and (self.sides_only or not self.topology.crossings(a, b))
         )
 
     def place_of(self, state: State, tip: Tip) -> Place | None:
@@ -233,14 +236,14 @@ class TipPlaces:
         along, slopes = self._parts_of(row, place, heading)
         return np.asarray(product(along, slopes))
 
-    def _beside(self, at: tuple[int, Point], heading: Floats) -> float:
+    def _past_a_row(self, at: tuple[int, Point], tip: Tip) -> float:
         """Return how far a heading points past a row at a corner, 0 or less into it, 1 backwards.
 
         To so many digits that rows on either side of a straight crack are equal.
 
-        at : row and corner.
+        at : row and corner.  tip : whose heading.
         """
-        along, _ = self._parts_of(*at, heading)
+        along, _ = self._parts_of(*at, tip.heading)
         return round(float((along * at[1]).max() / np.abs(along).max()), 6)
 
     def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
