@@ -11,8 +11,9 @@ nodes, all of it together is no stiffer than the nodes alone were, and neither i
 
 *Spacing.* A corner of the tool that lies between two points catches between them if they are
 farther apart than the rounding of its edges lets them pass: ``SPACING`` times the radius at most.
-For a film so thin that there would be more than ``MOST`` points on a typical edge, the tool's edges
-are rounded more for the points, not for the nodes.
+For the points the tool's edges are rounded by half the film's thickness, or half that of a thin
+tool, twice what it is for nodes: a stiff film goes as deep as that, and would catch. For a film so
+thin that there would be more than ``MOST`` points on a typical edge, they are rounded by more.
 
 *Sides.* A point takes the side of the blade that the ends have, and keeps it while it is inside,
 unless an end gets the other one. Where the ends have different ones the blade goes through the
@@ -50,6 +51,9 @@ SPACING = 1.1
 MOST = 16
 """Points on an edge of a typical quad, at most."""
 
+# Of the tool's half thickness: the rounding of its edges for the points, at most.
+_OF_TOOL = 0.5
+
 # Of any edge; a key is that of the edge times this, and the place on the edge.
 _MOST_OF_ANY = 1024
 
@@ -72,6 +76,8 @@ class EdgeContact(PressTerm):
             "edges", contact.tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing
         )
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
+        thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)
+        self._rounding = max(contact.law.rounding, thin, self._spacing / SPACING)
         self._key, self._near = nothing, nothing
         self._looks, self._memory = Looks.none_yet(0), Memory.blank(0)
         self._of_contact: ContactTables | None = None
@@ -182,7 +188,7 @@ class EdgeContact(PressTerm):
         self.tables = self._hold(
             ContactTables(
                 per_carrier=2,
-                rounding=self._spacing / SPACING,
+                rounding=self._rounding,
                 tool=contact.solid,
                 law=contact.law,
                 clock=contact.clock,

@@ -105,6 +105,8 @@ class PenaltyContact(PressTerm):
         super().__init__("contact", tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), None)
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
+        self.thickness = film.thickness
+        """h [mm]."""
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
         self.film_edges = FilmEdges(self.law, part_of) if part_of is not None else None
