@@ -48,7 +48,7 @@ def test_a_cable_has_the_factor_of_its_segment():
     "wrong", [{"direction": (0, 0, 0)}, {"direction": (1, 0, 0), "along": 0.0}]
 )
 def test_nonsense_is_refused(wrong):
-    with pytest.raises(ValueError, match=r"must be a (vector|positive number)"):
+    with pytest.raises(ValueError, match=r"must be (a vector|positive)"):
         sc.Anisotropy(**wrong)
 
 

@@ -100,5 +100,5 @@ def test_what_is_behind_a_tip_has_its_cables():
 def test_along_edges_there_are_no_gauss_points():
     with pytest.raises(ValueError, match="cable_places is of cracks through the quads only"):
         sc.Fracture(path="edges", cable_places="gauss")
-    with pytest.raises(ValueError, match=r"cable_places must be one of \('ends', 'gauss'\)"):
+    with pytest.raises(ValueError, match="cable_places must be 'ends' or 'gauss'"):
         sc.Fracture(path="free", cable_places="middle")

@@ -168,8 +168,8 @@ def edited(site):
     """Double the plateau's part of the law's energy."""
     law = site / "shellcut" / "cables" / "cohesive_law.py"
     text = law.read_text()
-    assert text.count("area += law[1] *") == 1
-    law.write_text(text.replace("area += law[1] *", "area += 2.0 * law[1] *"))
+    assert text.count("area += law[PLATEAU] *") == 1
+    law.write_text(text.replace("area += law[PLATEAU] *", "area += 2.0 * law[PLATEAU] *"))
 
 
 def test_an_upgraded_package_computes_by_its_own_sources(site):

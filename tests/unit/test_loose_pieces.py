@@ -68,7 +68,7 @@ def test_pieces_of_a_film_by_construction_are_loose_only_if_nothing_holds_them()
 
 
 def test_a_choice_that_does_not_exist_is_refused():
-    with pytest.raises(ValueError, match="drop_loose must be one of"):
+    with pytest.raises(ValueError, match="drop_loose must be 'never' or 'clear'"):
         sc.Fracture(drop_loose="now")
 
 

@@ -57,7 +57,7 @@ def test_symmetry_looks_at_material_and_thickness():
         (lambda: Elastic(float("nan"), 0.3, 1e-9), ["young"]),
         (lambda: Elastic(1.0, 0.51, 1e-9), ["poisson", "0.51"]),
         (lambda: Elastic(1.0, -1.0, 1e-9), ["poisson"]),
-        (lambda: Elastic(1.0, 0.3, 0.0), ["density", "t/mm³"]),
+        (lambda: Elastic(1.0, 0.3, 0.0), ["density", "t/mm^3"]),
         (lambda: Elastic(1.0, 0.3, 0.92), ["density", "1 g/cm³ is 1e-9"]),
         (lambda: Elastic(-1.0, 0.7, 0.0), ["young", "poisson", "density"]),
         (lambda: Layer(FOIL, 0.0), ["thickness", "mm"]),

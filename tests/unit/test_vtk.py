@@ -92,7 +92,7 @@ def test_a_grid_written_by_vtk(tmp_path, name, mode, compressor, by_vtk, caplog,
     assert len(mesh.quad_set("part_3")) + len(mesh.quad_set("part_4")) == 10
     monkeypatch.setattr(vtk_file, "_VTK", replace(vtk_file._VTK, module="no_such_module"))
     if by_vtk:
-        with pytest.raises(FileError, match=r"meshio cannot read it: .*'shellcut\[view\]'"):
+        with pytest.raises(FileError, match=r"meshio cannot read it: .*'shellcut\[vtk\]'"):
             read_film(path, unit="mm")
     else:
         assert np.array_equal(read_film(path, unit="mm").quads, mesh.quads)

