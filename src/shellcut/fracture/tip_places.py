@@ -184,9 +184,8 @@ class TipPlaces:
         """Return whether a crack may run along a side: whole film on both sides of it."""
         ring = self.ring(row)
         a, b = ring[start], ring[end]
-        beside = [r for r, _ in self.topology.corners_at(a) if b in self.ring(r)]
         return (
-            len({self.topology.parent(r) for r in beside}) == 2
+            len(self.topology.beside(a, b)) == 2
             and not self.topology.is_broken(a, b)
             and (self.sides_only or not self.topology.crossings(a, b))
         )
