@@ -24,6 +24,7 @@ Nothing else records the crack. A cut only ever divides classes, it never joins 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,8 @@ class CutTopology:
     def __init__(self, quads: Ints, quads_at: SmallIds, n_quad_at: SmallIds) -> None:
         self._quads = quads
         self._quads_at, self._n_quad_at = quads_at.copy(), n_quad_at.copy()
+        # The mesh alone decides.
+        self._quads_around = lru_cache(maxsize=1024)(self._found_around)
         self._rows: dict[int, list[int]] = {}
         self._polygons: dict[int, Polygon] = {}
         self._parents: list[int] = []
@@ -164,12 +167,17 @@ class CutTopology:
 
     def corners_at(self, node: int) -> list[Corner]:
         """Return all copies around a node of the mesh with their corner there, by quad and row."""
+        around = self._quads_around(node)
+        return [(row, ring.index(node)) for quad, ring in around for row in self.rows_of(quad)]
+
+    def beside(self, a: int, b: int) -> list[int]:
+        """Return the quads of the mesh on the side between two of its nodes."""
+        return [quad for quad, ring in self._quads_around(a) if b in ring]
+
+    def _found_around(self, node: int) -> list[tuple[int, list[int]]]:
+        """Return the quads of the mesh at a node of it, and the nodes of each."""
         quads = self._quads_at[node, : self._n_quad_at[node]].tolist()
-        return [
-            (row, self._quads[quad].tolist().index(node))
-            for quad in quads
-            for row in self.rows_of(quad)
-        ]
+        return [(quad, self._quads[quad].tolist()) for quad in quads]
 
     def classes(self, node: int) -> list[list[Corner]]:
         """Return the classes of corners around a node of the mesh, each ascending."""
@@ -184,8 +192,7 @@ class CutTopology:
             return i
 
         ends: dict[int, list[tuple[int, int]]] = {}  # far node -> (quad, side) that lead there
-        for quad in dict.fromkeys(self.parent(row) for row, _ in corners):
-            ring = self._quads[quad].tolist()
+        for quad, ring in self._quads_around(node):
             a = ring.index(node)
             ends.setdefault(ring[(a + 1) % 4], []).append((quad, a))
             ends.setdefault(ring[a - 1], []).append((quad, (a - 1) % 4))

@@ -180,9 +180,10 @@ class Pierce:
 
     def _list(self, state: State) -> None:
         """List the whole rows near the tool without a node at a flank, by their first nodes."""
-        quads, whole = state.quads, state.quad.share[: state.n_quad] >= 1.0
-        near = whole & np.isin(quads[:, 0], self._near.ids)
-        self._rows = np.flatnonzero(near & ~state.node.halved[quads].any(axis=1))
+        quads, near = state.quads, np.zeros(state.n_node, np.bool_)
+        near[self._near.ids] = True
+        rows = np.flatnonzero(near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0))
+        self._rows = rows[~state.node.halved[quads[rows]].any(axis=1)]
         self._first = quads[self._rows, 0].astype(np.int64)
 
 

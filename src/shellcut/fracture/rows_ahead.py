@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
+from math import hypot
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -18,12 +20,10 @@ from .quad_polygon import (
     along_side,
     common_side,
     corner_at,
-    density,
     holds,
     is_on,
     on_side,
     shape_functions,
-    share_of,
 )
 from .tip import Tip
 from .tip_places import End, TipPlaces
@@ -134,7 +134,8 @@ def table_of(
     ends : of the cracks that come towards the tip, row by row.
     """
     rows = [row for row, _ in every]
-    polygons = [places.topology.polygon(row) for row in rows]
+    topology = places.topology
+    polygons = [topology.polygon(row) for row in rows]
     n, most = len(every), max(len(polygon.points) for polygon in polygons)
     oncoming = [end for some in ends for end in some]
     found = RowsAhead(
@@ -143,7 +144,12 @@ def table_of(
         size=np.array([places.size(row) for row in rows]),
         entry=np.array([entry for _, entry in every]),
         first=np.zeros(n, np.int64),
-        J=np.array([_relative_density(state, *at) for at in zip(rows, polygons, strict=True)]),
+        J=np.array(
+            [
+                places.relative_density(topology.parent(row), polygon)
+                for row, polygon in zip(rows, polygons, strict=True)
+            ]
+        ),
         n_point=np.zeros(n, np.int64),
         point=np.zeros((n, most, 2)),
         side=np.zeros((n, most), np.int64),
@@ -176,11 +182,6 @@ def table_of(
     )
 
 
-def _relative_density(state: State, row: int, polygon: Polygon) -> Floats:
-    J = density(state.node.X[state.quads[row]])
-    return np.array(J) / (4.0 * J[0] * share_of(polygon, J))
-
-
 def _fill(
     table: RowsAhead,
     k: int,
@@ -191,20 +192,13 @@ def _fill(
     known: list[tuple[float, bool]],
 ) -> None:
     """Write the polygon of row k of the table; append the crossings on it to ``known``."""
-    ring, start = places.ring(row), corner_at(entry)
-    points, n = polygon.points, len(polygon.points)
-    table.n_point[k] = n
-    for j in range(n):
-        side, after = polygon.sides[j], points[(j + 1) % n]
-        common = common_side(polygon, entry, points[j])
-        table.point[k, j], table.side[k, j] = points[j], side
-        table.corner[k, j] = corner_at(points[j])
-        table.common[k, j] = NO_SIDE if common is None else common
-        if common not in (None, FLANK) and start >= 0 and table.corner[k, j] not in (-1, start):
-            table.breaks[k, j] = places.may_break(row, start, int(table.corner[k, j]))
-        table.on_edge[k, j] = is_on(entry, points[j], after)
-        if table.on_edge[k, j] and np.hypot(*np.subtract(after, entry)) > AWAY:
-            table.first[k] = (j + 1) % n
+    ring, start, n = places.ring(row), corner_at(entry), len(polygon.points)
+    table.n_point[k], table.point[k, :n], table.side[k, :n] = n, polygon.points, polygon.sides
+    table.first[k], corners, common, table.on_edge[k, :n] = _outline(polygon, entry)
+    table.corner[k, :n], table.common[k, :n] = corners, common
+    for j, side in enumerate(polygon.sides):
+        if common[j] not in (NO_SIDE, FLANK) and start >= 0 and corners[j] not in (-1, start):
+            table.breaks[k, j] = places.may_break(row, start, corners[j])
         table.crossing[k, j, 0] = len(known)
         if side != FLANK and not places.sides_only:
             for s in reversed(places.topology.crossings(ring[side], ring[(side + 1) % 4])):
@@ -212,3 +206,17 @@ def _fill(
                 can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None
                 known.append((s, can_meet))
         table.crossing[k, j, 1] = len(known)
+
+
+@lru_cache(maxsize=1024)
+def _outline(polygon: Polygon, entry: Point) -> tuple[int, list[int], list[int], list[bool]]:
+    """Return ``first`` of a polygon, and ``corner``, ``common`` and ``on_edge`` of its points."""
+    points, first = polygon.points, 0
+    common = (common_side(polygon, entry, point) for point in points)
+    on_edge = []
+    for j, after in enumerate((*points[1:], points[0]), 1):
+        on_edge.append(is_on(entry, points[j - 1], after))
+        if on_edge[-1] and hypot(after[0] - entry[0], after[1] - entry[1]) > AWAY:
+            first = j % len(points)
+    sides = [NO_SIDE if side is None else side for side in common]
+    return first, [corner_at(point) for point in points], sides, on_edge

@@ -188,8 +188,9 @@ class SegmentCables:
         row, corner = c.row[: c.count][at_corner], c.corner[: c.count][at_corner]
         c.ends[: c.count][at_corner] = state.quads[row, corner]
         untouched = c.ends[: c.count][~at_corner] if self._at_gauss_points else c.ends[:0]
-        changed, density = self._known.changed_quads(state), self._material.area_density
-        tie(state, changed, areas, density, untouched.ravel())
+        if state.flank.count:
+            changed, density = self._known.changed_quads(state), self._material.area_density
+            tie(state, changed, areas, density, untouched.ravel())
         self._known.take(state)
 
     def _make(self, state: State, one: _Sleeping) -> None:

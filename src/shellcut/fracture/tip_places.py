@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, product, unit
+from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
@@ -19,14 +19,17 @@ from .quad_polygon import (
     AWAY,
     CORNERS,
     Point,
+    Polygon,
     along_side,
     common_side,
     corner_at,
+    density,
     has_corner,
     is_between,
     on_side,
     shape_functions,
     shape_slopes,
+    share_of,
     side_at,
     side_of,
     span,
@@ -64,8 +67,10 @@ class TipPlaces:
         self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
     ) -> None:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
-        # The mesh alone decides, and rows are sorted anew after every cut.
-        self._beside = lru_cache(maxsize=1024)(self._past_a_row)
+        # The mesh alone decides, and both are asked for again after every cut.
+        self.relative_density = lru_cache(maxsize=1024)(self._relative_density)
+        """Return the density in a quad of the mesh over that of a polygon in it, shape (3,)."""
+        self._parts_of = lru_cache(maxsize=1024)(self._heading_in)
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
@@ -84,7 +89,7 @@ class TipPlaces:
         """
         rows = self.rows_at_tip(tip)
         if tip.flank is None and tip.at_node:
-            rows.sort(key=lambda at: self._beside(at, tip))
+            rows.sort(key=lambda at: self._past_a_row(at, tip))
         return rows
 
     def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
@@ -184,9 +189,8 @@ class TipPlaces:
         """Return whether a crack may run along a side: whole film on both sides of it."""
         ring = self.ring(row)
         a, b = ring[start], ring[end]
-        beside = [r for r, _ in self.topology.corners_at(a) if b in self.ring(r)]
         return (
-            len({self.topology.parent(r) for r in beside}) == 2
+            len(self.topology.beside(a, b)) == 2
             and not self.topology.is_broken(a, b)
             and (self.sides_only or not self.topology.crossings(a, b))
         )
@@ -233,7 +237,8 @@ class TipPlaces:
         plane of the row ahead, by projection, and moves with that row: as the line of film ahead of
         the tip that lay in its direction.
         """
-        along, slopes = self._parts_of(row, place, heading)
+        quad = self.topology.parent(row)
+        along, slopes = self._parts_of(quad, place, tuple(heading.tolist()))
         return np.asarray(product(along, slopes))
 
     def _past_a_row(self, at: tuple[int, Point], tip: Tip) -> float:
@@ -243,13 +248,20 @@ class TipPlaces:
 
         at : row and corner.  tip : whose heading.
         """
-        along, _ = self._parts_of(*at, tip.heading)
-        return round(float((along * at[1]).max() / np.abs(along).max()), 6)
+        row, (xi, eta) = at
+        along, _ = self._parts_of(self.topology.parent(row), at[1], tuple(tip.heading.tolist()))
+        a, b = along.tolist()
+        return round(max(a * xi, b * eta) / max(abs(a), abs(b)), 6)
 
-    def _parts_of(self, row: int, place: Point, heading: Floats) -> tuple[Floats, Floats]:
-        """Return a heading in (xi, eta) of a row, and the slopes of shape functions, (2, 4)."""
+    def _relative_density(self, quad: int, polygon: Polygon) -> Floats:
+        film = self._shell.reference
+        J = density(film.x[film.quads[quad]])
+        return np.array(J) / (4.0 * J[0] * share_of(polygon, J))
+
+    def _heading_in(self, quad: int, place: Point, heading: Vec3) -> tuple[Floats, Floats]:
+        """Return a heading in (xi, eta) of a quad, and the slopes of shape functions, (2, 4)."""
         slopes, film = shape_slopes(place), self._shell.reference
-        along = least_squares(product(slopes, film.x[film.quads[row]]).T, heading)
+        along = least_squares(product(slopes, film.x[film.quads[quad]]).T, np.array(heading))
         return along, slopes
 
     def reference_of(self, state: State, tip: Tip) -> Floats:
