@@ -144,12 +144,7 @@ def table_of(
         size=np.array([places.size(row) for row in rows]),
         entry=np.array([entry for _, entry in every]),
         first=np.zeros(n, np.int64),
-        J=np.array(
-            [
-                places.relative_density(topology.parent(row), polygon)
-                for row, polygon in zip(rows, polygons, strict=True)
-            ]
-        ),
+        J=np.array([*map(places.relative_density, map(topology.parent, rows), polygons)]),
         n_point=np.zeros(n, np.int64),
         point=np.zeros((n, most, 2)),
         side=np.zeros((n, most), np.int64),

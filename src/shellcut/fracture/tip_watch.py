@@ -6,7 +6,6 @@ What lasts as long as the topology is found once; the rest is done by a few kern
 from __future__ import annotations
 
 from collections.abc import Sequence
-from operator import is_
 
 import numpy as np
 
@@ -61,7 +60,7 @@ class TipWatch:
         self._pairs: dict[tuple[int, bytes], list[Pair]] = {}
         self._way = b""
         self.x: Floats = np.zeros((0, 3))
-        """Where the tips are [mm], written by :meth:`places`, shape (n_tip, 3)."""
+        """Where the tips were at the last question [mm], shape (n_tip, 3)."""
         self._due: Bools = np.zeros(0, np.bool_)
 
     @property
@@ -79,13 +78,6 @@ class TipWatch:
         if self._is_of(state, tips):
             return tips
         return [tip for tip in tips if self._path.rows_ahead(tip)]
-
-    def places(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Floats:
-        """Return where tips are [mm], shape (n_tip, 3): one at least, with film ahead of each."""
-        self._follow(state, tips, others)
-        n = state.node
-        self._place_tips(self._table, n.x, n.t, self.x, self._director, self._heading)
-        return self.x
 
     def driven_places(self) -> Floats:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
@@ -106,9 +98,10 @@ class TipWatch:
         if not len(tips):
             self.x, self._tips = np.zeros((0, 3)), []
             return self._due[:0]
-        self.places(state, tips, others)
-        self._due[:] = False
+        self._follow(state, tips, others)
         n, table, drive = state.node, self._table, self._drive
+        self._place_tips(table, n.x, n.t, self.x, self._director, self._heading)
+        self._due[:] = False
         driven = drive.find(self.x, table.size, state.time)
         drive.direct(self._director, self._heading, table.reference, table.size)
         edges, ways, lean = driven.edge_of, driven.ways, driven.lean
@@ -129,8 +122,7 @@ class TipWatch:
         return (
             self._known.is_of(state)
             and (state.n_cable, state.flank.count) == self._count
-            and len(tips) == len(self._tips)
-            and all(map(is_, tips, self._tips))
+            and list(tips) == self._tips
         )
 
     def _follow(self, state: State, tips: Sequence[Tip], others: Sequence[Tip]) -> None:
