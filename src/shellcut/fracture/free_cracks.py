@@ -278,9 +278,9 @@ class FreeCracks:
                 there = watch.alive(state, [tip]) if tip in self.tips else []
                 i, due = 0, watch.due(state, there, self.tips)
             if due[i:].any() and (segment := watch.segment(i)):
-                measure = float(watch.measure[i])
+                measure = float(watch.weighed.measure[i])
                 kind = "criterion" if measure >= 1.0 else "blade"
-                self._advance(state, tip, segment, kind, measure, watch.force[i])
+                self._advance(state, tip, segment, kind, measure, watch.weighed.force[i])
                 went_on = True
         return went_on
 

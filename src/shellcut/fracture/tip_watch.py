@@ -53,7 +53,8 @@ class TipWatch:
         self._director: Floats
         self._heading: Floats
         self._aimed: Aimed
-        self._weighed: Weighed
+        self.weighed: Weighed
+        """What the trial cuts of tips with a segment had at the last question."""
         self._tips: list[Tip] = []
         self._sums = TrialSums(trial_cut)
         self._place_tips, self._leave = BoundOnce(_place_tips), BoundOnce(leave)
@@ -62,16 +63,6 @@ class TipWatch:
         self.x: Floats = np.zeros((0, 3))
         """Where the tips were at the last question [mm], shape (n_tip, 3)."""
         self._due: Bools = np.zeros(0, np.bool_)
-
-    @property
-    def measure(self) -> Floats:
-        """What the trial cuts of tips with a segment measured at the last question, (n_tip,)."""
-        return self._weighed.measure
-
-    @property
-    def force(self) -> Floats:
-        """F_c of the same tips [N], (n_tip, 3)."""
-        return self._weighed.force
 
     def alive(self, state: State, tips: list[Tip]) -> list[Tip]:
         """Return the tips with film ahead: not at a rim, nor where another crack came across."""
@@ -110,11 +101,11 @@ class TipWatch:
             if way != self._way:
                 self._way = way
                 self._sums.take(self._trials(state))
-            self._sums.weigh(state, self._aimed, self._weighed)
+            self._sums.weigh(state, self._aimed, self.weighed)
             if self._stress is not None:
-                self.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
+                self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
             leads_on = self._aimed.way[:, 0] >= 0
-            self._due[:] = leads_on & (driven.passed | (self.measure >= 1.0))
+            self._due[:] = leads_on & (driven.passed | (self.weighed.measure >= 1.0))
         return self._due
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:
@@ -134,7 +125,7 @@ class TipWatch:
         self._known.take(state)
         self._table, self._ahead = tips_of(state, self._path, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
-        self._due, self._aimed, self._weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
+        self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         self._pairs.clear()
         self._way = b""
 
