@@ -64,7 +64,8 @@ class Rules:
             assert (mine.corner, mine.side) == (segment.corner, segment.side)
             np.testing.assert_allclose(mine.entry, segment.entry, atol=1e-12)
             np.testing.assert_allclose(mine.exit, segment.exit, atol=1e-9)
-            np.testing.assert_allclose(self.watch.measure[i], measure, rtol=1e-9, atol=1e-12)
+            found = self.watch.weighed.measure[i]
+            np.testing.assert_allclose(found, measure, rtol=1e-9, atol=1e-12)
             assert due[i] == (passed or measure >= 1.0)
             right, _ = trial_cut.shares(self.trial, state, segment)
             assert mine.right == pytest.approx(right, rel=1e-9)  # round-off

@@ -128,7 +128,7 @@ class FreeCracks:
             if not self._known.is_of(state):
                 self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
                 self._known.take(state)
-            if not self._is_there(tip) or state.time < tip.since:
+            if tip not in self.tips or state.time < tip.since:
                 continue  # another crack has just joined it, or it has just been here
             if tip.branch and self._branching is not None:
                 tip.branch = not self._branching.is_alone(*self._apart(state, tip))
@@ -268,21 +268,19 @@ class FreeCracks:
             chord = Segment(row, start, stop, side, end, along_side=True)
         return self._cut(state, chord, kind, 0.0)
 
-    def _is_there(self, tip: Tip) -> bool:
-        return any(one is tip for one in self.tips)
-
     def _advance_driven(self, state: State) -> bool:
         """Advance the cracks that a blade drives and that are due; return whether there are any."""
         watch, went_on = self._watch, False
         self.tips = watch.alive(state, self.tips)
         due = watch.due(state, self.tips)
-        for tip in [tip for tip, is_due in zip(self.tips, due, strict=True) if is_due]:
-            # Each cut may change what the next one has ahead.
-            there = watch.alive(state, [tip]) if self._is_there(tip) else []
-            if watch.due(state, there, self.tips).any() and (segment := watch.segment(0)):
-                measure = float(watch.measure[0])
+        for i, tip in [one for one in enumerate(self.tips) if due[one[0]]]:
+            if went_on:  # a cut may change what the next one has ahead
+                there = watch.alive(state, [tip]) if tip in self.tips else []
+                i, due = 0, watch.due(state, there, self.tips)
+            if due[i:].any() and (segment := watch.segment(i)):
+                measure = float(watch.weighed.measure[i])
                 kind = "criterion" if measure >= 1.0 else "blade"
-                self._advance(state, tip, segment, kind, measure, watch.force[0])
+                self._advance(state, tip, segment, kind, measure, watch.weighed.force[i])
                 went_on = True
         return went_on
 

@@ -20,10 +20,12 @@ from .quad_polygon import (
     along_side,
     common_side,
     corner_at,
+    density,
     holds,
     is_on,
     on_side,
     shape_functions,
+    share_of,
 )
 from .tip import Tip
 from .tip_places import End, TipPlaces
@@ -134,8 +136,8 @@ def table_of(
     ends : of the cracks that come towards the tip, row by row.
     """
     rows = [row for row, _ in every]
-    topology = places.topology
-    polygons = [topology.polygon(row) for row in rows]
+    X = state.node.X[state.quads[rows]]
+    polygons = [places.topology.polygon(row) for row in rows]
     n, most = len(every), max(len(polygon.points) for polygon in polygons)
     oncoming = [end for some in ends for end in some]
     found = RowsAhead(
@@ -144,12 +146,7 @@ def table_of(
         size=np.array([places.size(row) for row in rows]),
         entry=np.array([entry for _, entry in every]),
         first=np.zeros(n, np.int64),
-        J=np.array(
-            [
-                places.relative_density(topology.parent(row), polygon)
-                for row, polygon in zip(rows, polygons, strict=True)
-            ]
-        ),
+        J=np.array([*map(_relative_density, polygons, map(bytes, X))]),
         n_point=np.zeros(n, np.int64),
         point=np.zeros((n, most, 2)),
         side=np.zeros((n, most), np.int64),
@@ -180,6 +177,12 @@ def table_of(
         known=np.array([s for s, _ in known]),
         can_meet=np.array([can for _, can in known], np.bool_),
     )
+
+
+@lru_cache(maxsize=1024)
+def _relative_density(polygon: Polygon, X: bytes) -> Floats:
+    J = density(np.frombuffer(X).reshape(4, 3))
+    return np.array(J) / (4.0 * J[0] * share_of(polygon, J))
 
 
 def _fill(

@@ -19,17 +19,14 @@ from .quad_polygon import (
     AWAY,
     CORNERS,
     Point,
-    Polygon,
     along_side,
     common_side,
     corner_at,
-    density,
     has_corner,
     is_between,
     on_side,
     shape_functions,
     shape_slopes,
-    share_of,
     side_at,
     side_of,
     span,
@@ -67,9 +64,7 @@ class TipPlaces:
         self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
     ) -> None:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
-        # The mesh alone decides, and both are asked for again after every cut.
-        self.relative_density = lru_cache(maxsize=1024)(self._relative_density)
-        """Return the density in a quad of the mesh over that of a polygon in it, shape (3,)."""
+        # The mesh alone decides, and rows are asked about anew after every cut.
         self._parts_of = lru_cache(maxsize=1024)(self._heading_in)
 
     def ring(self, row: int) -> list[int]:
@@ -252,11 +247,6 @@ class TipPlaces:
         along, _ = self._parts_of(self.topology.parent(row), at[1], tuple(tip.heading.tolist()))
         a, b = along.tolist()
         return round(max(a * xi, b * eta) / max(abs(a), abs(b)), 6)
-
-    def _relative_density(self, quad: int, polygon: Polygon) -> Floats:
-        film = self._shell.reference
-        J = density(film.x[film.quads[quad]])
-        return np.array(J) / (4.0 * J[0] * share_of(polygon, J))
 
     def _heading_in(self, quad: int, place: Point, heading: Vec3) -> tuple[Floats, Floats]:
         """Return a heading in (xi, eta) of a quad, and the slopes of shape functions, (2, 4)."""

@@ -6,7 +6,6 @@ What lasts as long as the topology is found once; the rest is done by a few kern
 from __future__ import annotations
 
 from collections.abc import Sequence
-from operator import is_
 
 import numpy as np
 
@@ -54,38 +53,22 @@ class TipWatch:
         self._director: Floats
         self._heading: Floats
         self._aimed: Aimed
-        self._weighed: Weighed
+        self.weighed: Weighed
+        """What the trial cuts of tips with a segment had at the last question."""
         self._tips: list[Tip] = []
         self._sums = TrialSums(trial_cut)
         self._place_tips, self._leave = BoundOnce(_place_tips), BoundOnce(leave)
         self._pairs: dict[tuple[int, bytes], list[Pair]] = {}
         self._way = b""
         self.x: Floats = np.zeros((0, 3))
-        """Where the tips are [mm], written by :meth:`places`, shape (n_tip, 3)."""
+        """Where the tips were at the last question [mm], shape (n_tip, 3)."""
         self._due: Bools = np.zeros(0, np.bool_)
-
-    @property
-    def measure(self) -> Floats:
-        """What the trial cuts of tips with a segment measured at the last question, (n_tip,)."""
-        return self._weighed.measure
-
-    @property
-    def force(self) -> Floats:
-        """F_c of the same tips [N], (n_tip, 3)."""
-        return self._weighed.force
 
     def alive(self, state: State, tips: list[Tip]) -> list[Tip]:
         """Return the tips with film ahead: not at a rim, nor where another crack came across."""
         if self._is_of(state, tips):
             return tips
         return [tip for tip in tips if self._path.rows_ahead(tip)]
-
-    def places(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Floats:
-        """Return where tips are [mm], shape (n_tip, 3): one at least, with film ahead of each."""
-        self._follow(state, tips, others)
-        n = state.node
-        self._place_tips(self._table, n.x, n.t, self.x, self._director, self._heading)
-        return self.x
 
     def driven_places(self) -> Floats:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
@@ -106,9 +89,10 @@ class TipWatch:
         if not len(tips):
             self.x, self._tips = np.zeros((0, 3)), []
             return self._due[:0]
-        self.places(state, tips, others)
-        self._due[:] = False
+        self._follow(state, tips, others)
         n, table, drive = state.node, self._table, self._drive
+        self._place_tips(table, n.x, n.t, self.x, self._director, self._heading)
+        self._due[:] = False
         driven = drive.find(self.x, table.size, state.time)
         drive.direct(self._director, self._heading, table.reference, table.size)
         edges, ways, lean = driven.edge_of, driven.ways, driven.lean
@@ -117,11 +101,11 @@ class TipWatch:
             if way != self._way:
                 self._way = way
                 self._sums.take(self._trials(state))
-            self._sums.weigh(state, self._aimed, self._weighed)
+            self._sums.weigh(state, self._aimed, self.weighed)
             if self._stress is not None:
-                self.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
+                self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
             leads_on = self._aimed.way[:, 0] >= 0
-            self._due[:] = leads_on & (driven.passed | (self.measure >= 1.0))
+            self._due[:] = leads_on & (driven.passed | (self.weighed.measure >= 1.0))
         return self._due
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:
@@ -129,8 +113,7 @@ class TipWatch:
         return (
             self._known.is_of(state)
             and (state.n_cable, state.flank.count) == self._count
-            and len(tips) == len(self._tips)
-            and all(map(is_, tips, self._tips))
+            and list(tips) == self._tips
         )
 
     def _follow(self, state: State, tips: Sequence[Tip], others: Sequence[Tip]) -> None:
@@ -142,7 +125,7 @@ class TipWatch:
         self._known.take(state)
         self._table, self._ahead = tips_of(state, self._path, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
-        self._due, self._aimed, self._weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
+        self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         self._pairs.clear()
         self._way = b""
 

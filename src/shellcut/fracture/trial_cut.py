@@ -162,13 +162,14 @@ class TrialCut:
             return row != segment.row or all(holds(p, tuple(inward)) for p in part.values())
 
         f, c = state.flank, state.cable
-        at_corner = np.isin(c.row[: c.count] * 4 + c.corner[: c.count], rows * 4 + corner)
+        at = c.row[: c.count] * 4 + c.corner[: c.count]
+        at_corner = (at[..., None] == rows * 4 + corner).any(axis=2)
         cables = [
             (k, end, 1.0)
             for k, end in np.argwhere(at_corner).tolist()
             if holds_end(c.row[k, end], c.inward[k, end])
         ]
-        for k in np.flatnonzero(np.isin(f.row[: f.count], rows)).tolist():
+        for k in np.flatnonzero((f.row[: f.count, None] == rows).any(axis=1)).tolist():
             weight = float(f.weight[k, corner[rows == f.row[k]][0]])
             if weight > UNUSED and holds_end(f.row[k], f.inward[k]):
                 for cable, end in np.argwhere(c.ends[: c.count] == f.node[k]).tolist():
