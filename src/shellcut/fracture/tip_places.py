@@ -246,7 +246,8 @@ class TipPlaces:
         row, (xi, eta) = at
         along, _ = self._parts_of(self.topology.parent(row), at[1], tuple(tip.heading.tolist()))
         a, b = along.tolist()
-        return round(max(a * xi, b * eta) / max(abs(a), abs(b)), 6)
+        past: float = round(max(a * xi, b * eta) / max(abs(a), abs(b)), 6)
+        return past
 
     def _heading_in(self, quad: int, place: Point, heading: Vec3) -> tuple[Floats, Floats]:
         """Return a heading in (xi, eta) of a quad, and the slopes of shape functions, (2, 4)."""
