@@ -38,7 +38,8 @@ PARTS = {
     "time": ANGLE,
     "angle": ANGLE,
     "torque": TORQUE,
-    "torque_contact": 0.05 * TORQUE,
+    "torque_contact": 0.03 * TORQUE,
+    "torque_edges": 0.02 * TORQUE,
     "torque_joints": 0.95 * TORQUE,
     "torque_tooth_1": 0.5 * TORQUE,
     "torque_tooth_2": 0.5 * TORQUE,
@@ -62,6 +63,7 @@ def test_torque_with_its_parts_and_others(tmp_path, figures):
     lines = {line.get_label(): line for line in axes.lines}
     assert lines["mean"].get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
     np.testing.assert_array_equal(lines["total"].get_ydata(), TORQUE)
+    np.testing.assert_allclose(lines["from contact"].get_ydata(), 0.05 * TORQUE, atol=1e-9)
 
 
 def test_energy_is_stacked_and_the_imbalance_below(tmp_path, figures):

@@ -23,9 +23,10 @@ def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) 
     label = f"each of {len(teeth)} teeth"
     curves = [Curve(label, history[column], "tooth") for column in teeth if len(teeth) > 1]
     if not is_pulled(history):
+        joints = history[f"{name}_joints"]
         curves += [
-            Curve("from contact", history[f"{name}_contact"], "contact"),
-            Curve("from cables at the edge", history[f"{name}_joints"], "joints"),
+            Curve("from contact", history[name] - joints, "contact"),  # friction, too
+            Curve("from cables at the edge", joints, "joints"),
         ]
     curves.append(Curve("total", history[name]))
     return Diagram(history[x], curves, x, units[x], name, units[name])
