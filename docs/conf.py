@@ -43,6 +43,7 @@ autodoc_typehints = "none"  # the docstrings tell kinds, shapes and units
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+suppress_warnings = ["ref.python"]  # several classes have a field `name`: any of them will do
 
 PAGES = {
     "First steps": ["install", "first-cut", "gallery/index"],
