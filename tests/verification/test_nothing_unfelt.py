@@ -70,7 +70,8 @@ def test_nothing_deeper_than_about_half_the_thickness_is_unfelt(name):
 
 
 @pytest.mark.slow
-def test_without_what_feels_it_it_would_be():
-    contact = Contact(tool_points=False, film_edges=False)
-    sim = sc.opening_test("quick", contact=contact).simulation
-    assert (deepest_unfelt(sim, 12_000) > 0.5 * sim.material.thickness).all()
+def test_without_what_feels_them_edges_of_the_film_would_be_deeper():
+    # A cutting edge that goes through film cuts it at once; what goes between nodes of whole film
+    # is in tests/unit/test_point_contact.py.
+    sim = sc.opening_test("quick", contact=Contact(film_edges=False)).simulation
+    assert deepest_unfelt(sim, 12_000)[1] > 0.5 * sim.material.thickness
