@@ -265,9 +265,11 @@ def test_a_rim_pushed_between_nodes_is_felt():
         book = sim.close_ledger()
         if on:
             assert sum(t.forces.wrench[0, 0] for t in sim.terms) < -5.0
-            # It gives back all that it takes, and the works of both sides are booked.
-            assert book.contact_work == pytest.approx(book.contact_stored, rel=1e-3)
-            assert abs(book.imbalance) < 3e-6 * book.tool_work
+            # It gives back all that it takes, and the works of both sides are booked, to 3e-6 and
+            # 6e-8; a quarter of that with half the step, so this is the time integration's error.
+            assert book.contact_work == pytest.approx(book.contact_stored, rel=1e-5)
+            assert abs(book.imbalance) < 1e-6 * book.tool_work
+            # Between places depths are interpolated: 0.095 of the thickness, whatever the step.
             assert unfelt < 0.1 * sim.material.thickness
         else:
             assert book.tool_work == 0.0  # it goes through the rim, and nothing feels it
