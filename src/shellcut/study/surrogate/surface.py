@@ -79,7 +79,7 @@ class Surface:
         from sklearn.exceptions import ConvergenceWarning
         from sklearn.gaussian_process import GaussianProcessRegressor
         from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
-        from sklearn.model_selection import KFold, cross_val_predict
+        from sklearn.model_selection import PredefinedSplit, cross_val_predict
 
         self.inputs = tuple(inputs)
         self.rows = np.arange(len(figure))
@@ -93,7 +93,8 @@ class Surface:
         )
         self.n_run = len(figure)
         self.n_fold = self.n_run if self.n_run <= _ONE_BY_ONE else 10
-        parts = KFold(self.n_fold, shuffle=True, random_state=0)
+        places = np.random.default_rng(0).permutation(self.n_run)
+        parts = PredefinedSplit(places % self.n_fold)
         with warnings.catch_warnings():  # a length at its end is a plane, no noise a good fit
             warnings.simplefilter("ignore", ConvergenceWarning)
             self._process.fit(columns, figure)
