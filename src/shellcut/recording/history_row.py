@@ -13,34 +13,6 @@ from .resistance import AnyResistance
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
 
-_ENERGIES = (
-    "tool_work",
-    "load_work",
-    "support_work",
-    "initial",
-    "kinetic_translation",
-    "kinetic_rotation",
-    "strain",
-    "material_dissipated",
-    "cohesive_work",
-    "cohesive_start_work",
-    "cohesive_stored",
-    "cohesive_dissipated",
-    "joint_friction",
-    "contact_work",
-    "contact_stored",
-    "contact_absorbed",
-    "self_contact_work",
-    "self_contact_stored",
-    "dropped",
-    "friction_work",
-    "friction_stored",
-    "friction_dissipated",
-    "damping_stiffness",
-    "damping_mass",
-)
-"""Entries of :class:`shellcut.simulation.ledger.Ledger`, [N·mm]."""
-
 
 def history_row(
     sim: Simulation, resistance: AnyResistance, front: CutFront, *, unfelt: float
@@ -65,8 +37,8 @@ def history_row(
     yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
     yield from r.row(sim)
     ledger = sim.close_ledger()
-    for energy in _ENERGIES:
-        yield energy, "N*mm", getattr(ledger, energy)
+    for name, energy in vars(ledger).items():
+        yield name, "N*mm", energy
     yield "imbalance", "N*mm", ledger.imbalance
     yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
     yield "dt", "s", s.dt

@@ -15,6 +15,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from copy import deepcopy
 from dataclasses import asdict, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -189,7 +190,7 @@ class Recorder:
         """Write what is due."""
         now = sim.state.time
         if self._schedule.due(now):
-            before = self._schedule.copy()
+            before = deepcopy(self._schedule)
             try:
                 self._record(sim, now, self._schedule)
             except BaseException:

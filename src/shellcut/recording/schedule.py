@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -74,16 +74,6 @@ class Schedule:
         self.unfelt = found.quads
         self.largest_unfelt = max(self.largest_unfelt, found.quads)
         self.largest_unfelt_edge = max(self.largest_unfelt_edge, found.film_edges)
-
-    def copy(self) -> Schedule:
-        """Return an independent copy."""
-        return replace(
-            self,
-            row_due=replace(self.row_due),
-            frame_due=replace(self.frame_due),
-            picture_due=replace(self.picture_due) if self.picture_due else None,
-            look_due=replace(self.look_due),
-        )
 
     def saved(self) -> dict[str, Any]:
         """Return the schedule as numbers and dictionaries of numbers, by name."""

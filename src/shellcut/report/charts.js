@@ -1,3 +1,6 @@
+"use strict";
+document.documentElement.classList.add("js");
+
 // The charts: plotly.js draws the numbers beside each. A finger that drags scrolls the page.
 const FINGER = matchMedia("(pointer: coarse)").matches;
 const LAYOUT = {

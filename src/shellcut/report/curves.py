@@ -1,4 +1,4 @@
-"""Sections with curves: resistance, measured curve, energy ledger, time step."""
+"""Sections with curves: resistance, measured curve, energy ledger."""
 
 from __future__ import annotations
 
@@ -96,21 +96,6 @@ def energy(run: Gathered) -> str:
     start = figure_of(h[missed.x_name][trusted][0], run.coordinate[1])
     missed = replace(missed, name=f"imbalance of the ledger from {start} on")
     return ledger + _chart(missed, "imbalance of the ledger", 170.0, trusted)
-
-
-def step(run: Gathered) -> str:
-    """Return the time step, in numbers and over the tool's coordinate."""
-    if "dt" not in run.history:
-        return ""
-    steps = 1e9 * run.history["dt"][1:]  # the first row is before the first step
-    rows = [("smallest", f"{steps.min():.4g} ns"), ("largest", f"{steps.max():.4g} ns")]
-    if "n_step" in run.summary:
-        rows.append(("steps", f"{run.summary['n_step']:,}"))
-        rows.append(("mean", f"{1e9 * run.summary['dt_s']:.4g} ns"))
-    name, unit = run.coordinate
-    step = Curve("step", np.concatenate((steps[:1], steps)), "contact")
-    diagram = Diagram(run.history[name], [step], name, unit, "time step", "ns")
-    return table(rows) + _chart(diagram, "the time step", 190.0)
 
 
 def _chart(

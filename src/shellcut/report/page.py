@@ -43,7 +43,7 @@ def page_of(
             f"{time.strftime('%Y-%m-%d %H:%M')}. Units: mm, N, s, tonne, MPa."
         ),
         style=_part("page.css") + style,
-        script="\n".join([_part("page.js"), *(charts if 'class="chart' in body else ()), script]),
+        script="\n".join([*(charts if 'class="chart' in body else ()), script]),
         last=last,
     )
 

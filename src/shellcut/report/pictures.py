@@ -1,4 +1,4 @@
-"""Sections with pictures: crack map, film strip, snapshots.
+"""Sections with pictures: crack map, film strip.
 
 The pictures of frames contain no text: captions, scale and legend are HTML, equally readable on a
 phone and on a desktop.
@@ -25,17 +25,15 @@ from shellcut.view import (
     legend_of,
     limits_for,
     snapshot_limits,
-    title_parts,
 )
 
 from .gathered import Gathered
 from .markup import missing
 
 _N_MAP = 100  # frames read for the crack map
-_N_FRAME = 6  # frames in the film strip, and among the snapshots
+_N_FRAME = 6  # frames in the film strip
 _LEAST_SHARE = 0.2  # part of a stress scale that stresses should reach to show colours
 _STRIP_WIDTH = 480  # pixels of a picture in the film strip
-_SHOT = (500, 640)  # height and width of each picture of a snapshot [pixel]
 _N_COLOR = 12  # colours of the stress scale; CSS interpolates between them
 _MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
@@ -95,25 +93,6 @@ def film_strip(run: Gathered) -> str:
     )
 
 
-def snapshots(run: Gathered) -> str:
-    """Return the whole film and one tooth; JavaScript adds a slider."""
-    frames = run.frames(_N_FRAME)
-    if not frames:
-        return ""
-    try:
-        panels = Panels(frames, shape=_SHOT, stress_limits=_scale(run, frames))
-        slides = "".join(_slide(panels, frame) for frame in frames)
-        words = _stress(panels, frames)
-    except ImportError:
-        return missing(_MISSING)
-    n = len(frames)
-    slider = (
-        f'<p class="turn"><label for="slide">Picture</label><input id="slide" type="range" min="0" '
-        f'max="{n - 1}" value="{n // 2}"><output for="slide"></output></p>'
-    )
-    return f'<div class="slides">{slider}{slides}</div>{words}'
-
-
 def _scale(run: Gathered, frames: Sequence[Frame]) -> tuple[float, float]:
     """Return the stress limits of all pictures [MPa]: those of the run's snapshots.
 
@@ -130,36 +109,10 @@ def _scale(run: Gathered, frames: Sequence[Frame]) -> tuple[float, float]:
     return theirs if own[1] >= _LEAST_SHARE * theirs[1] else own
 
 
-def _slide(panels: Panels, frame: Frame) -> str:
-    whole, close = panels.whole(frame), panels.close(frame)
-    at = caption_of(frame)[0]
-    if close is None:
-        shots = _panel(whole, f"The whole film at {at}")
-    else:
-        height, width = whole.image.shape[:2]
-        x, y, radius = panels.mark(close)
-        place = {
-            "left": (x - radius) / width,
-            "top": (y - radius) / height,
-            "width": 2.0 * radius / width,
-            "height": 2.0 * radius / height,
-        }
-        style = ";".join(f"{name}:{100.0 * share:.2f}%" for name, share in place.items())
-        circle = f'<span class="circle" style="{style}"></span>'
-        name = '<span class="name">tooth 1</span>'
-        shots = _panel(whole, f"The whole film at {at}", circle)
-        shots += _panel(close, f"Tooth 1 and the film around it at {at}", name)
-    title = escape(" · ".join(title_parts(frame)))
-    return (
-        f'<figure class="slide"><figcaption>{title}</figcaption><div class="pair">{shots}</div>'
-        "</figure>"
-    )
-
-
-def _panel(panel: Panel, alt: str, more: str = "") -> str:
+def _panel(panel: Panel, alt: str) -> str:
     length, share = panel.bar
     bar = f'<span class="bar" style="width:{100.0 * share:.2f}%">{length:g} mm</span>'
-    return f'<div class="panel">{_image(panel.png(), alt)}{more}{bar}</div>'
+    return f'<div class="panel">{_image(panel.png(), alt)}{bar}</div>'
 
 
 def _stress(panels: Panels, frames: Sequence[Frame]) -> str:

@@ -67,7 +67,7 @@ def report_run(
     out = target(path, run.folder / "report.html", inputs)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
-    body = _body(run, out)
+    body = _body(run)
     html = page_of(
         title=f"{run.name} - report of a run",
         heading=run.name,
@@ -91,7 +91,7 @@ def _lead(run: Gathered) -> str:
     return ", ".join(parts) + "."
 
 
-def _body(run: Gathered, out: Path) -> str:
+def _body(run: Gathered) -> str:
     last = run_or_say(run, "last frame", lambda: run.last_frame)
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
@@ -100,16 +100,12 @@ def _body(run: Gathered, out: Path) -> str:
         "Measured curve": lambda: curves.measured(run),
         "The cut": lambda: pictures.film_strip(run),
         "In three dimensions": lambda: scene.scene(run),
-        "Snapshots": lambda: pictures.snapshots(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),
         "Energy ledger": lambda: curves.energy(run),
         "Splits": lambda: words.splits(run),
-        "Tool": lambda: words.tool(run, last),
-        "Time step": lambda: curves.step(run),
         "What was run": lambda: words.what_was_run(run),
         "Versions": words.versions,
-        "Files": lambda: words.files(run, out),
     }
     made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
     # Last, because it reports the problems of the other sections.

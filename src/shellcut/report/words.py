@@ -1,12 +1,10 @@
-"""Sections of text and numbers: verdict, figures, quality, splits, tool, versions, files."""
+"""Sections of text and numbers: verdict, figures, quality, splits, versions."""
 
 from __future__ import annotations
 
-import hashlib
 import importlib.metadata
 import platform
 from html import escape
-from pathlib import Path
 
 import numpy as np
 
@@ -19,10 +17,9 @@ from shellcut.unit import in_unit
 from shellcut.view import edge_length
 
 from .gathered import Gathered
-from .markup import figure_of, link_to, missing, table
+from .markup import figure_of, missing, table
 
 _N_QUALITY = 5  # frames for which the quality of the cut is listed
-_DIGEST_LIMIT = 200_000_000  # bytes; larger files get no digest, which would take too long
 
 _QUALITY = {
     "crack_length": "crack length",
@@ -128,23 +125,6 @@ def splits(run: Gathered) -> str:
     return table(rows, head)
 
 
-def tool(run: Gathered, last: Frame | None) -> str:
-    """Return the tool's size, edges and last position."""
-    if last is None or not len(last.tool_triangles):
-        return ""
-    edges = np.linalg.norm(last.edge_points[:, 1] - last.edge_points[:, 0], axis=1)
-    extent = " × ".join(f"{length:.4g}" for length in np.ptp(last.tool_points, axis=0))
-    first = run.resistance[0] if run.history else ""
-    n_tooth = sum(name.startswith(f"{first}_tooth_") for name in run.history)
-    rows = [
-        ("teeth", str(n_tooth) if n_tooth else "-"),
-        ("cutting edges", f"{edges.sum():.4g} mm in {len(edges)} segments"),
-        ("extent in x, y, z at the last frame", f"{extent} mm"),
-        ("surface", f"{len(last.tool_triangles):,} triangles"),
-    ]
-    return table(rows)
-
-
 def versions(*others: str) -> str:
     """Return the versions of the packages that wrote the report."""
     rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
@@ -154,30 +134,3 @@ def versions(*others: str) -> str:
         except importlib.metadata.PackageNotFoundError:
             rows.append((package, "not installed"))
     return table(rows) + '<p class="caption">In the installation that wrote this report.</p>'
-
-
-def files(run: Gathered, report: Path) -> str:
-    """Return links to all files in the folder, with sizes and digests."""
-    rows = []
-    for path in sorted(run.folder.iterdir()):
-        if not path.is_file() or path.resolve() == report.resolve():
-            continue
-        size = path.stat().st_size
-        digest = "-"
-        if size <= _DIGEST_LIMIT:
-            digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-        rows.append(
-            f'<tr><th scope="row"><a href="{escape(link_to(path, report))}">{escape(path.name)}</a>'
-            f'</th><td class="n">{_bytes(size)}</td><td class="n"><code>{digest}</code></td></tr>'
-        )
-    head = "".join(
-        f'<th scope="col">{cell}</th>' for cell in ("file", "size", "SHA-256, first 16 digits")
-    )
-    return (
-        f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table></div>"
-    )
-
-
-def _bytes(size: int) -> str:
-    return f"{size / 1e6:.1f} MB" if size >= 100_000 else f"{size / 1e3:.1f} kB"

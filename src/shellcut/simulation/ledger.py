@@ -26,11 +26,11 @@ class Ledger:
     """Work of gravity, pressure and nodal forces."""
     support_work: float = 0.0
     """Work of the reactions where motion is prescribed."""
+    initial: float = 0.0
+    """Kinetic and strain energy at t = 0: of an initial velocity, of a pretension."""
     kinetic_translation: float = 0.0
     kinetic_rotation: float = 0.0
     """Of the scaled rotary inertia."""
-    initial: float = 0.0
-    """Kinetic and strain energy at t = 0: of an initial velocity, of a pretension."""
     strain: float = 0.0
     """Stored in the film, by its law."""
     material_dissipated: float = 0.0

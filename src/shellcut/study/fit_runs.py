@@ -88,16 +88,16 @@ class FitRuns:
             If a measured curve does not fit its run.
         """
         start = np.zeros(len(self.parameters.varied))
-        outcomes, folders = self._run([self.parameters.values(start.tolist())])
-        for outcome in outcomes[0]:
+        (done,) = self._run([self.parameters.values(start.tolist())])
+        for outcome, _ in done:
             if outcome.status != "done":
                 raise RuntimeError(f"the run at the start has {outcome.status}: {outcome.reason}")
         problems = []
         for curve, which in zip(self.curves, self._run_of, strict=True):
             model = self._variants.read(curve.settings, try_out=False)
             n_body = int(getattr(model.sections.get("tool"), "teeth", 1))
-            folder = folders[0][which]
-            window = window_of(folder, outcomes[0][which].figures, n_body, curve)
+            outcome, folder = done[which]
+            window = window_of(folder, outcome.figures, n_body, curve)
             self._windows.append(window)
             try:
                 self._points.append(compared(folder, curve, window).x)
@@ -105,7 +105,7 @@ class FitRuns:
                 problems.append(str(problem))
         if problems:
             raise ValueError("\n".join(problems))
-        self._take(start, outcomes[0], folders[0])
+        self._take(start, done)
 
     def residuals(self, logs: Floats) -> Floats:
         """Return the residuals at one set of parameters."""
@@ -129,9 +129,9 @@ class FitRuns:
             except ValueError as problem:
                 self._fail(point, str(problem))
         if valued:
-            outcomes, folders = self._run([values for _, values in valued])
-            for (point, _), those, there in zip(valued, outcomes, folders, strict=True):
-                self._take(point, those, there)
+            runs = self._run([values for _, values in valued])
+            for (point, _), done in zip(valued, runs, strict=True):
+                self._take(point, done)
         return [self._known[_key(point)][0] for point in points]
 
     def slopes(self, logs: Floats, step: float, *, beyond: bool = False) -> Floats:
@@ -161,10 +161,8 @@ class FitRuns:
         """Return residuals and comparisons of a set that has been run."""
         return self._known[_key(logs)]
 
-    def _run(
-        self, values: Sequence[dict[str, float]]
-    ) -> tuple[list[list[Outcome]], list[list[Path]]]:
-        """Run sets of values with all settings; return outcomes and folders by set and setting."""
+    def _run(self, values: Sequence[dict[str, float]]) -> list[list[tuple[Outcome, Path]]]:
+        """Run sets of values with all settings; return outcome and folder by set and setting."""
         combined = [{**settings, **one} for one in values for settings in self._settings]
         runs = tuple(planned_runs(self._variants, combined))
         plan = Plan("", {}, (), Design(), runs, self._variants)
@@ -172,22 +170,21 @@ class FitRuns:
         progress = StudyProgress(plan, len(found), self._engine.jobs, self._say)
         carry_out(plan, self._folder, self._engine, found, progress, lambda: None)
         self.n_run += len(runs)
-        n, folders = len(self._settings), [run.folder(self._folder) for run in runs]
         stopped = Outcome("stopped")
-        outcomes = [found.get(run.number, stopped) for run in runs]
-        rows = range(0, len(runs), n)
-        return [outcomes[k : k + n] for k in rows], [folders[k : k + n] for k in rows]
+        each = [(found.get(run.number, stopped), run.folder(self._folder)) for run in runs]
+        n = len(self._settings)
+        return [each[k : k + n] for k in range(0, len(each), n)]
 
-    def _take(self, point: Floats, outcomes: list[Outcome], folders: list[Path]) -> None:
+    def _take(self, point: Floats, done: Sequence[tuple[Outcome, Path]]) -> None:
         """Keep the residuals of a set of runs."""
-        failed = [one.reason or one.status for one in outcomes if one.status != "done"]
+        failed = [one.reason or one.status for one, _ in done if one.status != "done"]
         if failed:
             self._fail(point, failed[0])
             return
         each = zip(self.curves, self._run_of, self._windows, self._points, strict=True)
         try:
             comparisons = [
-                compared(folders[which], curve, window, points)
+                compared(done[which][1], curve, window, points)
                 for curve, which, window, points in each
             ]
         except ValueError as problem:  # a run that ended early
