@@ -15,7 +15,7 @@ from shellcut.mitc4.surface import Surface
 from shellcut.models.case import Case
 from shellcut.recording.crack_ends import CrackEnds
 from shellcut.recording.cut_front import CutFront
-from shellcut.recording.frame_capture import Exposure, capture
+from shellcut.recording.frame_capture import Exposure
 from shellcut.results.cut_quality import cut_quality
 from shellcut.results.frame_grid import POLYGON, grid_of
 from shellcut.state import JOINTED
@@ -43,7 +43,7 @@ def reference_areas(frame):
 
 
 def test_polygons_cover_the_film_and_each_has_its_share(cut):
-    frame, s = capture(cut, **WHERE), cut.state
+    frame, s = Exposure.of(cut, **WHERE).frame(), cut.state
     areas = reference_areas(frame)
     shares = s.quad.share[: s.n_quad] * cut.mesh.quad_areas()[s.quad.parent[: s.n_quad]]
     # A straight side of the drawing is a curve in xi and eta of a quad that is no parallelogram.
@@ -53,7 +53,7 @@ def test_polygons_cover_the_film_and_each_has_its_share(cut):
 
 
 def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
-    frame, s = capture(cut, **WHERE), cut.state
+    frame, s = Exposure.of(cut, **WHERE).frame(), cut.state
     used = np.unique(frame.quads)
     assert used.tolist() == list(range(len(frame.points)))
     flank = s.flank.node[: s.flank.count]
@@ -70,7 +70,7 @@ def test_kernels_get_the_types_of_a_film_without_cuts(cut):
 
 
 def test_outlines_meet_point_by_point(cut):
-    frame = capture(cut, **WHERE)
+    frame = Exposure.of(cut, **WHERE).frame()
     sides = np.sort(sides_of(frame.quads), axis=1)
     sides, count = np.unique(sides, axis=0, return_counts=True)
     assert count.max() == 2
@@ -87,9 +87,9 @@ def test_outlines_meet_point_by_point(cut):
 
 
 def test_crack_is_as_long_as_the_cuts(cut):
-    frame = capture(cut, **WHERE)
+    frame = Exposure.of(cut, **WHERE).frame()
     quality = cut_quality(frame)
-    before = cut_quality(capture(cut_strip(), **WHERE)).crack_length
+    before = cut_quality(Exposure.of(cut_strip(), **WHERE).frame()).crack_length
     assert before == pytest.approx(1.2)  # to the first side at or beyond the notch's end
     assert before > NOTCH
     assert quality.crack_length == pytest.approx(before + cut.state.crack_length, rel=1e-9)
@@ -104,7 +104,7 @@ def test_a_film_cut_through_falls_in_two():
     sim = cut_strip()
     sim.cracks.free.tips.clear()
     sim.notch((0.0, 1.0, 0.0), (6.0, 1.0, 0.0))
-    quality = cut_quality(capture(sim, **WHERE))
+    quality = cut_quality(Exposure.of(sim, **WHERE).frame())
     assert len(quality.pieces) == 2
     assert sum(piece.area for piece in quality.pieces) == pytest.approx(6.0 * 3.2)
     assert quality.pieces[1].area == pytest.approx(6.0 * 0.6, rel=1e-2)
@@ -159,7 +159,7 @@ def folder(tmp_path_factory):
 def test_frames_come_back_from_the_files(folder):
     to, sim = folder
     results = sc.read(to)
-    frame, now = results.frame(-1), capture(sim, **WHERE)
+    frame, now = results.frame(-1), Exposure.of(sim, **WHERE).frame()
     np.testing.assert_array_equal(frame.quads, now.quads)
     np.testing.assert_array_equal(frame.crack_edges, now.crack_edges)
     np.testing.assert_allclose(frame.points, now.points, atol=1e-5)
@@ -186,7 +186,7 @@ def test_cuts_that_cross_leave_four_pieces_that_meet_point_by_point(slope):
     sim = cut_strip(mesh=slanted_strip(slope), notched=False)
     for start, end in (((-1.0, 0.0, 0.0), (6.0, 0.0, 0.0)), ((3.1, -2.0, 0.0), (3.1, 1.6, 0.0))):
         sim.notch(start, end)
-    frame = capture(sim, **WHERE)
+    frame = Exposure.of(sim, **WHERE).frame()
     quality = cut_quality(frame)
     areas = sorted(piece.area for piece in quality.pieces)
     np.testing.assert_allclose(areas, [2.9 * 1.6, 2.9 * 1.6, 3.1 * 1.6, 3.1 * 1.6], rtol=2e-3)

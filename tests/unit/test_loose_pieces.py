@@ -8,7 +8,7 @@ from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
-from shellcut.recording.frame_capture import capture
+from shellcut.recording.frame_capture import Exposure
 from shellcut.state import DROPPED, STRAIGHT
 from shellcut.state.pieces import Pieces
 
@@ -143,9 +143,9 @@ def test_a_piece_stays_while_it_is_not_clear():
 def test_frames_and_log_show_it_until_it_goes():
     sim = run(flying(), 99)
     how = {"coordinate": 0.0, "coordinate_name": "path", "coordinate_unit": "mm"}
-    assert len(capture(sim, **how).quads) == 44
+    assert len(Exposure.of(sim, **how).frame().quads) == 44
     sim.step()
-    frame = capture(sim, **how)
+    frame = Exposure.of(sim, **how).frame()
     assert len(frame.quads) == len(frame.quad_stress) == N_SHEET
     assert frame.quads.max() < FIRST
     assert sim.state.split_log[-1].kind == DROPPED

@@ -33,7 +33,7 @@ from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.models import Case
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
-from shellcut.recording.frame_capture import Exposure, capture
+from shellcut.recording.frame_capture import Exposure
 from shellcut.results.run_results import read
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
@@ -307,7 +307,7 @@ def test_a_cut_writes_dissipation_and_damage_and_goes_on_from_its_checkpoint(tmp
     assert last.quad_history["damage [-]"].max() > 0.05
     assert set(results.frame(0).quad_history) == set(last.quad_history)
     names = {"coordinate_name": "path", "coordinate_unit": "mm"}
-    frame = capture(sim, coordinate=0.0, **names)
+    frame = Exposure.of(sim, coordinate=0.0, **names).frame()
     with VtkHdfWriter(tmp_path / "own.vtkhdf") as writer:
         writer.append(frame)
         with pytest.raises(ValueError, match="must have the history numbers of the first, history"):

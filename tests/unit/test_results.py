@@ -15,7 +15,7 @@ import shellcut.view
 from opening_frame import opening_frame
 from shellcut import Recorder, guillotine
 from shellcut.frame import JOINTED
-from shellcut.recording.frame_capture import capture
+from shellcut.recording.frame_capture import Exposure
 from shellcut.results.vtkhdf import VtkHdfWriter
 from test_vtkhdf import Reading, assert_holds, assert_same
 
@@ -104,9 +104,9 @@ def test_history_figures_and_splits(run):
         rotation, translation = results.tool_pose(k)
         np.testing.assert_array_equal(rotation, np.eye(3))
         np.testing.assert_array_equal(translation, sim.motion.pose(results.times[k])[1])
-    cables = results.cables(-1)
-    assert len(cables["segments"]) == len(cables["opening"]) == len(written[-1].cable_state) > 0
-    np.testing.assert_array_equal(cables["state"], written[-1].cable_state)
+    last = results.frame(-1)
+    assert len(last.cable_segments) == len(last.cable_opening) == len(written[-1].cable_state) > 0
+    np.testing.assert_array_equal(last.cable_state, written[-1].cable_state)
     shown = repr(results)
     assert "history: " in shown
     assert "time, path, force, " in shown
@@ -230,7 +230,7 @@ def test_curves_are_drawn_from_what_was_read(run, tmp_path):
 
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
-    frame = capture(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
+    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
     c, x = sim.state.cable, sim.state.node.x
     wanted = []
     for state in (0, 1):
@@ -257,7 +257,7 @@ def test_capture_of_a_film_without_a_tool():
         shellcut.Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]]),
         shellcut.ShellMaterial.homogeneous(),
     )
-    frame = capture(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
+    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
     assert frame.tool_points.shape == (0, 3)
     assert not frame.held.any()
     assert frame.quad_thickness.tolist() == [0.074]

@@ -45,9 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Plan, run, and say where the table is."""
     from shellcut.files.folder_lock import FolderInUse
     from shellcut.model_file import ModelFileError
-    from shellcut.numerics.threads import available_cores
     from shellcut.study.engines import engine_of
-    from shellcut.study.study import read_outcomes, run_study
+    from shellcut.study.study import done_before, run_study
 
     if arguments.out is None and not arguments.dry_run:
         return refuse("give a folder for the study: -o OUT")
@@ -56,13 +55,12 @@ def run(arguments: argparse.Namespace) -> int:
     except (ModelFileError, ValueError, OSError) as problem:
         return refuse(problem)
     if arguments.dry_run:
-        done = read_outcomes(planned, arguments.out).outcomes if arguments.out else {}
+        done = done_before(planned, arguments.out) if arguments.out else {}
         _print(planned, len(done))
         return DONE
     try:
         with engine_given(arguments) as executor:
-            engine = engine_of(executor, default_jobs=available_cores())
-            found = run_study(planned, arguments.out, engine)
+            found = run_study(planned, arguments.out, engine_of(executor))
     except KeyboardInterrupt:
         print("interrupted; to continue, call it again", file=sys.stderr)
         raise

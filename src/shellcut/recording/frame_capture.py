@@ -51,7 +51,7 @@ class Exposure:
 
     @classmethod
     def of(cls, sim: Simulation, **figures: Any) -> Exposure:
-        """Copy the arrays that change; ``figures`` are the keywords of :func:`capture`."""
+        """Copy the arrays that change; ``figures`` are further fields of :class:`Frame`."""
         s = sim.state
         state = replace(
             s,
@@ -121,36 +121,6 @@ def _cut_film(state: State, drawn: DrawnFilm) -> dict[str, Any]:
         "held": drawn.all_at_points(n.supported),
         "crack_edges": drawn.crack_edges,
     }
-
-
-def capture(
-    sim: Simulation,
-    *,
-    coordinate: float,
-    coordinate_name: str,
-    coordinate_unit: str,
-    scalars: Mapping[str, float] | None = None,
-    scalar_units: Mapping[str, str] | None = None,
-) -> Frame:
-    """Return the present state as plain arrays, with stresses, crack, cables and tool.
-
-    Parameters
-    ----------
-    sim : Simulation
-        The simulation.
-    coordinate, coordinate_name, coordinate_unit : float, str, str
-        Abscissa of curves, as in :class:`Frame`.
-    scalars, scalar_units : mapping, optional
-        Figures to store with the frame.
-    """
-    return Exposure.of(
-        sim,
-        coordinate=coordinate,
-        coordinate_name=coordinate_name,
-        coordinate_unit=coordinate_unit,
-        scalars=dict(scalars or {}),
-        scalar_units=dict(scalar_units or {}),
-    ).frame()
 
 
 def _copied(table: _Table, names: tuple[str, ...]) -> _Table:

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.files.file_list import names_in
@@ -163,23 +162,6 @@ class Results:
     def frames(self) -> Iterator[Frame]:
         """Iterate over the frames in order of time."""
         return (self.frame(k) for k in range(self.n_frame))
-
-    def cables(self, k: int) -> dict[str, npt.NDArray[Any]]:
-        """Return the cables that hold at frame ``k``, one row per straight branch.
-
-        Returns
-        -------
-        dict of ndarray
-            ``segments`` (n, 2, 3) [mm], ``state`` (n,) 0 straight or 1 jointed (two branches each),
-            ``traction`` (n,) [MPa], ``opening`` (n,) [mm].
-        """
-        frame = self.frame(k)
-        return {
-            "segments": frame.cable_segments,
-            "state": frame.cable_state,
-            "traction": frame.cable_traction,
-            "opening": frame.cable_opening,
-        }
 
     def tool_pose(self, k: int) -> Pose | None:
         """Return rotation R (3, 3) and translation r (3,) [mm] of the tool, x = R X + r, exact.

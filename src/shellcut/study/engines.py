@@ -21,6 +21,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
+from shellcut.numerics.threads import available_cores
+
 from .child_process import ChildDied, run_in_child
 from .one_run import Outcome, Task, run_one
 
@@ -106,8 +108,8 @@ def _failed(error: BaseException) -> Outcome:
     return Outcome("failed", f"{type(error).__name__}: {error}")
 
 
-def engine_of(executor: Any, *, default_jobs: int) -> Engine:
-    """Return an engine: for a number of processes, an executor, or a Dask client.
+def engine_of(executor: Any) -> Engine:
+    """Return an engine for a number of processes (one a core), an executor, or a Dask client.
 
     Raises
     ------
@@ -117,7 +119,7 @@ def engine_of(executor: Any, *, default_jobs: int) -> Engine:
         If the number is below one.
     """
     if executor is None:
-        executor = default_jobs
+        executor = available_cores()
     if isinstance(executor, int) and not isinstance(executor, bool):
         if executor < 1:
             raise ValueError(f"a study must have 1 process or more, got {executor}")

@@ -28,7 +28,6 @@ from shellcut.arrays import Floats
 from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
 from shellcut.model_file.reader import ModelVariants
-from shellcut.numerics.threads import available_cores
 
 from .curve_misfit import FitCurve
 from .engines import engine_of
@@ -143,7 +142,7 @@ def fit(
     least = len(parameters.varied) + 2
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
-    engine = engine_of(executor, default_jobs=available_cores())
+    engine = engine_of(executor)
     folder = folder_named(out)
     folder.mkdir(parents=True, exist_ok=True)
     with closing(FolderLock(folder)):

@@ -16,7 +16,6 @@ from shellcut.files.folder_lock import FolderLock
 from shellcut.files.whole_file import exclusive
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
-from shellcut.numerics.threads import available_cores
 from shellcut.recording.signals import Interruption
 
 from .design import Design
@@ -149,8 +148,7 @@ def sweep(
     several, single = factors_of(factors)
     given = {**FEW_FILES, **(settings or {}), **single}
     planned = plan(str(model), given, several, design or Design())
-    engine = engine_of(executor, default_jobs=available_cores())
-    return run_study(planned, folder, engine, say)
+    return run_study(planned, folder, engine_of(executor), say)
 
 
 def run_study(
@@ -171,11 +169,6 @@ def run_study(
         carry_out(planned, folder, engine, found, progress, keep)
         progress.end(found)
     return StudyResults(folder, planned, found)
-
-
-def read_outcomes(planned: Plan, folder: Path) -> StudyResults:
-    """Return what is done of a study, without running anything."""
-    return StudyResults(folder, planned, done_before(planned, folder))
 
 
 def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:

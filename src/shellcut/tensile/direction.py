@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import nan, sqrt
+from math import nan
+from statistics import fmean, stdev
 
 import numpy as np
 
@@ -45,9 +46,7 @@ class Spread:
         known = [value for value in values if value == value]
         if not known:
             return cls(nan, nan, 0)
-        mean = sum(known) / len(known)
-        square = sum((value - mean) ** 2 for value in known)
-        return cls(mean, sqrt(square / (len(known) - 1)) if len(known) > 1 else nan, len(known))
+        return cls(fmean(known), stdev(known) if len(known) > 1 else nan, len(known))
 
     def text(self, unit: str = "") -> str:
         """Return "mean ± deviation unit", per cent for ratios."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from shellcut.arrays import Floats
 
@@ -73,7 +74,7 @@ class Figures:
         """Area below the falling stress [N/mm over mm]; NaN without a fall."""
         if not len(self.opening_per_length):
             return float("nan")
-        return _area(self.opening_per_length, self.falling_stress)
+        return float(scipy.integrate.trapezoid(self.falling_stress, self.opening_per_length))
 
     @property
     def drawn(self) -> bool:
@@ -217,10 +218,10 @@ def _regression(strain: Floats, stress: Floats, low: float, high: float) -> _Lin
     inside = (strain >= low - 1e-12) & (strain <= high + 1e-12)
     n = int(inside.sum())
     if n >= _FEW:
-        slope, level, error = _line(strain[inside], stress[inside])
+        slope, level, _, _, error = scipy.stats.linregress(strain[inside], stress[inside])
     else:
         ends = np.array([low, high])
-        slope, level, error = _line(ends, np.interp(ends, strain, stress))
+        slope, level, *_ = scipy.stats.linregress(ends, np.interp(ends, strain, stress))
         error = float("nan")
     zero = -level / slope if slope > 0.0 else low - ELASTIC[0]
     return _Line(slope, zero, error, low, high, n)
@@ -237,7 +238,7 @@ def _halves(strain: Floats, stress: Floats, line: _Line) -> tuple[_Line, _Line]:
 def _first_points(strain: Floats, stress: Floats, zero: float, said: list[str]) -> _Line:
     first = max(0, min(int(np.searchsorted(strain, zero)), len(strain) - _FEW))
     x, y = strain[first:][:_FEW], stress[first:][:_FEW]
-    slope, level, error = _line(x, y)
+    slope, level, _, _, error = scipy.stats.linregress(x, y)
     said.append(
         f"the record does not span strains of {100 * ELASTIC[0]:g} to {100 * ELASTIC[1]:g} %: "
         f"modulus from its first {len(x)} points, up to {100 * float(x[-1] - zero):.2g} %"
@@ -265,17 +266,6 @@ def _say_range(strain: Floats, stress: Floats, line: _Line, said: list[str]) -> 
                 f"the curve bends between {span}: {lower.slope:.4g} MPa in the lower half, "
                 f"{upper.slope:.4g} MPa in the upper"
             )
-
-
-def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
-    # slope, value at 0, standard error of the slope
-    middle = x.mean()
-    spread = float(((x - middle) ** 2).sum())
-    slope = float(((x - middle) @ y) / spread)
-    level = float(y.mean() - slope * middle)
-    rest = y - level - slope * x
-    error = float(np.sqrt((rest @ rest) / max(len(x) - 2, 1) / spread))
-    return slope, level, error
 
 
 def _yield(
@@ -320,7 +310,7 @@ def _hardening(
     y = np.array([true[row].mean() for row in rows])
     # the first row is that of no plastic strain, by the line through the first quarter
     quarter = slice(0, max(len(true) // 4, _MEAN_OF))
-    slope, level, _ = _line(plastic[quarter], true[quarter])
+    slope, level, *_ = scipy.stats.linregress(plastic[quarter], true[quarter])
     x, y = np.append(0.0, x), np.append(min(level, y[0]) if slope > 0.0 else y[0], y)
     kept = np.append(True, np.diff(np.maximum.accumulate(x)) > 0.0)
     return x[kept], np.maximum.accumulate(y[kept])
@@ -354,7 +344,3 @@ def _fall(
 def _break(strain: Floats, stress: Floats) -> float:
     held = np.flatnonzero(stress >= BROKEN * stress.max())
     return float(strain[held[-1]])
-
-
-def _area(x: Floats, y: Floats) -> float:
-    return float((0.5 * (y[1:] + y[:-1]) * np.diff(x)).sum())

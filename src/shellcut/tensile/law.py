@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
@@ -16,8 +17,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from .figures import Figures
 
 _N_POINT = 101  # of the mean curve
-_N_GRID = 16
-_N_ZOOM = 6
+_BOUNDS = [(0.02, 1.0), (1e-3, 1.0), (1e-3, 1.0)]  # of plateau, l_A and length of the plateau
 _ONSET = 1.0 / 800.0  # over opening_u, as in the paper's law
 
 
@@ -48,44 +48,33 @@ def proposed_law(opening: Floats, stress: Floats, fracture_energy: float) -> Coh
     fracture_energy : float, [N/mm]
     """
     strength, end = float(stress[0]), float(opening[-1])
-    low, high = np.array([0.02, 1e-3, 1e-3]), np.array([1.0, 1.0, 1.0])
-    first_low, first_high = low, high
-    best = low
-    for _ in range(_N_ZOOM):
-        axes = [np.linspace(a, b, _N_GRID) for a, b in zip(low, high, strict=True)]
-        trial = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        miss = _misses(trial, opening / end, stress / strength, fracture_energy / strength / end)
-        best = trial[int(np.argmin(miss))]
-        reach = 1.5 * (high - low) / (_N_GRID - 1)
-        low, high = np.maximum(best - reach, first_low), np.minimum(best + reach, first_high)
-    plateau, drop, flat = best.tolist()
-    a, p = drop, drop + flat * (1.0 - drop)
-    u = _end(plateau, a, p, fracture_energy / strength / end)
+    area, x, y = fracture_energy / strength / end, opening / end, stress / strength
+
+    def miss(shape: Floats) -> float:
+        plateau, a, p, u = _openings(shape, area)
+        if u <= 1.001 * p:
+            return float("inf")
+        drop, tail = 1.0 - (1.0 - plateau) * x / a, plateau * np.clip((u - x) / (u - p), 0.0, 1.0)
+        law = np.where(x < a, drop, np.where(x < p, plateau, tail))
+        return float(np.mean((law - y) ** 2))
+
+    found = scipy.optimize.differential_evolution(miss, _BOUNDS, seed=0, tol=1e-6, polish=False)
+    plateau, a, p, u = map(float, _openings(found.x, area))
     return CohesiveLaw(
         strength=strength,
         plateau=plateau * strength,
         opening_a=a * end,
         opening_p=p * end,
-        opening_u=float(u) * end,
-        onset=float(u) * end * _ONSET,
+        opening_u=u * end,
+        onset=u * end * _ONSET,
     )
 
 
-def _end(plateau: Floats, a: Floats, p: Floats, area: float) -> Floats:
-    # opening_u of a law of this area; all over strength and end of the curve
-    end: Floats = (2.0 * area - (1.0 - plateau) * a) / plateau - p
-    return end
+def _openings(shape: Floats, area: float) -> tuple[float, float, float, float]:
+    """Return plateau and l_A, l_P, l_U of a law of this area, over strength and end of the curve.
 
-
-def _misses(trial: Floats, opening: Floats, stress: Floats, area: float) -> Floats:
-    # mean square distance of each law from the curve; infinite where there is no such law
-    plateau, a = trial[:, :1], trial[:, 1:2]
-    p = a + trial[:, 2:] * (1.0 - a)
-    u = _end(plateau, a, p, area)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        drop = 1.0 - (1.0 - plateau) * opening / a
-        tail = plateau * np.clip((u - opening) / (u - p), 0.0, 1.0)
-    law = np.where(opening < a, drop, np.where(opening < p, plateau, tail))
-    miss: Floats = ((law - stress) ** 2).mean(axis=1)
-    miss[(u <= 1.001 * p)[:, 0]] = np.inf
-    return miss
+    ``shape`` is the plateau, l_A, and the share of the plateau in what is left to the end.
+    """
+    plateau, a, flat = shape.tolist()
+    p = a + flat * (1.0 - a)
+    return plateau, a, p, (2.0 * area - (1.0 - plateau) * a) / plateau - p

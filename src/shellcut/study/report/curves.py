@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -10,10 +9,10 @@ from html import escape
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY
 from shellcut.report.chart import chart
 from shellcut.report.markup import missing
+from shellcut.results.history import read_history
 from shellcut.scene_page.packed_run import as_json
 from shellcut.view.curves import Curve, Diagram, outline
 
@@ -105,17 +104,16 @@ def _chooser(groups: list[Colouring]) -> str:
 def _read(study: Study, row: int) -> _OfRun | None:
     """Return the second and third column of a history, the coordinate going ahead."""
     try:
-        text = read_regular(study.run_folder(row) / HISTORY).decode()
-        whole = text[: text.rfind("\n") + 1]  # a run that was killed leaves part of a line
-        heads = [cell.partition(" [") for cell in whole.partition("\n")[0].split(",")[1:3]]
-        x, y = np.loadtxt(io.StringIO(whole), delimiter=",", skiprows=1, usecols=(1, 2), ndmin=2).T
-    except (OSError, ValueError, IndexError):
+        columns, units = read_history(study.run_folder(row) / HISTORY)
+        _, x_name, y_name, *_ = columns
+    except (OSError, ValueError):
         return None
+    x, y = columns[x_name], columns[y_name]
     good = np.isfinite(x) & np.isfinite(y)
     x, y = x[good], y[good]
-    ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1])) if len(x) else good
-    if len(heads) != 2 or ahead.sum() < 2:
+    ahead = x > np.maximum.accumulate(np.append(-np.inf, x))[:-1]
+    if ahead.sum() < 2:
         return None
     kept = outline(x[ahead], y[ahead], _COLUMNS)
-    names, units = zip(*((name, rest.rstrip("]\r")) for name, _, rest in heads), strict=True)
-    return _OfRun(row, x[ahead][kept], y[ahead][kept], names, units)
+    names, units_of = (x_name, y_name), (units[x_name], units[y_name])
+    return _OfRun(row, x[ahead][kept], y[ahead][kept], names, units_of)

@@ -30,7 +30,6 @@ _MAIN = (
 """Figures shown of a study that names none: of each row the first that it has."""
 
 _STEADY = "the steady window"
-_SPELT = {"°": "deg", "·": "*", "²": "^2"}
 
 
 @dataclass(frozen=True)
