@@ -16,8 +16,8 @@ from shellcut.model_file.build import build
 from shellcut.model_file.reader import _Reading
 from shellcut.model_file.section_table import HEAD
 from shellcut.model_file.source import parse
+from shellcut.recording.resistance import Resistance
 from shellcut.recording.status_line import start_lines
-from shellcut.recording.tool_resistance import Resistance
 from shellcut.simulation.instability import UnstableStep
 
 NAN, INF = float("nan"), float("inf")

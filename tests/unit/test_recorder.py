@@ -22,8 +22,8 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
 from shellcut.recording.recorder import Recorder
+from shellcut.recording.resistance import Resistance
 from shellcut.recording.run_summary import run_summary
-from shellcut.recording.tool_resistance import Resistance
 from shellcut.recording.unfelt_penetration import Unfelt, UnfeltPenetration
 from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import read_history

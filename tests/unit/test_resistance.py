@@ -10,7 +10,7 @@ from notched_strip import cutting
 from shellcut import compare
 from shellcut.models import Case
 from shellcut.numerics.broken_line import BrokenLine
-from shellcut.recording.tool_resistance import COMPONENTS, Resistance
+from shellcut.recording.resistance import COMPONENTS, Resistance
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.run_results import read
 from shellcut.simulation.force_terms import ForceTerms

@@ -5,8 +5,8 @@ import re
 import pytest
 
 from notched_strip import cutting
+from shellcut.recording.resistance import Resistance
 from shellcut.recording.status_line import start_lines, status_line
-from shellcut.recording.tool_resistance import Resistance
 
 
 @pytest.fixture(scope="module")

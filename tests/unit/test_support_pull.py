@@ -7,7 +7,7 @@ import pytest
 
 from shellcut import Simulation, Support, read, report_run, trouser
 from shellcut.mesh.structured import rectangle
-from shellcut.recording.support_pull import SupportPull
+from shellcut.recording.resistance import SupportPull
 
 
 @pytest.fixture(scope="module")

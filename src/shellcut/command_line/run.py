@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from shellcut.recording.run_log import RunLog
+
 from .exit_code import DONE, refuse
 from .named_path import named
-from .run_log import RunLog
 from .run_model import run_model
 
 

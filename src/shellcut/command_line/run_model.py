@@ -13,12 +13,12 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
 from shellcut.results.summary_figures import plain_figures
 from shellcut.results.verdict import Line
 
 from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED
-from .run_log import RunLog
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
@@ -76,8 +76,6 @@ def run_model(
         except KeyboardInterrupt:
             log.say("interrupted; nothing was run", stream=sys.stderr)
             return INTERRUPTED
-        finally:
-            log.say_verdict()
 
 
 def _ready(
@@ -223,6 +221,5 @@ def _say_end(folder: Path, log: RunLog) -> None:
     if "no_window" in summary:
         log.say(f"no steady window, so there is no mean: {summary['no_window']}")
     log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
-    if not log.has_verdict:  # the run had already ended
-        for line in summary.get("verdict", ()):
-            log.keep_for_last(str(Line(**line)))
+    if not log.verdict:  # the run had already ended
+        log.verdict += [str(Line(**line)) for line in summary.get("verdict", ())]

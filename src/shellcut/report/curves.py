@@ -17,7 +17,7 @@ from shellcut.view import Curve, Diagram
 
 from .chart import chart
 from .gathered import Gathered
-from .markup import figure_of, missing, table
+from .markup import figure_of, missing, sentences, table
 
 
 def resistance(run: Gathered) -> str:
@@ -69,11 +69,10 @@ def measured(run: Gathered) -> str:
         f"their root-mean-square difference is {found.rms:.4g} {found.y_unit}.",
     )
     head = ("", "measured", "simulated", "difference")
-    notes = "".join(f'<li class="note"><b>note</b>{escape(note)}</li>' for note in found.notes)
     return (
         f'{drawn}<p class="caption">{escape(pretty(scope_of(found)).replace(" °", "°"))}.</p>'
         + table([(in_unit(row.name, row.unit), *row[2:]) for row in rows_of(found)], head)
-        + (f'<ul class="verdict">{notes}</ul>' if notes else "")
+        + sentences(("note", "note", note) for note in found.notes)
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import urllib.parse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 
@@ -37,6 +37,23 @@ def table(rows: Sequence[Sequence[str]], head: Sequence[str] = ()) -> str:
 def _kind(cell: str) -> str:
     # Text too long for a column of numbers may wrap on a phone.
     return "n" if len(cell) < _LONG else "n long"
+
+
+def sentences(lines: Iterable[tuple[str, str, str]]) -> str:
+    """Return sentences by kind (good, doubt or note) with a word before each; "" for none."""
+    items = "".join(
+        f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>' for kind, word, text in lines
+    )
+    return f'<ul class="verdict">{items}</ul>' if items else ""
+
+
+def legend(names: Iterable[tuple[str, str]]) -> str:
+    """Return names with a spot of their colours."""
+    items = "".join(
+        f'<li><span class="spot" style="background:{color}"></span>{escape(name)}</li>'
+        for name, color in names
+    )
+    return f'<ul class="legend">{items}</ul>'
 
 
 def missing(text: str) -> str:

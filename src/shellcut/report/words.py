@@ -17,7 +17,7 @@ from shellcut.unit import in_unit
 from shellcut.view import edge_length
 
 from .gathered import Gathered
-from .markup import figure_of, missing, table
+from .markup import figure_of, missing, sentences, table
 
 _N_QUALITY = 5  # frames for which the quality of the cut is listed
 
@@ -56,12 +56,8 @@ def judgement(run: Gathered, last: Frame | None) -> str:
         if last is not None:
             figures = {"edge_length_mm": edge_length(last), **figures}
         lines = verdict(figures)
-    said = [("doubt", "missing", problem) for problem in run.problems]
-    said += [(line.kind, line.word, line.text) for line in lines]
-    items = "".join(
-        f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>' for kind, word, text in said
-    )
-    return f'<ul class="verdict">{items}</ul>'
+    problems = [("doubt", "missing", problem) for problem in run.problems]
+    return sentences([*problems, *((line.kind, line.word, line.text) for line in lines)])
 
 
 def figures(run: Gathered) -> str:

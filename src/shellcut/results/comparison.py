@@ -288,7 +288,8 @@ def _compared(
     peak_at_s, peak_s = _peak(fine, s.mean_at(fine, window or 0.0))
     to_work, work_unit = _work_scale(x_unit, y_unit)
     work_m, work_s = (to_work * line.integral(a, b) for line in (m, s))
-    rms = float(np.sqrt(_mean(points, (ours - there) ** 2)))
+    weights = shares(points)
+    rms = float(np.sqrt(weights @ (ours - there) ** 2))
     steady, why_not = _steady_range(results, x, a, b)
     means = [line.integral(*steady) / (steady[1] - steady[0]) for line in (m, s)] if steady else []
     mean_m, mean_s = means or (float("nan"), float("nan"))
@@ -315,7 +316,7 @@ def _compared(
         work_simulated=work_s,
         work_error=_over(work_s - work_m, work_m),
         work_unit=work_unit,
-        correlation=_correlation(points, there, ours),
+        correlation=_correlation(weights, there, ours),
         steady_range=steady,
         mean_measured=mean_m,
         mean_simulated=mean_s,
@@ -393,18 +394,19 @@ def _peak(x: Floats, y: Floats) -> tuple[float, float]:
     return float(x[k]), float(y[k])
 
 
-def _mean(x: Floats, y: Floats) -> float:
-    return BrokenLine(x, y).integral(x[0], x[-1]) / float(x[-1] - x[0])
+def shares(x: Floats) -> Floats:
+    """Return w_i / (b - a), the shares of points in their range by the trapezoidal rule."""
+    steps = np.diff(x) / (x[-1] - x[0])
+    return np.asarray(0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)))
 
 
 def _over(value: float, reference: float) -> float:
     return value / abs(reference) if reference else float("nan")
 
 
-def _correlation(x: Floats, first: Floats, second: Floats) -> float:
-    first, second = first - _mean(x, first), second - _mean(x, second)
-    spread = np.sqrt(_mean(x, first**2) * _mean(x, second**2))
-    return _mean(x, first * second) / float(spread) if spread > 0.0 else float("nan")
+def _correlation(weights: Floats, first: Floats, second: Floats) -> float:
+    (a, both), (_, b) = np.cov(first, second, ddof=0, aweights=weights)
+    return float(both / np.sqrt(a * b)) if a * b > 0.0 else float("nan")
 
 
 def _work_scale(x_unit: str, y_unit: str) -> tuple[float, str]:

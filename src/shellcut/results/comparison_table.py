@@ -23,45 +23,23 @@ class Row(NamedTuple):
 
 def rows_of(found: Comparison) -> list[Row]:
     """Return the figures."""
-    x, y, work = found.x_unit, found.y_unit, found.work_unit
-    shift = f"{found.peak_at_simulated - found.peak_at_measured:+.4g}"
-    relative, known = _percent(found.rms_relative, sign=""), np.isfinite(found.correlation)
-
-    def row(name: str, unit: str, measured: float, simulated: float, difference: str) -> Row:
-        return Row(name, unit, f"{measured:.4g}", f"{simulated:.4g}", difference)
-
-    mean = []
-    if found.steady_range is not None:
-        low, high = found.steady_range
-        mean = [
-            row(
-                f"mean over {low:.3g}-{high:.3g}{_shown(x)}",
-                y,
-                found.mean_measured,
-                found.mean_simulated,
-                _percent(found.mean_error),
-            )
-        ]
+    c, x, y = found, found.x_unit, found.y_unit
+    shift = f"{c.peak_at_simulated - c.peak_at_measured:+.4g}"
+    both = [
+        (f"peak {c.y_name}", y, c.peak_measured, c.peak_simulated, _percent(c.peak_error)),
+        (f"{c.x_name} of the peak", x, c.peak_at_measured, c.peak_at_simulated, shift),
+        ("work", c.work_unit, c.work_measured, c.work_simulated, _percent(c.work_error)),
+    ]
+    if c.steady_range is not None:
+        low, high = c.steady_range
+        name = f"mean over {low:.3g}-{high:.3g}{_shown(x)}"
+        both.insert(2, (name, y, c.mean_measured, c.mean_simulated, _percent(c.mean_error)))
+    correlation = f"{c.correlation:.4f}" if np.isfinite(c.correlation) else "-"
     return [
-        row(
-            f"peak {found.y_name}",
-            y,
-            found.peak_measured,
-            found.peak_simulated,
-            _percent(found.peak_error),
-        ),
-        row(
-            f"{found.x_name} of the peak",
-            x,
-            found.peak_at_measured,
-            found.peak_at_simulated,
-            shift,
-        ),
-        *mean,
-        row("work", work, found.work_measured, found.work_simulated, _percent(found.work_error)),
-        Row("RMS difference", y, "", "", f"{found.rms:.4g}"),
-        Row("RMS difference over the peak", "-", "", "", relative),
-        Row("correlation", "-", "", "", f"{found.correlation:.4f}" if known else "-"),
+        *(Row(name, unit, f"{m:.4g}", f"{s:.4g}", off) for name, unit, m, s, off in both),
+        Row("RMS difference", y, "", "", f"{c.rms:.4g}"),
+        Row("RMS difference over the peak", "-", "", "", _percent(c.rms_relative, sign="")),
+        Row("correlation", "-", "", "", correlation),
     ]
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.numerics.broken_line import BrokenLine
-from shellcut.results.comparison import Comparison, compare
+from shellcut.results.comparison import Comparison, compare, shares
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.run_results import read
 
@@ -148,9 +148,7 @@ def nothing_simulated(comparisons: Sequence[Comparison]) -> Floats:
 
 
 def _weights(one: Comparison) -> Floats:
-    steps = np.diff(one.x)
-    share = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)) / (one.x[-1] - one.x[0])
-    return np.asarray(np.sqrt(share) / np.abs(one.measured).max())
+    return np.asarray(np.sqrt(shares(one.x)) / np.abs(one.measured).max())
 
 
 def independent_points(comparisons: Sequence[Comparison]) -> float:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
-import logging.handlers
 import multiprocessing
 import threading
 import time
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, Literal
 
@@ -20,12 +18,13 @@ from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import CHECKPOINT, SUMMARY
-from shellcut.files.whole_file import log_file, write_text
+from shellcut.files.whole_file import write_text
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.case import Case, check_length
 from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.run_log import RunLog
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
 
@@ -36,7 +35,6 @@ STOP = "stop"
 """A file of this name in the study's folder stops all runs after their step."""
 
 _LOOK_EVERY = 1.0  # s between two looks for that file
-_MOST_LINES = 1000  # of a log, kept before they are written
 _PATIENCE = 1.0  # s between two tries at a folder in use
 
 ABANDONED = threading.Event()
@@ -44,7 +42,7 @@ ABANDONED = threading.Event()
 
 Status = Literal["done", "failed", "stopped"]
 
-_LIBRARY, _log = logging.getLogger("shellcut"), logging.getLogger(__name__)
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -156,10 +154,11 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     # differ in what changes no result, such as the number of threads.
     resume = (folder / CHECKPOINT).exists()
     model = model_of_text(task.model, USED)
-    with _library_said() as log, contextlib.suppress(RunEnded):
+    log = RunLog(shown=False)
+    with log.library_said(), contextlib.closing(log), contextlib.suppress(RunEnded):
         case, recorder = _begun(model, folder, resume=resume)
         write_text(folder / USED, task.model)
-        log.setTarget(_LogFile(folder / LOG))
+        log.open(folder / LOG)  # the recorder has taken the folder
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
             return None
@@ -186,34 +185,6 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
             _log.warning("begun afresh: %s", problem)
             case = model.build()  # the checkpoint may have been read in part
     return case, Recorder(case.simulation, folder, **options)
-
-
-class _LogFile(logging.FileHandler):
-    def _open(self) -> TextIOWrapper:
-        return log_file(Path(self.baseFilename))
-
-
-@contextlib.contextmanager
-def _library_said() -> Iterator[logging.handlers.MemoryHandler]:
-    """Keep what the library logs for the log of a run, and show it nowhere else.
-
-    Its file may be opened only when the recorder has taken the folder: it is the target to set.
-    """
-    handler = logging.handlers.MemoryHandler(_MOST_LINES, logging.CRITICAL)
-    logger, propagate, level = _LIBRARY, _LIBRARY.propagate, _LIBRARY.level
-    logger.addHandler(handler)
-    logger.setLevel(logging.INFO)
-    logger.propagate = False
-    try:
-        yield handler
-    finally:
-        logger.propagate = propagate
-        logger.setLevel(level)
-        logger.removeHandler(handler)
-        target = handler.target
-        handler.close()  # and writes what is left
-        if target is not None:
-            target.close()
 
 
 def _one_line(error: BaseException) -> str:

@@ -130,6 +130,8 @@ def sweep(
         If another study runs in the folder.
     FileExistsError
         If ``study.toml`` or another file of the study in the folder is somebody else's.
+    ConnectionError
+        If the executor gives up its runs, as Dask does when its scheduler is lost.
     KeyboardInterrupt
         After Ctrl-C, when all runs have stopped with a checkpoint.
 

@@ -83,7 +83,7 @@ def analysed(study: Study, figure: FigureOfRuns) -> Analysed:
     bare = Analysed(figure, rows, factors, None, None, "")
     if why := _why_no_surface(study, bare):
         return Analysed(figure, rows, factors, None, None, why)
-    surface = Surface([one.input for one in factors], bare.values, figure.values[rows])
+    surface = Surface(factors, bare.values, figure.values[rows])
     indices = None
     if surface.explained > _NOTHING and len(factors) > 1:
         indices = sobol_indices(surface)
@@ -101,7 +101,7 @@ def _why_no_surface(study: Study, one: Analysed) -> str:
     if is_constant(one.figure.values[one.rows]):
         value = one.figure.values[one.rows][0]
         return f"it is {value:.6g} in all {n} runs, so nothing influences it here"
-    if n < (least := fewest_runs([factor.input for factor in one.factors])):
+    if n < (least := fewest_runs(one.factors)):
         over = f"{len(one.factors)} factor" + "s" * (len(one.factors) > 1)
         return f"a surface over {over} needs {least} runs or more, and {n} have this figure"
     values = np.unique(one.figure.values[one.rows])

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from html import escape
 
 import numpy as np
-import scipy
 
 from shellcut.arrays import Floats
 from shellcut.report.chart import MOST_POINTS, Axis, panel
-from shellcut.report.markup import missing
-from shellcut.study.surrogate.inputs import at_shares
+from shellcut.report.markup import legend, missing
 from shellcut.unit import after
 
 from .analysis import Analysed
@@ -56,14 +54,10 @@ def _effect(study: Study, one: Analysed, k: int) -> str:
 def _alone(one: Analysed, k: int) -> tuple[Floats, Floats]:
     """Return places along a factor, and the mean of the surface over the others there."""
     assert one.surface is not None
-    inputs = one.surface.inputs
-    others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(_N_OTHER))
-    n_name = len(inputs[k].names)
-    places = np.arange(n_name) if n_name else np.linspace(*inputs[k].ends, _N_PLACE)
-    points = np.repeat(others[None], len(places), axis=0)
-    points[:, :, k] = places[:, None]
-    means = one.surface.predict(points.reshape(-1, len(inputs))).reshape(len(places), -1)
-    return places.astype(float), means.mean(axis=1)
+    factor = one.factors[k]
+    n_place = len(factor.names) or _N_PLACE
+    places = np.linspace(*factor.ends, n_place)
+    return places, one.surface.mean_over_others({k: places}, _N_OTHER)
 
 
 def said_of(study: Study, one: Analysed) -> list[str]:
@@ -103,8 +97,5 @@ def pairs(study: Study, analyses: Sequence[Analysed]) -> str:
     if not pictures:
         return missing("No pairs: two figures of two runs are needed.") if analyses else ""
     by = coloured_by(varying[0].factors[0], varying[0].rows)
-    keys = "".join(
-        f'<li><span class="spot" style="background:{by.color(k)}"></span>{escape(name)}</li>'
-        for k, name in enumerate(by.names)
-    )
-    return f'<ul class="legend">{keys}</ul><div class="panels">{"".join(pictures)}</div>'
+    keys = legend((name, by.color(k)) for k, name in enumerate(by.names))
+    return f'{keys}<div class="panels">{"".join(pictures)}</div>'

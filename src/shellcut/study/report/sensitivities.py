@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from shellcut.report.chart import Axis, panel
-from shellcut.report.markup import missing, table
+from shellcut.report.markup import legend, missing, table
 from shellcut.study.surrogate.sensitivity import Indices
 from shellcut.unit import after
 from shellcut.view.curves import PALETTE
@@ -100,10 +100,7 @@ def _indices(one: Analysed, indices: Indices) -> str:
     ]
     n = len(names)
     colors = [PALETTE[0]] * n + [PALETTE[5]] * n
-    keys = "".join(
-        f'<li><span class="spot" style="background:{color}"></span>{name}</li>'
-        for name, color in (("first order", PALETTE[0]), ("total", PALETTE[5]))
-    )
+    keys = legend([("first order", PALETTE[0]), ("total", PALETTE[5])])
     said = [f"{names[k % n]}: {value:.2f}" for k, value in enumerate(values.tolist())]
     picture = panel(
         Axis("share of the variance", "", values, ends=(0.0, 1.0)),
@@ -112,4 +109,4 @@ def _indices(one: Analysed, indices: Indices) -> str:
         colors=colors,
         lines=lines,
     )
-    return f'<div><ul class="legend">{keys}</ul>{picture}</div>'
+    return f"<div>{keys}{picture}</div>"

@@ -32,43 +32,31 @@ _MAIN = (
 _STEADY = "the steady window"
 
 
-@dataclass(frozen=True)
-class Studied:
+@dataclass(frozen=True, kw_only=True)
+class Studied(Input):
     """A key, or a factor, with its value in each run.
 
     Attributes
     ----------
     key : str
         As in the study file; of a factor of several keys all of them.
-    name, unit : str
+    unit : str
         As printed.
     values : ndarray, shape (n_run,)
         Numbers; of a list of names the place in ``names``.
     texts : tuple of str
         The values as they are in the table.
-    names : tuple of str
-        The names, empty for numbers.
-    ends : tuple of float
-        Least and largest value of the study, run or not.
     """
 
     key: str
-    name: str
     unit: str
     values: Floats
     texts: tuple[str, ...]
-    names: tuple[str, ...]
-    ends: tuple[float, float]
 
     @property
     def varies(self) -> bool:
         """Whether it has two values or more."""
         return self.ends[0] < self.ends[1]
-
-    @property
-    def input(self) -> Input:
-        """What a surface takes it for."""
-        return Input(self.name, self.ends, self.names)
 
 
 @dataclass(frozen=True)
@@ -221,7 +209,8 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
             names = tuple(dict.fromkeys((*probes, *texts)))
             values = np.array([names.index(text) for text in texts], float)
             ends = 0.0, len(names) - 1.0
-        found.append(Studied(key, name, pretty(units[key]), values, tuple(texts), names, ends))
+        unit, texts = pretty(units[key]), tuple(texts)
+        found.append(Studied(name, ends, names, key=key, unit=unit, values=values, texts=texts))
     return tuple(found)
 
 
@@ -250,7 +239,8 @@ def _as_one(inputs: Sequence[Studied]) -> Studied:
     if not first.names and len(np.unique(first.values)) == len(names):
         return replace(first, key=key, name=name)
     values = np.array([names.index(text) for text in texts], float)
-    return Studied(key, name, "", values, texts, names, (0.0, len(names) - 1.0))
+    ends = 0.0, len(names) - 1.0
+    return Studied(name, ends, names, key=key, unit="", values=values, texts=texts)
 
 
 def _number(text: str, unit: str) -> float | None:

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from html import escape
 
 import numpy as np
-import scipy
 
-from shellcut.arrays import Floats
 from shellcut.report.chart import Axis, panel
-from shellcut.report.markup import missing, table
-from shellcut.study.surrogate.inputs import at_shares
+from shellcut.report.markup import missing, sentences, table
 from shellcut.unit import after
 
 from .analysis import Analysed
@@ -82,16 +79,12 @@ def _errors(analyses: Sequence[Analysed]) -> str:
     if not rows:
         return ""
     head = ("figure", "runs", "left out", "error, rms", "error of the mean", "explained")
-    said = "".join(
-        f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>'
-        for kind, word, text in _judged(analyses)
-    )
-    return table(rows, head) + (f'<ul class="verdict">{said}</ul>' if said else "")
+    return table(rows, head) + sentences(_judged(analyses))
 
 
 def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
     """Return kind, word and sentence about each surface."""
-    said, guessed = [], dict[str, None]()
+    lines, guessed = [], dict[str, None]()
     for one in analyses:
         surface = one.surface
         if surface is None:
@@ -105,14 +98,14 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
                 f"the mean {of_mean}). No map, no main effect and no sensitivity of it would mean "
                 "anything; more runs may help, or the figure is noise here."
             )
-            said.append(("doubt", "nothing", f"{name}: {text}"))
+            lines.append(("doubt", "nothing", f"{name}: {text}"))
             continue
         if surface.explained < _POOR:
             text = f"explains {share:.0f} % of the variance of unseen runs: take it as a tendency."
-            said.append(("doubt", "poor", f"{name}: the surface {text}"))
+            lines.append(("doubt", "poor", f"{name}: the surface {text}"))
         elif surface.explained > _GOOD:
             text = f"predicts unseen runs to {error} (rms), their mean to {of_mean}."
-            said.append(("good", "holds", f"{name}: the surface {text}"))
+            lines.append(("good", "holds", f"{name}: the surface {text}"))
         for factor, low, high in one.unseen:
             guessed[f"{factor.name} from {low:.4g} to {high:.4g}{after(factor.unit)}"] = None
     if guessed:
@@ -120,8 +113,8 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
             f"No run with figures has {', or '.join(guessed)}. There the surfaces are a guess, and "
             "so is that part of the main effects and the sensitivities."
         )
-        said.append(("doubt", "unseen", text))
-    return said
+        lines.append(("doubt", "unseen", text))
+    return lines
 
 
 def _left_out(study: Study, one: Analysed) -> str:
@@ -143,6 +136,7 @@ def _left_out(study: Study, one: Analysed) -> str:
 
 
 def _maps(study: Study, one: Analysed) -> list[str]:
+    assert one.surface is not None
     numbers = [k for k, factor in enumerate(one.factors) if not factor.names]
     chosen = list(itertools.combinations(_by_weight(one, numbers), 2))[:_MOST_MAPS]
     figure = one.figure.values[one.rows]
@@ -156,12 +150,14 @@ def _maps(study: Study, one: Analysed) -> list[str]:
     pictures = []
     for i, j in chosen:
         a, b = one.factors[i], one.factors[j]
-        mean = _mean_over(one, i, j)
+        across, up = np.linspace(*a.ends, _N_SIDE), np.linspace(*b.ends, _N_SIDE)
+        n_other = _N_OTHER if len(one.factors) > 2 else 1
+        mean = one.surface.mean_over_others({i: across, j: up}, n_other)
         ground = {
             "type": "contour",
-            "x": np.linspace(*a.ends, _N_SIDE).tolist(),
-            "y": np.linspace(*b.ends, _N_SIDE).tolist(),
-            "z": [[float(f"{value:.4g}") for value in row] for row in mean.tolist()],
+            "x": across.tolist(),
+            "y": up.tolist(),
+            "z": [[float(f"{value:.4g}") for value in row] for row in mean.T.tolist()],
             "contours": contours,
             "autocontour": False,
             "colorscale": "Viridis",
@@ -188,22 +184,6 @@ def _by_weight(one: Analysed, numbers: list[int]) -> list[int]:
         return numbers
     total = one.indices.total
     return sorted(numbers, key=lambda k: -total[k])
-
-
-def _mean_over(one: Analysed, i: int, j: int) -> Floats:
-    """Return the mean of the surface over all factors but two, shape (n, n), of j and i."""
-    assert one.surface is not None
-    inputs = one.surface.inputs
-    n_other = _N_OTHER if len(inputs) > 2 else 1
-    others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(n_other))
-    across = np.linspace(*inputs[i].ends, _N_SIDE)
-    up = np.linspace(*inputs[j].ends, _N_SIDE)
-    mean = np.zeros((_N_SIDE, _N_SIDE))
-    for other in others:
-        points = np.tile(other, (_N_SIDE * _N_SIDE, 1))
-        points[:, i], points[:, j] = np.tile(across, _N_SIDE), np.repeat(up, _N_SIDE)
-        mean += one.surface.predict(points).reshape(_N_SIDE, _N_SIDE) / n_other
-    return mean
 
 
 def _round_step(about: float) -> float:

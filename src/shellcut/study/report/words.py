@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.report.markup import link_to, missing
+from shellcut.report.markup import link_to, missing, sentences
 from shellcut.study.study_file import STUDY
 from shellcut.study.table import TABLE
 from shellcut.unit import in_unit
@@ -30,10 +30,7 @@ _DESIGNS = {
 
 def state(study: Study) -> str:
     """Return what is done, what failed, and what the report cannot show."""
-    items = "".join(
-        f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>' for kind, word, text in _said(study)
-    )
-    return f'<ul class="verdict">{items}</ul>'
+    return sentences(_said(study))
 
 
 def _said(study: Study) -> Iterator[tuple[str, str, str]]:

@@ -22,7 +22,7 @@ class Input:
     ----------
     name : str
     ends : tuple of float
-        Least and largest value, the first below the second; of a list (0, number of names - 1).
+        Least and largest value of the study, run or not; of a list (0, number of names - 1).
     names : tuple of str
         The names, two or more; empty for a number. A value then is a place in this list.
     """

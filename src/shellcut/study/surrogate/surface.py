@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import importlib.util
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ import scipy
 
 from shellcut.arrays import Floats
 
-from .inputs import Input, columns_of
+from .inputs import Input, at_shares, columns_of
 
 _ONE_BY_ONE = 20
 """Runs up to which each is left out by itself; of more a tenth at a time."""
@@ -115,6 +115,20 @@ class Surface:
     def predict(self, values: Floats) -> Floats:
         """Return the figure at values of the inputs, shape (n,)."""
         return np.asarray(self._process.predict(columns_of(self.inputs, values)))
+
+    def mean_over_others(self, places: Mapping[int, Floats], n_other: int) -> Floats:
+        """Return the mean over all other inputs, at the grid of places of some, by their number."""
+        others = at_shares(
+            self.inputs, scipy.stats.qmc.Sobol(len(self.inputs), seed=0).random(n_other)
+        )
+        grid = np.meshgrid(*places.values(), indexing="ij")
+        mean = np.zeros(grid[0].shape)
+        for other in others:
+            points = np.tile(other, (mean.size, 1))
+            for k, at in zip(places, grid, strict=True):
+                points[:, k] = at.ravel()
+            mean += self.predict(points).reshape(mean.shape) / n_other
+        return mean
 
     def draws(self, values: Floats, n_draw: int, rng: np.random.Generator) -> Floats:
         """Return surfaces that the runs also allow, shape (n_draw, n), without the noise."""

@@ -1,4 +1,4 @@
-"""Messages of a command about its run: on the terminal, and in ``run.log``."""
+"""Messages about a run: in ``run.log``, and on the terminal."""
 
 from __future__ import annotations
 
@@ -14,11 +14,19 @@ from shellcut.results.verdict import LOGGER as VERDICT
 
 
 class RunLog:
-    """Lines about a run; kept until its folder exists, then written to a file and flushed."""
+    """Lines about a run; kept until its folder exists, then written to a file and flushed.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    shown : bool
+        Whether the lines are printed, too.
+    """
+
+    def __init__(self, *, shown: bool = True) -> None:
+        self._shown = shown
         self._kept: list[str] = []
-        self._verdict: list[str] = []
+        self.verdict: list[str] = []
+        """Its lines so far, which are printed last."""
         self._file: TextIO | None = None
 
     def open(self, path: Path) -> None:
@@ -29,8 +37,9 @@ class RunLog:
 
     def say(self, text: str, *, stream: TextIO | None = None) -> None:
         """Print a line, on standard output by default, and log it; a closed pipe is ignored."""
-        with suppress(OSError):  # a closed pipe, or output redirected to a full disk
-            print(text, file=stream or sys.stdout, flush=True)
+        if self._shown:
+            with suppress(OSError):  # a closed pipe, or output redirected to a full disk
+                print(text, file=stream or sys.stdout, flush=True)
         self.keep(text)
 
     def keep(self, text: str) -> None:
@@ -42,35 +51,29 @@ class RunLog:
             self._file.write(text + "\n")
             self._file.flush()
 
-    def keep_for_last(self, line: str) -> None:
-        """Keep a line of the verdict, which is printed last."""
-        self._verdict.append(line)
-
     def say_verdict(self) -> None:
         """Print the verdict, once."""
-        lines, self._verdict = self._verdict, []
+        lines, self.verdict = self.verdict, []
         if lines:
             self.say("\n".join(["how far the results can be trusted:", *lines]))
 
-    @property
-    def has_verdict(self) -> bool:
-        """Whether there is a verdict to print."""
-        return bool(self._verdict)
-
     def close(self) -> None:
-        """Close the file."""
+        """Print the verdict, and close the file."""
+        self.say_verdict()
         if self._file is not None:
             with suppress(OSError):  # a pending write failed
                 self._file.close()
 
     @contextmanager
     def library_said(self) -> Iterator[None]:
-        """Print the library's warnings, such as a reader's assumptions and omissions."""
+        """Say the library's warnings, such as a reader's assumptions and omissions."""
         logger, handler = logging.getLogger("shellcut"), _Said(self)
+        propagate, logger.propagate = logger.propagate, logger.propagate and self._shown
         logger.addHandler(handler)
         try:
             yield
         finally:
+            logger.propagate = propagate
             logger.removeHandler(handler)
 
 
@@ -81,7 +84,7 @@ class _Said(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.name == VERDICT.name:
-            self._log.keep_for_last(record.getMessage())
+            self._log.verdict.append(record.getMessage())
         elif record.levelno >= logging.WARNING:
             self._log.say(record.getMessage(), stream=sys.stderr)
 
