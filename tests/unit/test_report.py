@@ -24,7 +24,7 @@ from shellcut.view import Curve, Diagram, Panels, draw_snapshot, snapshot_limits
 from shellcut.view.curves import outline
 
 SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, In three dimensions,
-Crack map, Quality of the cut, Energy ledger, Splits, What was run, Versions""".replace("\n", " ")
+Crack map, Quality of the cut, Energy ledger, What was run, Versions""".replace("\n", " ")
 SECTIONS = SECTIONS.split(", ")
 
 

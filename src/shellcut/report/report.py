@@ -103,7 +103,6 @@ def _body(run: Gathered) -> str:
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),
         "Energy ledger": lambda: curves.energy(run),
-        "Splits": lambda: words.splits(run),
         "What was run": lambda: words.what_was_run(run),
         "Versions": words.versions,
     }

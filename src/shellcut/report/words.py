@@ -1,4 +1,4 @@
-"""Sections of text and numbers: verdict, figures, quality, splits, versions."""
+"""Sections of text and numbers: verdict, figures, quality, versions."""
 
 from __future__ import annotations
 
@@ -92,33 +92,6 @@ def quality(run: Gathered) -> str:
         '<p class="caption">Evaluated on the frames; cables are not film. A bridge is film between '
         "two crack ends that face each other; the cut-out is the piece to be cut free.</p>"
     )
-
-
-def splits(run: Gathered) -> str:
-    """Return number, cause and time of the splits, and their largest jumps of force."""
-    if not run.splits:
-        return missing(
-            "No splits: splits.csv is written when a run ends, or the frames are missing."
-        )
-    kinds = run.splits["kind"]
-    if not len(kinds):
-        return "<p>No node was split.</p>"
-    rows = []
-    for kind in dict.fromkeys(kinds.tolist()):
-        chosen = kinds == kind
-        times = 1e3 * run.splits["time"][chosen]
-        jump = np.abs(run.splits["force_jump"][chosen]).max()
-        rows.append(
-            (
-                f"by {kind}",
-                f"{chosen.sum():,}",
-                f"{times.min():.4g}",
-                f"{times.max():.4g}",
-                f"{jump:.3g}",
-            )
-        )
-    head = ("split", "nodes", "first at [ms]", "last at [ms]", "largest jump of force [N]")
-    return table(rows, head)
 
 
 def versions(*others: str) -> str:
