@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -77,24 +77,15 @@ class Schedule:
 
     def saved(self) -> dict[str, Any]:
         """Return the schedule as numbers and dictionaries of numbers, by name."""
-        due = {
-            "row": self.row_due,
-            "frame": self.frame_due,
-            "picture": self.picture_due,
-            "look": self.look_due,
-        }
-        others = {
-            item.name: getattr(self, item.name)
-            for item in fields(self)
-            if not item.name.endswith("_due")
-        }
-        return {"due": {name: asdict(one) for name, one in due.items() if one}, **others}
+        values = asdict(self)
+        due = {name: values.pop(f"{name}_due") for name in ("row", "frame", "picture", "look")}
+        return {"due": {name: one for name, one in due.items() if one}, **values}
 
     @classmethod
     def restored(cls, saved: Mapping[str, Any]) -> Schedule | None:
         """Return the schedule that :meth:`saved` gave; None if ``saved`` is something else."""
         if not {"row", "frame", "look"} <= saved.get("due", {}).keys():
             return None
-        due = {name: Trigger(**trigger) for name, trigger in saved["due"].items()}
+        due = {f"{name}_due": Trigger(**one) for name, one in saved["due"].items()}
         others = {name: value for name, value in saved.items() if name != "due"}
-        return cls(due["row"], due["frame"], due.get("picture"), due["look"], **others)
+        return cls(**{"picture_due": None, **due, **others})
