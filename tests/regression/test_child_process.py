@@ -10,10 +10,8 @@ from shellcut.files.folder_lock import FolderInUse, FolderLock
 from shellcut.files.run_folder import CHECKPOINT
 from shellcut.study import child_process
 from shellcut.study.child_process import ChildDied, run_in_child
-from shellcut.study.design import Design
-from shellcut.study.factors import factors_of
 from shellcut.study.one_run import OUTCOME, run_one
-from shellcut.study.plan import plan
+from shellcut.study.plan import Definition
 from shellcut.study.study import _tasks
 from tiny_study import SETTINGS
 
@@ -28,8 +26,7 @@ def no_child_left():
 
 def task_in(folder, **settings):
     """Return the task of a run, and its folder."""
-    factors, one_value = factors_of({"wedge_half_angle_deg": [10]})
-    planned = plan("guillotine", SETTINGS | settings | one_value, factors, Design())
+    planned = Definition("guillotine", {"wedge_half_angle_deg": [10]}, SETTINGS | settings).plan()
     task = next(_tasks(planned, list(planned.runs), folder, jobs=2))
     return task, planned.runs[0].folder(folder)
 

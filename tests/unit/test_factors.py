@@ -6,7 +6,7 @@ from shellcut.command_line import main
 from shellcut.model_file.errors import ModelFileError
 from shellcut.study.design import Design
 from shellcut.study.factors import factor, factors_of
-from shellcut.study.plan import plan
+from shellcut.study.plan import Definition
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study.table import write_table
 
@@ -101,8 +101,7 @@ def test_points_take_linked_values_as_one_factor(kind):
 
 
 def test_a_plan_goes_into_its_study_file_and_comes_back(tmp_path):
-    several, _ = factors_of(GIVEN)
-    planned = plan("guillotine", {"notch": 1}, several, Design())
+    planned = Definition("guillotine", GIVEN, {"notch": 1}).plan()
     assert [(run.values[WEDGE], run.values[SPEED]) for run in planned.runs[::2]] == [
         (10, 500),
         (14, 800),
@@ -117,18 +116,17 @@ def test_a_plan_goes_into_its_study_file_and_comes_back(tmp_path):
 
 def test_cores_are_shared_by_runs_that_go_together(monkeypatch):
     monkeypatch.setattr("shellcut.study.plan.available_cores", lambda: 6)
-    several, _ = factors_of(GIVEN)
-    planned = plan("guillotine", {}, several, Design())
+    planned = Definition("guillotine", GIVEN).plan()
     threads = [planned.model_of(planned.runs[0], jobs).head.threads for jobs in (1, 2, 6, 8)]
     assert threads == [None, 3, 1, 1]  # one alone takes what its film can use
-    given = plan("guillotine", {"threads": 4}, several, Design())
+    given = Definition("guillotine", GIVEN, {"threads": 4}).plan()
     assert given.model_of(given.runs[0], 6).head.threads == 4
 
 
 def test_every_value_of_linked_keys_is_tried_before_any_run():
-    several, _ = factors_of({LINKED: "10:500, 14:-800, 200:800"})
+    study = Definition("guillotine", {LINKED: "10:500, 14:-800, 200:800"})
     with pytest.raises(ModelFileError) as refused:
-        plan("guillotine", {}, several, Design())
+        study.plan()
     assert "-800" in str(refused.value)
     assert "200" in str(refused.value)
 

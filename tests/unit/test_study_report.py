@@ -13,10 +13,8 @@ import scipy
 import shellcut as sc
 from browser import opened
 from shellcut.command_line import main
-from shellcut.study.design import Design
-from shellcut.study.factors import factors_of
 from shellcut.study.one_run import Outcome
-from shellcut.study.plan import plan
+from shellcut.study.plan import Definition
 from shellcut.study.report import analysis, report_study
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
@@ -202,8 +200,7 @@ class TestWhatIsMissing:
 def planned_folder(folder, given):
     """Write a study of openings, as if done."""
     folder.mkdir()
-    several, _ = factors_of(given)
-    planned = plan("opening", {"mesh": "quick"}, several, Design())
+    planned = Definition("opening", given, {"mesh": "quick"}).plan()
     write_study(folder / "study.toml", planned)
     outcomes = {
         run.number: Outcome("done", figures={"torque_plateau_Nmm": 130.0 + run.number**2})
@@ -258,7 +255,7 @@ def test_the_shipped_study_is_planned_and_its_figures_go_with_it(tmp_path):
     assert len(planned.runs) == 12
     write_study(tmp_path / "study.toml", planned)
     kept = read_study(tmp_path / "study.toml")
-    assert kept.figures == planned.figures
+    assert kept.figures == planned.definition.figures
     assert "force_plateau_N" in kept.figures
     assert [run.key for run in kept.plan().runs] == [run.key for run in planned.runs]
 

@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _planned(arguments: argparse.Namespace) -> Plan:
     """Return the plan of a model with its factors, or of a study file."""
     from shellcut.study.factors import factors_of
-    from shellcut.study.plan import plan
+    from shellcut.study.plan import Definition
     from shellcut.study.study import FEW_FILES
     from shellcut.study.study_file import is_study, read_study
 
@@ -87,8 +87,7 @@ def _planned(arguments: argparse.Namespace) -> Plan:
                 "takes one value a key here"
             )
         return study.plan({**FEW_FILES, **factors_of(given)[1]})
-    several, single = factors_of(given)
-    return plan(arguments.model, {**FEW_FILES, **single}, several, made_of(arguments, Design))
+    return Definition(arguments.model, given, FEW_FILES, made_of(arguments, Design)).plan()
 
 
 def _texts(arguments: argparse.Namespace) -> Iterator[tuple[str, str]]:

@@ -9,16 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
-    FIRST_COMPLETED,
     BrokenExecutor,
     CancelledError,
     Executor,
     Future,
     ThreadPoolExecutor,
-    wait,
 )
 from dataclasses import dataclass
 from itertools import islice
+from queue import SimpleQueue
 from typing import Any
 
 from shellcut.numerics.threads import available_cores
@@ -60,26 +59,32 @@ class Engine:
             If the executor gives up its tasks, as Dask does when its scheduler is lost.
         """
         rest, given = iter(tasks), dict[Future[Outcome], Task]()
+        ended: SimpleQueue[Future[Outcome]] = SimpleQueue()
         while True:
             new = list(islice(rest, None if self.ahead is None else self.ahead - len(given)))
             for task in new:
                 try:
-                    given[self.executor.submit(self.work, task)] = task
+                    future = self.executor.submit(self.work, task)
                 except BrokenExecutor as error:  # it takes no more
                     yield task, _failed(error)
-            if not given and not new:
-                return
-            for future in wait(given, return_when=FIRST_COMPLETED).done:
-                try:
-                    outcome = future.result()
-                except CancelledError:
-                    raise ConnectionError(
-                        "the executor has given up its runs: start its scheduler again and call "
-                        "the study again, what is done is kept"
-                    ) from None
-                except Exception as error:
-                    outcome = _failed(error)
-                yield given.pop(future), outcome
+                    continue
+                given[future] = task
+                future.add_done_callback(ended.put)
+            if not given:
+                if not new:
+                    return
+                continue
+            future = ended.get()
+            try:
+                outcome = future.result()
+            except CancelledError:
+                raise ConnectionError(
+                    "the executor has given up its runs: start it again, or Dask's scheduler, and "
+                    "call the study again, what is done is kept"
+                ) from None
+            except Exception as error:
+                outcome = _failed(error)
+            yield given.pop(future), outcome
 
 
 class _Here(Executor):

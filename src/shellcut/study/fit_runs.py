@@ -12,7 +12,6 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.results.comparison import Comparison
 
 from .curve_misfit import FitCurve, compared, nothing_simulated, residuals, window_of
-from .design import Design
 from .engines import Engine
 from .free_parameters import FreeParameters
 from .one_run import Outcome
@@ -165,7 +164,7 @@ class FitRuns:
         """Run sets of values with all settings; return outcome and folder by set and setting."""
         combined = [{**settings, **one} for one in values for settings in self._settings]
         runs = tuple(planned_runs(self._variants, combined))
-        plan = Plan("", {}, (), Design(), runs, self._variants)
+        plan = Plan(self._variants, runs)
         found = done_before(plan, self._folder)
         progress = StudyProgress(plan, len(found), self._engine.jobs, self._say)
         carry_out(plan, self._folder, self._engine, found, progress, lambda: None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.numerics.threads import available_cores
 
 from .design import Design
-from .factors import Factor
+from .factors import Factor, factors_of
 
 RUNS = "runs"
 """Folder of the runs in that of the study."""
@@ -55,32 +55,69 @@ class PlannedRun:
 
 
 @dataclass(frozen=True)
-class Plan:
-    """All runs of a study.
+class Definition:
+    """What a study is.
 
     Attributes
     ----------
     model : str
         Model file, or name of a shipped model.
-    settings : mapping from str to value
-        Keys that have the same value in all runs.
-    factors : tuple of Factor
-        Keys that have not, alone or together.
+    factors, settings : mapping
+        As of :func:`shellcut.sweep`.
     design : Design
         Which values go together.
-    runs : tuple of PlannedRun
-        In the order of the design.
     figures : tuple of str
         That the report shows; its own choice if empty.
     """
 
     model: str
-    settings: Mapping[str, object]
-    factors: tuple[Factor, ...]
-    design: Design
-    runs: tuple[PlannedRun, ...]
-    variants: ModelVariants
+    factors: Mapping[str, object]
+    settings: Mapping[str, object] = field(default_factory=dict)
+    design: Design = field(default_factory=Design)
     figures: tuple[str, ...] = ()
+
+    def plan(self, settings: Mapping[str, object] | None = None) -> Plan:
+        """Return the runs, with further settings; nothing is built or written.
+
+        Every value of a list and both ends of a range are tried with the first values of the
+        others. What fails only in other combinations fails in its run.
+
+        Raises
+        ------
+        ModelFileError
+            With every problem of the file and of the values.
+        ValueError
+            If factors and design do not fit together.
+        """
+        factors, single = factors_of(self.factors)
+        whole = replace(self, settings={**self.settings, **(settings or {}), **single})
+        variants = ModelVariants(self.model, whole.settings)
+        combined = self.design.runs(factors)
+        _try_values(variants, factors, combined)
+        runs = tuple(planned_runs(variants, combined))
+        return Plan(variants, runs, tuple(factors), whole)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of a study.
+
+    Attributes
+    ----------
+    variants : ModelVariants
+        The model, to be read with the values of a run.
+    runs : tuple of PlannedRun
+        In the order of the design.
+    factors : tuple of Factor
+        Keys that differ from run to run, alone or together.
+    definition : Definition
+        Of the study, with the settings of all runs.
+    """
+
+    variants: ModelVariants
+    runs: tuple[PlannedRun, ...]
+    factors: tuple[Factor, ...] = ()
+    definition: Definition = Definition("", {})
 
     def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
         """Return the model of a run, with its share of the cores if several run at a time.
@@ -92,32 +129,6 @@ class Plan:
         if model.head.threads is None and jobs > 1:
             model = model.with_threads(max(1, available_cores() // jobs))
         return model
-
-
-def plan(
-    model: str,
-    settings: Mapping[str, object],
-    factors: Sequence[Factor],
-    design: Design,
-) -> Plan:
-    """Return the runs of a study; nothing is built or written.
-
-    Every value of a list and both ends of a range are tried with the first values of the others.
-    What fails only in other combinations fails in its run.
-
-    Raises
-    ------
-    ModelFileError
-        With every problem of the file and of the values.
-    ValueError
-        If the design does not fit the factors.
-    """
-    variants = ModelVariants(model, settings)
-    combined = design.runs(factors)
-    _try_values(variants, factors, combined)
-    return Plan(
-        model, settings, tuple(factors), design, tuple(planned_runs(variants, combined)), variants
-    )
 
 
 def planned_runs(

@@ -20,9 +20,8 @@ from shellcut.recording.signals import Interruption
 
 from .design import Design
 from .engines import Engine, engine_of
-from .factors import factors_of
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import Plan, PlannedRun, plan, repeated
+from .plan import Definition, Plan, PlannedRun, repeated
 from .progress import StudyProgress
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
@@ -147,9 +146,8 @@ def sweep(
     [139.8, 146.1]
     """
     folder = folder_named(out)
-    several, single = factors_of(factors)
-    given = {**FEW_FILES, **(settings or {}), **single}
-    planned = plan(str(model), given, several, design or Design())
+    given = {**FEW_FILES, **(settings or {})}
+    planned = Definition(str(model), factors, given, design or Design()).plan()
     return run_study(planned, folder, engine_of(executor), say)
 
 

@@ -19,8 +19,6 @@ n = 32
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,48 +32,14 @@ from shellcut.model_file.schema import schema_of
 from shellcut.model_file.source import parse
 
 from .design import Design
-from .factors import Factor, factors_of
-from .plan import Plan, plan
+from .factors import Factor
+from .plan import Definition, Plan
 
 STUDY = "study.toml"
 
 _LARGEST = 10_000_000  # bytes
 _SECTIONS = {"set": dict, "factors": dict, "design": dict, "model": str, "figures": list}
 _DESIGN = Kind("Which values go together.", keys_of(Design), Design)
-
-
-@dataclass(frozen=True)
-class StudyFile:
-    """Content of a study file.
-
-    Attributes
-    ----------
-    model : str
-        Model file, its path relative to the study file, or name of a shipped model.
-    settings, factors : mapping
-        As of :func:`shellcut.sweep`.
-    design : Design
-    figures : tuple of str
-        Figures that the report shows; its own choice if empty.
-    """
-
-    model: str
-    settings: Mapping[str, object]
-    factors: Mapping[str, object]
-    design: Design = field(default_factory=Design)
-    figures: tuple[str, ...] = ()
-
-    def plan(self, settings: Mapping[str, object] | None = None) -> Plan:
-        """Return the runs, with further settings.
-
-        Raises
-        ------
-        ModelFileError, ValueError
-            As of :func:`shellcut.study.plan.plan`.
-        """
-        several, single = factors_of(self.factors)
-        together = {**self.settings, **(settings or {}), **single}
-        return replace(plan(self.model, together, several, self.design), figures=self.figures)
 
 
 def is_study(path: str | os.PathLike[str]) -> bool:
@@ -87,7 +51,7 @@ def is_study(path: str | os.PathLike[str]) -> bool:
         return False
 
 
-def read_study(path: str | os.PathLike[str]) -> StudyFile:
+def read_study(path: str | os.PathLike[str]) -> Definition:
     """Read a study file.
 
     Raises
@@ -122,7 +86,7 @@ def read_study(path: str | os.PathLike[str]) -> StudyFile:
         raise ModelFileError(problems)
     model = _beside(source.folder, values["model"])
     figures = tuple(str(name) for name in values.get("figures", ()))
-    return StudyFile(model, values.get("set", {}), values["factors"], design, figures)
+    return Definition(model, values["factors"], values.get("set", {}), design, figures)
 
 
 def _beside(folder: Path, model: str) -> str:
@@ -146,29 +110,30 @@ def study_schema() -> dict[str, Any]:
 
 def write_study(path: Path, planned: Plan) -> None:
     """Write the study file of a plan, from which the same runs follow."""
-    model = Path(planned.model)
+    study = planned.definition
+    model = Path(study.model)
     lines = [
         "# The study whose runs are beside this file: `shellcut sweep` finds them again by it.",
-        f"model = {written(str(model.resolve()) if model.is_file() else planned.model)}",
+        f"model = {written(str(model.resolve()) if model.is_file() else study.model)}",
         *_figures_line(path, planned),
         "",
         "[set]",
-        *(f"{written(key)} = {written(value)}" for key, value in planned.settings.items()),
+        *(f"{written(key)} = {written(value)}" for key, value in study.settings.items()),
         "",
         "[factors]",
         *(f"{written(f.name)} = {_values(f)}" for f in planned.factors),
         "",
         "[design]",
-        f"kind = {written(planned.design.kind)}",
+        f"kind = {written(study.design.kind)}",
     ]
-    if planned.design.n is not None:
-        lines += [f"n = {planned.design.n}", f"seed = {planned.design.seed}"]
+    if study.design.n is not None:
+        lines += [f"n = {study.design.n}", f"seed = {study.design.seed}"]
     write_text(path, "\n".join(lines) + "\n")
 
 
 def _figures_line(path: Path, planned: Plan) -> list[str]:
     """Return the line of the figures, those of an earlier file at this place if none are given."""
-    figures = planned.figures
+    figures = planned.definition.figures
     try:
         figures = figures or read_study(path).figures
     except (OSError, ValueError):

@@ -14,8 +14,8 @@ from shellcut.model_file.key_index import tables
 from shellcut.model_file.quantity import quantity
 from shellcut.results.summary_figures import label_of, unit_of
 from shellcut.study.factors import Factor, factors_of
-from shellcut.study.plan import RUNS
-from shellcut.study.study_file import STUDY, StudyFile, read_study
+from shellcut.study.plan import RUNS, Definition
+from shellcut.study.study_file import STUDY, read_study
 from shellcut.study.surrogate.inputs import Input
 from shellcut.study.table import TABLE
 from shellcut.unit import pretty
@@ -76,7 +76,7 @@ class Study:
     Attributes
     ----------
     folder : Path
-    file : StudyFile
+    file : Definition
     numbers, status, keys, reasons : tuple of str
         Of each run: its number, ``done``, ``failed``, ``stopped`` or ``waits``, the name of its
         folder, and why it failed.
@@ -94,7 +94,7 @@ class Study:
     """
 
     folder: Path
-    file: StudyFile
+    file: Definition
     numbers: tuple[str, ...]
     status: tuple[str, ...]
     keys: tuple[str, ...]
@@ -158,7 +158,7 @@ def read_folder(folder: Path) -> Study:
     columns = {name: tuple(row[k] for row in rows) for k, name in enumerate(head)}
     first = head.index("status")
     figures = {name: _numbers(columns[name]) for name in head[first + 1 : -2]}
-    chosen, lacking = _of_interest(file, figures)
+    chosen, lacking = _of_interest(file.figures, figures)
     planned, _ = factors_of(file.factors)
     inputs = _inputs(planned, {key: columns[key] for key in head[1:first]})
     return Study(
@@ -176,10 +176,12 @@ def read_folder(folder: Path) -> Study:
     )
 
 
-def _of_interest(file: StudyFile, there: Mapping[str, Floats]) -> tuple[list[str], tuple[str, ...]]:
-    if file.figures:
-        lacking = tuple(name for name in file.figures if name not in there)
-        return [name for name in file.figures if name in there], lacking
+def _of_interest(
+    chosen: Sequence[str], there: Mapping[str, Floats]
+) -> tuple[list[str], tuple[str, ...]]:
+    if chosen:
+        lacking = tuple(name for name in chosen if name not in there)
+        return [name for name in chosen if name in there], lacking
     found = (next((name for name in names if name in there), None) for names in _MAIN)
     return [name for name in found if name is not None], ()
 
