@@ -88,11 +88,6 @@ def test_edges_of_a_file_are_rounded(tmp_path):
     ("build", "said"),
     [
         (lambda: straight_blade(edge_radius=-0.1), "edge_radius must be a length in mm.* got -0.1"),
-        (
-            lambda: straight_blade(edge_radius=np.nan),
-            "edge_radius must be finite, got nan mm",
-        ),
-        (lambda: tooth_ring(edge_radius=np.inf), "edge_radius must be finite, got inf mm"),
         (lambda: straight_blade(edge_radius=1e-6), "at least .* for a sharp edge take 0"),
         (lambda: straight_blade(edge_radius=0.5), "does not fit the tool: .* up to about 0.3"),
         (lambda: tooth_ring(edge_radius=2.0), "edge_radius = 2 mm does not fit the tool"),

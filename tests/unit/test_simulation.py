@@ -236,35 +236,3 @@ def test_initial_velocity_is_put_in():
     )
     sim.run(1e-5)
     assert sim.ledger.imbalance == pytest.approx(0.0, abs=1e-12 * sim.ledger.initial)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"damping_alpha": -1.0}, "damping_alpha must be 0 or more, got -1.0"),
-        ({"damping_beta": float("nan")}, "damping_beta must be"),
-        (
-            {"contact": {"friction": 0.2}, "fracture": "free"},
-            r"contact must be a Contact, got \{.*; fracture must be a Fracture, got 'free'",
-        ),
-        ({"tool": straight_blade()}, "tool and motion go together"),
-        ({"motion": StraightMotion((1, 0, 0), 1.0)}, "tool and motion go together"),
-        (
-            {"tool": straight_blade(), "motion": StraightMotion((1, 0, 0), 1.0)},
-            "the tool must start outside the sheet",
-        ),
-    ],
-)
-def test_refusals(options, message):
-    mesh = rectangle(2.0, 2.0, n_x=4, n_y=4)
-    nodes = mesh.nodes - [1.5, 0, 0]
-    mesh = type(mesh).from_arrays(nodes, mesh.quads)
-    with pytest.raises(ValueError, match=message):
-        Simulation(mesh, FILM, **options)
-
-
-def test_until_must_not_lie_in_the_past():
-    sim = resting()
-    sim.run(1e-6)
-    with pytest.raises(ValueError, match="until must not lie before now"):
-        sim.run(0.0)

@@ -1,13 +1,13 @@
-"""Cutting force over the edge's radius: python tests/verification/blunt_edge.py [FILE.csv].
+"""Cutting force over the edge's radius: python tests/verification/blunt_edge.py [--csv FILE].
 
 A strip of the film of 2010 is cut along its middle by a blade (half-angle 10°, half thickness
 0.3 mm) whose edge has a radius, with cables that adhere and with cables that slip with friction.
-Prints a table and writes it as CSV, ready to be plotted. Beside the friction stands what it would
+Prints a table; ``--csv`` writes it, ready to be plotted. Beside the friction stands what it would
 be if the film lay on the blade (:func:`on_the_blade`).
 """
 
+import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -79,14 +79,17 @@ def table(radii=RADII):
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--csv", type=Path, help="write the table to this file, too")
+    target = parser.parse_args().csv
     print(" ".join(f"{name:>12.12}" for name in COLUMNS))
     rows = []
     for row in table():
         rows.append(row)
         said = (v if isinstance(v, str) else f"{v:.5g}" for v in row.values())
         print(" ".join(f"{value:>12}" for value in said), flush=True)
-    if len(sys.argv) > 1:
-        with Path(sys.argv[1]).open("w", newline="") as file:
+    if target is not None:
+        with target.open("w", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS)
             writer.writeheader()
             writer.writerows(rows)
