@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from curved_films import moved
 from shellcut.mesh.structured import rectangle
 from shellcut.models.guillotine import blade_before
 
@@ -19,22 +20,7 @@ SIZE = 0.8
 
 def strip(kind, amount):
     """Return a strip whose rows of quads do not follow y = 0, its rims straight."""
-    mesh = rectangle(LENGTH, WIDTH, size=SIZE)
-    X = mesh.nodes.copy()
-    x, y = X[:, 0] - X[:, 0].min(), X[:, 1]
-    inside = 1.0 - (2.0 * y / WIDTH) ** 2
-    if kind == "offset":
-        X[:, 1] += amount * SIZE * inside
-    elif kind == "turned":
-        ends = np.clip(np.minimum(x, LENGTH - x) / 6.0, 0.0, 1.0)
-        X[:, 0] += np.tan(np.radians(amount)) * y * ends
-    elif kind == "wavy":
-        X[:, 1] += amount * np.sin(2.0 * np.pi * x / 9.0) * inside
-    elif kind == "random":
-        free = np.ones(mesh.n_node, bool)
-        free[mesh.boundary_nodes()] = False
-        X[free, :2] += np.random.default_rng(5).uniform(-amount, amount, (free.sum(), 2)) * SIZE
-    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+    return moved(rectangle(LENGTH, WIDTH, size=SIZE), kind, amount, SIZE)
 
 
 def guillotine(mesh, place=lambda x: x, **options):
@@ -84,13 +70,7 @@ def forces(sim, duration):
 
 
 @pytest.mark.parametrize(
-    ("kind", "amount"),
-    [
-        ("offset", 0.3),
-        ("turned", 20.0),
-        ("wavy", 1.0),
-        ("random", 0.2),
-    ],
+    ("kind", "amount"), [("offset", 0.3), ("turned", 20.0), ("wavy", 1.0), ("random", 0.2)]
 )
 def test_force_is_the_tearing_energy_on_any_mesh(kind, amount):
     sim, duration = guillotine(strip(kind, amount))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from curved_films import moved
 from naive import trial_cut
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.models.guillotine import blade_before
@@ -110,11 +111,8 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
 
 def test_a_blade_cuts_a_strip_under_pressure():
     length, size = 8.0, 0.8
-    mesh, law = rectangle(length, 6.4, size=size), sc.CohesiveLaw(**SHORT_LAW | BLADE)
-    X, inside = mesh.nodes.copy(), np.ones(mesh.n_node, bool)
-    inside[mesh.boundary_nodes()] = False
-    X[inside, :2] += np.random.default_rng(4).uniform(-0.2, 0.2, (inside.sum(), 2)) * size
-    mesh = sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+    mesh = moved(rectangle(length, 6.4, size=size), "random", 0.2, size, seed=4)
+    law = sc.CohesiveLaw(**SHORT_LAW | BLADE)
     blade, motion, _ = blade_before(mesh, None, travel=length, speed=12000.0, law=law)
     ramp = {"factor": lambda time: min(time / 2e-4, 1.0)}
     sim = sc.Simulation(
