@@ -7,15 +7,8 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import (
-    CohesiveLaw,
-    Fracture,
-    Mesh,
-    ScrewMotion,
-    ShellMaterial,
-    StraightMotion,
-    Support,
-)
+from shellcut import CohesiveLaw, Fracture, Mesh, ScrewMotion, ShellMaterial, Stepping
+from shellcut import StraightMotion, Support
 from shellcut.checks import RefusedModel, check_model
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut, guillotine, opening_test
@@ -55,19 +48,20 @@ def only(case, severity="doubt"):
 # --- no false alarms -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mesh", ["quick", "M2"])
-def test_the_opening_test_is_in_order(mesh):
-    assert found(opening_test(mesh)) == ()
-
-
-@pytest.mark.parametrize("name", ["opening", "guillotine"])
-def test_shipped_model_files_are_in_order(name):
-    assert found(shellcut.read_model(name).build()) == ()
-
-
-@pytest.mark.parametrize("size", [0.8, 0.4])
-def test_the_guillotine_is_in_order(size):
-    assert found(guillotine(size)) == ()
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda: opening_test("M2"),
+        lambda: shellcut.read_model("opening").build(),
+        lambda: shellcut.read_model("guillotine").build(),
+        lambda: guillotine(0.4),
+        strip_cut,
+        lambda: strip_cut(path="edges"),
+        lambda: strip_cut(notch=4.0),
+    ],
+)
+def test_what_is_in_order_is_not_blamed(build):
+    assert found(build()) == ()
 
 
 def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
@@ -125,11 +119,6 @@ def test_the_examples_are_in_order(name, tmp_path, monkeypatch):
         assert check_model(simulation, until).findings == ()
 
 
-def test_a_strip_cut_along_a_row_is_in_order():
-    assert found(strip_cut()) == ()
-    assert found(strip_cut(path="edges")) == ()
-
-
 # --- the way of the edges ------------------------------------------------------------------------
 
 
@@ -145,26 +134,30 @@ def test_a_blade_beside_the_rows_is_told(beside, share):
     assert found(strip_cut(tool=near, path="edges")) == ()  # 0.09 edges
 
 
-def test_a_blade_across_the_rows_is_told():
-    turn = np.radians(30.0)
-    motion = StraightMotion((np.cos(turn), np.sin(turn), 0.0), 6000.0)
-    said = [str(f) for f in found(strip_cut(motion=motion, path="edges"))]
-    assert any("no such row" in text for text in said), said
+SIDEWAYS = {
+    "motion": StraightMotion((0.0, 1.0, 0.0), 2000.0),
+    "tool": straight_blade(length=1.0, height=3.0).translated((6.0, -4.5, 0.0)),
+    "supports": (Support.clamped("left"), Support.clamped("right")),
+}
+ACROSS = {"motion": StraightMotion((np.sqrt(0.75), 0.5, 0.0), 6000.0), "path": "edges"}
+CLAMPED = [*SIDES, Support.clamped("left")]
 
 
-def test_a_clamped_edge_on_the_way_is_told():
-    said = only(strip_cut(supports=[*SIDES, Support.clamped("left")]))
-    assert "must keep clear of held nodes" in said
-    assert "the first at (0, 0, 0) mm" in said
-
-
-def test_a_strip_that_is_cut_already_is_told():
-    assert "there must be film to cut" in only(strip_cut(notch=12.0))
-    assert found(strip_cut(notch=4.0)) == ()
-
-
-def test_a_film_that_nothing_holds_is_told():
-    assert "which nothing holds" in only(strip_cut(supports=()))
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (ACROSS, "no such row"),
+        ({"supports": CLAMPED}, "must keep clear of held nodes"),
+        ({"supports": CLAMPED}, "the first at (0, 0, 0) mm"),
+        ({"notch": 12.0}, "there must be film to cut"),
+        ({"supports": ()}, "which nothing holds"),
+        (SIDEWAYS, "moves 90° off that direction"),
+    ],
+)
+def test_what_is_on_the_way_is_told(options, said):
+    findings = found(strip_cut(**options))
+    assert any(said in str(finding) for finding in findings), findings
+    assert len(findings) == 1 or options in (ACROSS, SIDEWAYS)
 
 
 def test_a_second_film_that_nothing_holds_is_told():
@@ -180,7 +173,6 @@ def test_a_second_film_that_nothing_holds_is_told():
 
 
 def test_a_ring_driven_backwards_is_told():
-    motion = ScrewMotion.over(angle_deg=60.0, duration=4e-3, pitch=12.0, axis=(0.0, 0.0, -1.0))
     down = ScrewMotion.over(
         angle_deg=60.0, duration=4e-3, pitch=12.0, axis=(0, 0, -1), advance=(0, 0, -1)
     )
@@ -194,16 +186,6 @@ def test_a_ring_driven_backwards_is_told():
     said = [str(f) for f in found(case)]
     assert any("100 % of the way on which it does not" in text for text in said), said
     assert any("reverse the motion" in text for text in said)
-    assert motion.pitch == down.pitch
-
-
-def test_a_blade_moved_sideways_is_told():
-    motion = StraightMotion((0.0, 1.0, 0.0), 2000.0)
-    blade = straight_blade(length=1.0, height=3.0).translated((6.0, -4.5, 0.0))
-    mesh = rectangle(12.0, 8.0, size=0.8)
-    ends = (Support.clamped("left"), Support.clamped("right"))
-    said = [str(f) for f in found(strip_cut(mesh, tool=blade, motion=motion, supports=ends))]
-    assert any("moves 90° off that direction" in text for text in said), said
 
 
 def test_a_saw_may_go_back_where_it_has_cut():
@@ -262,8 +244,6 @@ def test_a_duration_too_short_for_the_steps_is_refused():
 
 
 def test_a_fixed_step_is_compared_with_the_safe_one():
-    from shellcut.simulation.stable_step import Stepping
-
     sim = opening_test("quick").simulation
     safe = sim.dt / 0.95
     for factor, doubted in ((0.99, 0), (1.01, 1)):
@@ -294,8 +274,6 @@ def test_a_film_without_a_tool_is_asked_for_its_numbers_only():
 
 
 def test_checking_changes_nothing():
-    from shellcut.simulation.stable_step import Stepping
-
     one, two = (opening_test("quick", stepping=Stepping(fixed=1e-7)) for _ in range(2))
     check_model(one.simulation, one.duration)
     for case in (one, two):

@@ -165,36 +165,7 @@ def test_stresses_of_no_quads_are_refused(quads, message):
         assert stress([]).shape == (0, 3, 3)
 
 
-def test_rubber():
-    # Plane stress knows no pressure that incompressible films would leave open: nu = 0.5 is as any.
-    strip = cantilever(4, EdgeTraction("right", (5.0, 0.0, 0.0)), poisson=0.5, n_y=2)
-    clamped = strip.linear()
-    free = Statics(
-        strip.mesh,
-        strip.shell.material,
-        supports=[Support("left", "x", "xyz"), Support([strip.mesh.node_set("left")[0]], "yz", "")],
-        loads=[EdgeTraction("right", (5.0, 0.0, 0.0))],
-    ).linear()
-    stretch = 5.0 / (YOUNG * THICKNESS)
-    ends = strip.mesh.node_set("right")
-    np.testing.assert_allclose(free.displacement[ends, 0], stretch * LENGTH, rtol=1e-9)
-    width = np.ptp(free.displacement[ends, 1])
-    assert width == pytest.approx(0.5 * stretch * WIDTH, rel=1e-9)
-    assert clamped.displacement[ends, 0].max() < stretch * LENGTH
-
-
 # --- load steps ----------------------------------------------------------------------------------
-
-
-def test_roll_up_is_exact_for_the_polygon():
-    # Under an end moment all quads bend alike; n of them give angles of equal size.
-    strip = cantilever(20, NodalMoment("right", (0.0, -np.pi * BENDING / LENGTH, 0.0)))
-    (end,) = strip.load_steps([1.0])
-    row = strip.mesh.node_set("bottom")
-    steps = np.diff(np.unwrap(np.arctan2(-end.director[row, 0], end.director[row, 2])))
-    np.testing.assert_allclose(steps, steps.mean(), rtol=1e-6)
-    # 18° a quad: 1.8 % more than the exact 2 pi, falling with the square.
-    assert 20 * steps.mean() == pytest.approx(2.0 * np.pi, rel=0.02)
 
 
 def test_the_path_does_not_depend_on_the_steps():
@@ -211,14 +182,6 @@ def test_unloading_comes_back():
     path = strip.load_steps([0.5, 1.0, 0.0])
     assert abs(path[-1].displacement).max() < 1e-6
     assert strip.factor == 0.0
-
-
-def test_steps_are_halved(monkeypatch):
-    expected = cantilever(8, SHEAR).load_steps([1.0])[0]
-    monkeypatch.setattr(load_path, "_MOST_ITERATIONS", 4)
-    (halved,) = cantilever(8, SHEAR).load_steps([1.0])
-    assert halved.n_iteration > expected.n_iteration
-    np.testing.assert_allclose(halved.displacement, expected.displacement, atol=1e-6)
 
 
 @pytest.mark.parametrize("factors", [[float("nan")], [0.5, np.inf], ["all"], 1.0])
@@ -264,6 +227,7 @@ def test_a_rigid_motion_is_refused():
 
 def test_shares_of_a_step_end_at_its_factor(monkeypatch):
     # 0.37 in eighths, summed, is one unit of the last digit below it.
+    (whole,) = cantilever(8, SHEAR).load_steps([0.37])
     asked, newton = [0.0], load_path.LoadPath._newton
 
     def asking(path, factor):
@@ -276,6 +240,8 @@ def test_shares_of_a_step_end_at_its_factor(monkeypatch):
     strip = cantilever(8, SHEAR)
     (end,) = strip.load_steps([0.37])
     assert end.factor == 0.37
+    np.testing.assert_allclose(end.displacement, whole.displacement, atol=1e-6)
+    assert end.n_iteration > whole.n_iteration
     assert len(asked) > 4
     assert min(np.diff(asked)) > 1e-3 * 0.37
     # What is at rest under a load needs no step to it.
@@ -554,17 +520,6 @@ def test_an_arc_begins_at_an_equilibrium():
 # --- vibrations ----------------------------------------------------------------------------------
 
 
-def test_modes_of_a_slender_cantilever():
-    strip = cantilever(40)
-    modes = strip.modes(2)  # the third is torsion
-    line = np.sqrt(BENDING / (DENSITY * WIDTH * THICKNESS * LENGTH**4)) / (2.0 * np.pi)
-    expected = np.array([1.8751041, 4.6940911]) ** 2 * line
-    # 40 linear elements on lumped masses, shear and rotary inertia: some (k h)² of the second.
-    np.testing.assert_allclose(modes.frequency, expected, rtol=1e-3)
-    assert (abs(modes.shape).max(axis=(1, 2)) == 1.0).all()
-    assert (np.diff(modes.frequency) > 0.0).all()
-
-
 def test_tension_raises_the_frequency():
     strip = cantilever(20, EdgeTraction("right", (50.0, 0.0, 0.0)))
     slack = strip.modes(1).frequency[0]
@@ -598,7 +553,10 @@ def test_all_modes_there_are_and_no_more():
 
 def test_modes_of_a_free_film():
     material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-4)
-    frequency = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), material).modes(9).frequency
+    modes = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), material).modes(9)
+    frequency = modes.frequency
+    assert (abs(modes.shape[6:]).max(axis=(1, 2)) == 1.0).all()
+    assert (np.diff(frequency) >= 0.0).all()
     thick = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-2)
     expected = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), thick).modes(9).frequency
     # Six rigid motions; bending in proportion to the thickness, but for shear.
