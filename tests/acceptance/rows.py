@@ -174,7 +174,7 @@ COMMANDS = (
     ),
     (
         "10-12",
-        f"run opening {_OWN}parts/cap.stl --set angle_deg=10 --set duration=0.7e-3 -o own",
+        f"run opening {_OWN}parts/cap.stl --set motion.angle_deg=10 --set duration=0.7e-3 -o own",
         *(0, ("4 of 4 bodies were inside out",), ("own/summary.json", "own/torque.png"), 60),
     ),
     ("10-12", f"run opening {_OWN}cup.stl -o refused", 2, ("cup.stl",), (), 30),

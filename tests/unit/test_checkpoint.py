@@ -21,6 +21,7 @@ from free_strip import cut_strip
 from gone_on import differing, flat, numbers_of
 from notched_strip import cutting
 from open_files import is_open
+from same_run import assert_same_run
 from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, Pressure
 from shellcut.loads.supports import Support
@@ -40,6 +41,8 @@ from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.table_motion import TableMotion
 
 END = 8e-5
+
+pytestmark = pytest.mark.usefixtures("no_pictures")
 
 LAYERED = ShellMaterial(
     [Layer(Elastic(2000.0, 0.3, 1.1e-9), 0.03), Layer(Elastic(900.0, 0.4, 0.9e-9), 0.05)],
@@ -423,11 +426,6 @@ def test_a_step_half_done_is_not_saved(tmp_path):
 # ---------------------------------------------------------------- runs in a folder
 
 
-@pytest.fixture
-def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-
-
 RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 3, "progress": False}
 
 
@@ -435,61 +433,14 @@ def case(**options):
     return Case("cut", cutting(**options), END)
 
 
-def frames(path):
-    """Return all that a reader finds of every frame."""
-    found = []
-    with h5py.File(path, "r") as file:
-        root = file["VTKHDF"]
-        steps = root["Steps"]
-        for k in range(int(steps.attrs["NSteps"])):
-            part = int(steps["PartOffsets"][k])
-            n_point, n_cell, n_id = (
-                int(root[name][part])
-                for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
-            )
-            point = int(steps["PointOffsets"][k])
-            cell, first_id = (int(steps[f"{n}Offsets"][k, 0]) for n in ("Cell", "ConnectivityId"))
-            frame = {
-                "time": steps["Values"][k],
-                "points": root["Points"][point : point + n_point],
-                "types": root["Types"][cell : cell + n_cell],
-                "offsets": root["Offsets"][cell + part : cell + part + n_cell + 1],
-                "connectivity": root["Connectivity"][first_id : first_id + n_id],
-            }
-            for kind, count in (("Point", n_point), ("Cell", n_cell), ("Field", 1)):
-                for name, column in root[f"{kind}Data"].items():
-                    first = int(steps[f"{kind}DataOffsets/{name}"][k])
-                    frame[f"{kind} {name}"] = column[first : first + count]
-            found.append(frame)
-    return found
-
-
-def assert_same_records(folder, other):
-    assert (folder / "history.csv").read_bytes() == (other / "history.csv").read_bytes()
-    assert (folder / "splits.csv").read_bytes() == (other / "splits.csv").read_bytes()
-    mine, theirs = frames(folder / "cut.vtkhdf"), frames(other / "cut.vtkhdf")
-    assert len(mine) == len(theirs) > 10
-    for a, b in zip(mine, theirs, strict=True):
-        assert a.keys() == b.keys()
-        assert [name for name in a if not np.array_equal(a[name], b[name])] == []
-    assert sorted(p.name for p in folder.iterdir()) == sorted(p.name for p in other.iterdir())
-    figures = [summary_of(one) for one in (folder, other)]
-    for one in figures:
-        for name in ("wall_s", "ns_per_quad_step", "pictures_s"):
-            assert one.pop(name) >= 0
-    assert figures[0] == figures[1]
-
-
 def summary_of(folder):
     return json.loads((folder / "summary.json").read_text())
 
 
 @pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory):
+def uninterrupted(no_pictures, tmp_path_factory):
     folder = tmp_path_factory.mktemp("uninterrupted")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-        case().run(folder, checkpoint_every=None, **RECORDS)
+    case().run(folder, checkpoint_every=None, **RECORDS)
     return folder
 
 
@@ -506,10 +457,9 @@ def interrupted_at(step, patch):
     patch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_checkpoints_do_not_change_the_records(uninterrupted, tmp_path):
     case().run(tmp_path, checkpoint_every=0.0, **RECORDS)
-    assert_same_records(tmp_path, uninterrupted)
+    assert_same_run(tmp_path, uninterrupted)
 
 
 @pytest.fixture
@@ -520,7 +470,7 @@ def _listening():
     signal.signal(signal.SIGINT, former)
 
 
-@pytest.mark.usefixtures("_no_pictures", "_listening")
+@pytest.mark.usefixtures("_listening")
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
     with monkeypatch.context() as patch:
@@ -534,15 +484,15 @@ def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog
     assert "cut stopped at path" in caplog.text
     assert f"resume from the checkpoint in {tmp_path}" in caplog.text
     assert read_history(tmp_path / "history.csv")[0]["time"][-1] < END
-    assert frames(tmp_path / "cut.vtkhdf")[-1]["time"] == first.simulation.state.time
+    assert shellcut.read(tmp_path).times[-1] == first.simulation.state.time
     case().run(tmp_path, resume=True, progress=False)
-    assert_same_records(tmp_path, uninterrupted)
+    assert_same_run(tmp_path, uninterrupted)
     assert 1000.0 < summary_of(tmp_path)["wall_s"] < 1100.0
 
 
 _KILLED = """
 import os, signal, sys
-sys.path.insert(0, {tests!r})
+sys.path[:0] = {tests!r}
 import shellcut.recording.recorder
 from shellcut.recording.checkpoint import save_checkpoint
 from test_checkpoint import RECORDS, case
@@ -562,13 +512,12 @@ case().run({folder!r}, checkpoint_every=0.0, **RECORDS)
 """
 
 
-@pytest.mark.usefixtures("_no_pictures")
 @pytest.mark.parametrize(
     "number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
 )
 def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
     script = _KILLED.format(
-        tests=str(Path(__file__).parent), signal=int(number), folder=str(tmp_path)
+        tests=list(map(str, Path(__file__).parents[:2])), signal=int(number), folder=str(tmp_path)
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
     assert done.returncode == -number, done.stderr.decode()
@@ -580,7 +529,7 @@ def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
     assert (times > again.simulation.state.time).sum() > 3
 
     case().run(tmp_path, resume=True, progress=False)
-    assert_same_records(tmp_path, uninterrupted)
+    assert_same_run(tmp_path, uninterrupted)
 
 
 def test_where_a_cut_stands_is_kept_to_the_last_digit():
@@ -596,7 +545,6 @@ def test_where_a_cut_stands_is_kept_to_the_last_digit():
     assert (CutFront(sim, END).rows(sim) != front.rows(sim)).any()
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
     # By a hook that stops after any number of steps, not only where records are looked at.
     parts = [1, 7, 333, 10, 204, 10_000]
@@ -614,11 +562,12 @@ def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
         start = one.simulation.state.step
         stop = StopWhen(lambda sim=one.simulation, last=start + n_step: sim.state.step >= last)
         one.simulation.run(END, [recorder, stop])
-    assert_same_records(tmp_path, uninterrupted)
+    assert_same_run(tmp_path, uninterrupted)
 
 
 def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: True)
     records = {"n_row": 10, "n_frame": 2, "n_snapshot": 2, "progress": False}
     whole, part = tmp_path / "whole", tmp_path / "part"
     # Deepest at the first frame: the summary of both parts shall know.
@@ -660,7 +609,6 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     assert summary_of(part)["n_step"] == summary_of(whole)["n_step"]
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_run_that_has_ended_is_left_as_it_is(tmp_path, caplog):
     short = Case("cut", cutting(), 2e-6)
     short.run(tmp_path, **RECORDS)
@@ -672,7 +620,6 @@ def test_a_run_that_has_ended_is_left_as_it_is(tmp_path, caplog):
         Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_run_goes_on_to_a_later_end(tmp_path):
     Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
     longer = Case("cut", cutting(), 4e-6)
@@ -690,7 +637,6 @@ def test_nothing_to_resume(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_file_that_is_gone_is_named(tmp_path):
     Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
     (tmp_path / "cut.vtkhdf").unlink()
@@ -698,7 +644,6 @@ def test_a_file_that_is_gone_is_named(tmp_path):
         Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_checkpoint_saved_by_hand_is_told_from_a_runs(tmp_path):
     Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
     save_checkpoint(cutting(), tmp_path / "checkpoint.h5")
@@ -706,7 +651,6 @@ def test_a_checkpoint_saved_by_hand_is_told_from_a_runs(tmp_path):
         Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_new_run_removes_the_checkpoint_of_the_old(tmp_path):
     Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
     recorder = Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS)
@@ -714,7 +658,6 @@ def test_a_new_run_removes_the_checkpoint_of_the_old(tmp_path):
     recorder.close()
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
     blown = case(stepping=Stepping(fixed=3e-7))
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
@@ -723,11 +666,10 @@ def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
     again = case(stepping=Stepping(safety=0.9))
     load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
     assert died - 10 <= again.simulation.state.step < died
-    assert all(np.isfinite(frame["points"]).all() for frame in frames(tmp_path / "cut.vtkhdf"))
+    assert all(np.isfinite(frame.points).all() for frame in shellcut.read(tmp_path).frames())
     assert not is_open(tmp_path / "cut.vtkhdf")
 
 
-@pytest.mark.usefixtures("_no_pictures")
 def test_a_full_disk_is_said_once_and_the_run_goes_on(tmp_path, monkeypatch, caplog):
     def full(_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

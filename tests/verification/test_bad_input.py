@@ -12,21 +12,15 @@ import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks import check_model
-from shellcut.contact.penalty_contact import Contact
 from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
 from shellcut.loads.supports import Support
-from shellcut.material.elastic import Elastic
-from shellcut.material.hardening import Linear
-from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
-from shellcut.models import free_cut, guillotine
-from shellcut.recording.run_options import RunOptions
+from shellcut.models import guillotine
 from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
-from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool, ToolError

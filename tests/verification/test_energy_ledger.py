@@ -12,16 +12,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.options import Fracture
-from shellcut.loads.loads import Pressure
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
+import shellcut as sc
 from shellcut.mesh.structured import disc, rectangle
-from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
 from shellcut.state import BROKEN
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 
 STABLE = 5.4e-7  # s, the library's own step of this disc
@@ -32,14 +25,14 @@ def _oscillate(
     *, dt: float | None, n_step: int, damped: bool = False, following: bool = False
 ) -> dict[str, np.ndarray]:
     """Return the ledger over a run of a disc of 220 quads under a pressure step."""
-    sim = Simulation(
+    sim = sc.Simulation(
         disc(10.2, n_side=10, n_layer=3),
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped("rim")],
-        loads=[Pressure(0.05, following=following)],
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("rim")],
+        loads=[sc.Pressure(0.05, following=following)],
         damping_alpha=1e3 if damped else 0.0,
         damping_beta=5e-8 if damped else 0.0,
-        stepping=Stepping(fixed=dt),
+        stepping=sc.Stepping(fixed=dt),
     )
     names = ("imbalance", "put_in", "kinetic", "strain", "damping")
     rows = []
@@ -89,22 +82,22 @@ def test_damping_takes_what_the_swing_loses() -> None:
 
 
 @cache
-def _cut(safety: float) -> tuple[Simulation, dict[str, np.ndarray]]:
+def _cut(safety: float) -> tuple[sc.Simulation, dict[str, np.ndarray]]:
     """Drive a blade 14 mm along a film held at two sides, notched on a mesh line."""
     mesh = rectangle(16.0, 8.0, size=SIZE)
     notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 2.0))
     mesh = mesh.cut(notch[np.argsort(mesh.nodes[notch, 0])])
     blade = straight_blade(length=4.0, height=3.0)
     blade = dataclasses.replace(blade, vertices=blade.vertices + np.array([-0.05, 0.0, 0.0]))
-    sim = Simulation(
+    sim = sc.Simulation(
         mesh,
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped("top"), Support.clamped("bottom")],
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("top"), sc.Support.clamped("bottom")],
         tool=blade,
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-4),
-        law=CohesiveLaw(),
-        fracture=Fracture(path="edges"),
-        stepping=Stepping(safety=safety),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-4),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="edges"),
+        stepping=sc.Stepping(safety=safety),
     )
     rows = []
     while sim.motion.coordinate(sim.state.time) < 14.0:

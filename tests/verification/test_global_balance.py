@@ -12,35 +12,30 @@ import dataclasses
 import numpy as np
 import pytest
 
-from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
+import shellcut as sc
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.simulation.simulation import Simulation
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
-from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 # Round-off: some thousand terms are summed; relative to the sum of their sizes. Measured 6e-16.
 ROUND_OFF = 1e-13
 
 
-def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False) -> Simulation:
+def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False) -> sc.Simulation:
     mesh = rectangle(8.0, 8.0, size=0.8)
     notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 1.7))
     mesh = mesh.cut(notch[np.argsort(mesh.nodes[notch, 0])])
     blade = straight_blade(edge_angle_deg=edge_angle_deg, length=4.0, height=3.0)
     # The edge meets the sheet 0.05 mm before its rim.
     blade = dataclasses.replace(blade, vertices=blade.vertices + np.array([-0.05, 0.0, 0.0]))
-    return Simulation(
+    return sc.Simulation(
         mesh,
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped("top"), Support.clamped("bottom")],
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("top"), sc.Support.clamped("bottom")],
         tool=blade,
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
-        law=CohesiveLaw(),
-        fracture=Fracture(path="edges", equilibrium_start=equilibrium_start),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="edges", equilibrium_start=equilibrium_start),
         damping_alpha=0.0,
     )
 
@@ -49,13 +44,13 @@ def _turned(x: np.ndarray, force: np.ndarray) -> np.ndarray:
     return np.cross(x, force).sum(axis=0)
 
 
-def _about_origin(sim: Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _about_origin(sim: sc.Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return force and moment about the origin of space from wrenches of the teeth."""
     force, moment = wrench.sum(axis=0)[:3], wrench.sum(axis=0)[3:]
     return force, moment + np.cross(sim.pose.translation, force)
 
 
-def _check_shell(sim: Simulation) -> None:
+def _check_shell(sim: sc.Simulation) -> None:
     s = copy.deepcopy(sim.state)  # the evaluation writes the strains of the last one
     s.node.force[:] = s.node.director_force[:] = 0.0
     sim.shell.add_forces(s)
@@ -67,7 +62,7 @@ def _check_shell(sim: Simulation) -> None:
     assert np.abs(_turned(x, f) + directors.sum(axis=0)).max() <= ROUND_OFF * moments
 
 
-def _check_contact(sim: Simulation) -> None:
+def _check_contact(sim: sc.Simulation) -> None:
     n = sim.state.n_node
     x, f = sim.state.node.x[:n], sim.state.node.contact_force[:n]
     force, moment = _about_origin(sim, sim.contact.forces.wrench)
@@ -76,7 +71,7 @@ def _check_contact(sim: Simulation) -> None:
     assert np.abs(_turned(x, f) + moment).max() <= ROUND_OFF * scale
 
 
-def _check_cables(sim: Simulation) -> None:
+def _check_cables(sim: sc.Simulation) -> None:
     c = sim.state.cable
     live = c.status[: c.count] != BROKEN
     x = sim.state.node.x[c.ends[: c.count][live].ravel()]
@@ -92,7 +87,7 @@ def _check_cables(sim: Simulation) -> None:
     assert np.linalg.norm(sim.cables.forces.couple) <= most + 1e-12
 
 
-def _check_all(sim: Simulation) -> None:
+def _check_all(sim: sc.Simulation) -> None:
     s, n = sim.state, sim.state.n_node
     x, f = s.node.x[:n], s.node.force[:n]
     directors = np.cross(s.node.t[:n], s.node.director_force[:n]).sum(axis=0)
@@ -164,14 +159,14 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
 
 
 def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
-    motion = ScrewMotion.over(angle_deg=95.0, duration=1.5e-3, pitch=12.0)
-    sim = Simulation(
+    motion = sc.ScrewMotion.over(angle_deg=95.0, duration=1.5e-3, pitch=12.0)
+    sim = sc.Simulation(
         opening_disc("quick"),
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped("rim")],
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("rim")],
         tool=tooth_ring(),
         motion=motion,
-        law=CohesiveLaw(),
+        law=sc.CohesiveLaw(),
     )
     axis = np.array([0.0, 0.0, 1.0])
     torque, power = [], []
