@@ -20,18 +20,10 @@ from tiny_study import SETTINGS
 WAIT = 120.0  # s: of another process, on a machine with much else to do
 
 
-def end_children():
-    while child_process._idle:
-        child = child_process._idle[0]
-        child._process.kill()
-        child_process._end(child)
-
-
 @pytest.fixture(autouse=True)
-def no_children_left():
-    end_children()  # of studies in other files
+def no_child_left():
     yield
-    end_children()
+    vars(child_process._of_thread).clear()
 
 
 def task_in(folder, **settings):
@@ -88,19 +80,22 @@ def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monk
     with pytest.raises(ChildDied, match="killed, or out of memory"):
         run_in_child(task)
     killer.join()
-    assert not child_process._idle
     here = run_one(task_in(tmp_path / "here")[0])
     there = run_in_child(task)
     assert there.status == "done"
     assert figures_of(there) == figures_of(here)
     assert run_in_child(task).figures == there.figures
-    assert child_process._idle == made[1:]  # one
+    assert len(made) == 2
     made[1]._process.kill()
     made[1]._process.wait()
-    child = child_process._take()
-    child._process.kill()
-    child.end()
-    assert child is made[2]
+    assert run_in_child(task).figures == there.figures  # that of a thread is replaced before a run
+    assert len(made) == 3
+    # It ends with its thread, and here with what the thread has.
+    process = made[2]._process
+    made.clear()
+    vars(child_process._of_thread).clear()
+    until(lambda: process.poll() is not None)
+    assert process.returncode == 0
 
 
 def test_a_child_whose_worker_is_killed_stops_with_a_checkpoint(tmp_path):

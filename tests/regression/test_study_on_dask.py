@@ -3,7 +3,6 @@
 import socket
 import subprocess
 import sys
-import threading
 from contextlib import ExitStack
 
 import pytest
@@ -49,50 +48,39 @@ class Cluster:
 
 
 @pytest.mark.slow
-def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path, monkeypatch):
+def test_a_study_outlives_a_worker_and_goes_on_after_its_scheduler(tmp_path):
     # Imported here: two seconds that the collection of all tests would take.
     distributed = pytest.importorskip("distributed")
-    from shellcut.study import dask_engine
-
     by_turn = sc.sweep(
         "guillotine", ANGLES, tmp_path / "turn", settings=SETTINGS, executor=1, say=str
     )
+    lines = []
     with ExitStack() as close:
         cluster = Cluster()
         close.callback(cluster.end)
         scheduler, workers = cluster.scheduler(), [cluster.worker(), cluster.worker()]
         client = close.enter_context(distributed.Client(cluster.address, timeout=60))
         client.wait_for_workers(2, timeout=60)
-        lines, made = [], []
-
-        def connected(*arguments, **options):
-            made.append(distributed.Client(*arguments, **options))
-            return made[-1]
-
-        monkeypatch.setattr(dask_engine, "Client", connected)
-
-        def lose_all():
-            scheduler.kill()
-            scheduler.wait()
-            cluster.scheduler()
-            cluster.worker()
 
         def say(line):
             lines.append(line)
             if line.startswith("[1/"):
                 workers[0].kill()
             if line.startswith("[2/"):
-                threading.Thread(target=lose_all).start()
+                scheduler.kill()
 
-        found = sc.sweep(
-            "guillotine",
-            ANGLES,
-            tmp_path / "dask",
-            settings=SETTINGS,
-            executor=client,
-            say=say,
-        )
-    assert made
-    assert {one.status for one in made} == {"closed"}
+        def study(executor):
+            out = tmp_path / "dask"
+            return sc.sweep(
+                "guillotine", ANGLES, out, settings=SETTINGS, executor=executor, say=say
+            )
+
+        with pytest.raises(ConnectionError, match="call the study again, what is done is kept"):
+            study(client)
+        cluster.scheduler()
+        cluster.worker()
+        again = close.enter_context(distributed.Client(cluster.address, timeout=60))
+        again.wait_for_workers(1, timeout=60)
+        found = study(again)
     assert lines[0] == "4 runs, 0 of them done before; 2 at a time"
     assert found.table.read_bytes() == by_turn.table.read_bytes()

@@ -3,6 +3,7 @@
 import csv
 import re
 import shutil
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,13 @@ import scipy
 import shellcut as sc
 from browser import opened
 from shellcut.command_line import main
-from shellcut.model_file.writer import model_text
 from shellcut.study.design import Design
 from shellcut.study.factors import factors_of
 from shellcut.study.one_run import Outcome
 from shellcut.study.plan import plan
-from shellcut.study.report import report_study
+from shellcut.study.report import analysis, report_study
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
-from shellcut.study.surrogate import surface
 from shellcut.study.table import write_table
 from test_report import LISTEN, Outline, drawn, sentences, without_scripts
 
@@ -43,8 +42,8 @@ n = 24
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch):
-    """Polynomials, which take no time, but where a test asks for a process."""
-    monkeypatch.setattr(surface, "is_there", lambda: False)
+    """No surfaces, which take seconds, but where a test asks for them."""
+    monkeypatch.setattr(analysis, "is_there", lambda: False)
 
 
 def made(folder, figures, *, n=24, failed=(), chosen="", waiting=0):
@@ -98,9 +97,10 @@ def texts(page):
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """Of a study with two figures that vary, one of them noise, and two runs that failed."""
+    pytest.importorskip("sklearn", reason="needs shellcut[study]")
     folder = made(tmp_path_factory.mktemp("s") / "a & b", THREE, failed=(3, 7), waiting=1)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(surface, "is_there", lambda: False)
+        patch.setattr(analysis, "is_there", lambda: True)
         return page_of(folder)
 
 
@@ -126,13 +126,13 @@ class TestPage:
         assert said["torque, mean over the steady window"] == "good"
         assert said["torque, peak"] == "doubt"
         assert "No sensitivities: the surface predicts unseen runs no better" in page
-        assert "polynomials by least squares, because scikit-learn is not installed" in page
+        assert page.count('"type":"contour"') == 1  # a map of the two numbers
 
     def test_a_constant_figure_is_told(self, page):
         assert "crack length: no surface, it is 59.04 in all 21 runs" in page
 
     def test_sensitivities_say_on_what_they_rest(self, page):
-        said = re.search(r"From (a polynomial of degree \d) through 21 runs, .*? points\.", page)
+        said = re.search(r"From a surface through 21 runs, .*? points\.", page)
         assert "(rms; their mean does to" in said[0]
         row = re.search(r"<th scope=\"row\">file</th>.*?</tr>", page)[0]
         first = float(re.search(r">([\d.]+) \(", row)[1])
@@ -167,7 +167,13 @@ class TestWhatIsMissing:
         assert [one.key for one in read_folder(folder).figures] == ["torque_peak_Nmm"]
         assert "asks for the figure force_peak_N, which no run has" in page_of(folder)
 
-    def test_a_part_of_the_range_without_runs(self, tmp_path):
+    def test_without_scikit_learn_there_are_no_surfaces(self, tmp_path):
+        page = texts(page_of(made(tmp_path / "s", THREE)))
+        assert "no surface, it needs scikit-learn, pip install 'shellcut[study]'" in unescape(page)
+
+    def test_a_part_of_the_range_without_runs(self, tmp_path, monkeypatch):
+        pytest.importorskip("sklearn", reason="needs shellcut[study]")
+        monkeypatch.setattr(analysis, "is_there", lambda: True)
         folder = made(tmp_path / "s", THREE)
         pitch = {f.name: f for f in read_folder(folder).factors}["pitch"].values
         shutil.rmtree(folder)
@@ -276,30 +282,6 @@ class TestOfARealStudy:
     def test_one_factor_and_three_runs_are_told(self, real):
         page = texts(page_of(real))
         assert "a surface over 1 factor needs 4 runs or more, and 3 have this figure" in page
-        assert "Beside the theory" not in page
-
-
-def test_openings_stand_beside_their_theory(tmp_path):
-    def cables(eta, pitch, other):
-        # n G h (r + p / 2 pi cot eta) of the shipped model, whose law has 43.5 N/mm
-        return 4 * 43.5 * 0.074 * (9.4 + pitch / (2 * np.pi) / np.tan(np.radians(eta)))
-
-    figures = {"dWcoh_dtheta_Nmm": cables, "torque_plateau_Nmm": lambda *v: 1.07 * cables(*v)}
-    folder = made(tmp_path / "s", figures, n=4)
-    eta, pitch, _ = (factor.values for factor in read_folder(folder).factors)
-    for k in range(4):
-        run = folder / "runs" / f"{k:016x}"
-        run.mkdir(parents=True)
-        values = {"tool.edge_inclination_deg": float(eta[k]), "motion.pitch": float(pitch[k])}
-        (run / "used.toml").write_text(model_text(sc.read_model("opening", values)), "utf-8")
-    page = page_of(folder)
-    assert "Beside the theory" in Outline(page).titles
-    rows = dict(
-        re.findall(r'row">(cables.{1,6} work per radian|torque, mean)</th>(.*?)</tr>', page)
-    )
-    means = [re.findall(r">([\d.]+)</td>", row)[1] for row in rows.values()]
-    # round-off of three digits
-    assert means == ["1.000", "1.070"]
 
 
 def test_a_reader_sorts_the_table_and_colours_the_curves(tmp_path):
@@ -338,13 +320,3 @@ def test_a_reader_sorts_the_table_and_colours_the_curves(tmp_path):
     assert after == ["caps/a.stl", "caps/<b>.stl"]
     assert len(colors) == 2
     assert overflow <= 0
-
-
-def test_a_process_is_taken_where_scikit_learn_is(tmp_path, monkeypatch):
-    pytest.importorskip("sklearn", reason="needs shellcut[study]")
-    monkeypatch.setattr(surface, "is_there", lambda: True)
-    folder = made(tmp_path / "s", {"torque_plateau_Nmm": plateau})
-    page = page_of(folder)
-    assert "From a Gaussian process through 24 runs" in page
-    assert "scikit-learn is not installed" not in page
-    assert page.count('"type":"contour"') == 1  # a map of the two numbers

@@ -31,11 +31,22 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     if arguments.dask is None:
         yield arguments.jobs
         return
-    from shellcut.numerics.threads import available_cores
-
     try:
-        from shellcut.study.dask_engine import cluster_at
+        from distributed import Client, LocalCluster
     except ImportError:
         raise ImportError("--dask needs Dask: pip install 'shellcut[sweep]'") from None
-    with cluster_at(arguments.dask, available_cores()) as client:
+    from shellcut.numerics.threads import available_cores
+
+    with contextlib.ExitStack() as close:
+        where: Any = arguments.dask
+        if where == "local":
+            cluster = LocalCluster(
+                n_workers=available_cores(), threads_per_worker=1, dashboard_address=None
+            )
+            where = close.enter_context(cluster)
+        try:
+            client = close.enter_context(Client(where, timeout=10.0))
+        except (OSError, TimeoutError, ValueError) as problem:
+            said = f"{type(problem).__name__}: {problem}"
+            raise ConnectionError(f"there is no Dask scheduler at {where}: {said}") from None
         yield client

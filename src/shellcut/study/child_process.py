@@ -6,7 +6,7 @@ and answers the network, in threads beside that of the task. A step of a small f
 kernels of some microseconds, each of which releases the interpreter's lock, and every other thread
 that takes it makes the step wait: runs of 600 quads took a third longer than in a process of their
 own. So the worker hands a run to a child and waits for its outcome; the child is kept for the next
-run.
+run, and ends with the thread that it belongs to.
 
 ``multiprocessing`` starts no child of a Dask worker, whose process is a daemon, and its pools break
 where one process dies. Here tasks and outcomes go through the child's standard streams, whose end
@@ -34,9 +34,6 @@ _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NU
 # which costs 4 %.
 _NOT_FOR_CHILD = "MALLOC_TRIM_THRESHOLD_"
 
-_KEPT_FOR = 60.0
-"""Wall time for which a child without a task is kept [s]."""
-
 # What anything prints must not come between the outcomes, so these go out by a stream of their own.
 # What may have been printed before ends with a line of this text. Modules are found where this
 # process finds them. Ctrl-C is left to the study, which stops all runs by its file.
@@ -59,7 +56,6 @@ class _Child:
     def __init__(self) -> None:
         environment = {name: v for name, v in os.environ.items() if name != _NOT_FOR_CHILD}
         environment |= dict.fromkeys(_ONE_THREAD, "1")
-        self.end_if_idle: threading.Timer | None = None
         self._process: Any = subprocess.Popen(
             [os.fsdecode(spawn.get_executable()), "-c", _BEGIN],
             stdin=subprocess.PIPE,
@@ -91,65 +87,31 @@ class _Child:
 
     def end(self) -> None:
         """Let it end, which it does after its run."""
-        if self.end_if_idle is not None:
-            self.end_if_idle.cancel()
         with contextlib.suppress(OSError), self._process:
             pass
+
+    __del__ = end
 
     def _give(self, what: object) -> None:
         self._process.stdin.write(pickle.dumps(what))  # all of it, or nothing
         self._process.stdin.flush()
 
 
-_idle: list[_Child] = []
-_change = threading.Lock()
+_of_thread = threading.local()
 
 
 def run_in_child(task: Task) -> Outcome:
-    """Do a run as :func:`run_one` does, in a child of this process.
-
-    Several threads have a child each.
+    """Do a run as :func:`run_one` does, in the child of this thread, a new one if it has none.
 
     Raises
     ------
     ChildDied
         If it died meanwhile.
     """
-    child = _take()
-    outcome = child.run(task)
-    _keep(child)
-    return outcome
-
-
-def _take() -> _Child:
-    """Return a child without a task, a new one if there is none."""
-    with _change:
-        while _idle:
-            child = _idle.pop()
-            if child.end_if_idle is not None:
-                child.end_if_idle.cancel()
-            if child.lives:
-                return child
-            child.end()
-    return _Child()
-
-
-def _keep(child: _Child) -> None:
-    """Keep a child for the next run, but not for ever: it holds memory."""
-    timer = threading.Timer(_KEPT_FOR, _end, [child])
-    timer.daemon = True
-    with _change:
-        child.end_if_idle = timer
-        timer.start()
-        _idle.append(child)
-
-
-def _end(child: _Child) -> None:
-    with _change:
-        if child not in _idle:  # it has been taken meanwhile
-            return
-        _idle.remove(child)
-    child.end()
+    child: _Child | None = getattr(_of_thread, "child", None)
+    if child is None or not child.lives:
+        child = _of_thread.child = _Child()
+    return child.run(task)
 
 
 def serve(outcomes: BinaryIO) -> None:

@@ -1,7 +1,8 @@
 """Engines: what carries out the runs of a study, and what each does when a part of it dies.
 
-Every engine takes tasks and yields each with its outcome, in any order. The state of a run is in
-its folder, so a task that is lost is simply given out again: its run goes on from its checkpoint.
+An engine gives tasks to an executor, of ``concurrent.futures`` or of Dask, and yields each with its
+outcome, in any order. The state of a run is in its folder, so a task that is lost is simply given
+out again: its run goes on from its checkpoint.
 """
 
 from __future__ import annotations
@@ -10,13 +11,15 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
+    CancelledError,
     Executor,
     Future,
     ThreadPoolExecutor,
     wait,
 )
+from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Protocol
+from typing import Any
 
 from .child_process import ChildDied, run_in_child
 from .one_run import Outcome, Task, run_one
@@ -25,64 +28,65 @@ MOST_DEATHS = 3
 """Times that the process of a run may die before the run counts as failed."""
 
 
-class Engine(Protocol):
-    """Carries out tasks."""
+@dataclass(frozen=True)
+class Engine:
+    """Carries out tasks.
 
-    jobs: int
-    """Runs at a time, as far as it is known; sets the threads of each and the time left."""
-
-    def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
-        """Yield every task with its outcome."""
-        ...
-
-
-class InTurn:
-    """One run after the other, in this process."""
-
-    jobs = 1
-
-    def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
-        """Yield every task with its outcome."""
-        for task in tasks:
-            yield task, run_one(task)
-
-
-class Processes:
-    """Processes of this machine, each the child of a thread that waits for it.
-
-    A process that dies (out of memory, killed) is replaced, and its run goes on.
-
-    Parameters
-    ----------
-    jobs : int
-        Number of processes.
-    """
-
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
-
-    def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
-        """Yield every task with its outcome."""
-        with ThreadPoolExecutor(self.jobs) as threads:
-            yield from _through(threads, _in_children, tasks, self.jobs)
-
-
-class GivenExecutor:
-    """An executor of the caller, ``concurrent.futures`` or one that behaves alike.
-
-    Parameters
+    Attributes
     ----------
     executor : Executor
-        Its workers must see the folder of the study. It is not shut down.
+        Or what behaves alike. Its workers must see the folder of the study. It is not shut down.
+    work : callable
+        Does a task there.
+    jobs : int
+        Runs at a time, as far as it is known; sets the threads of each and the time left.
+    ahead : int or None
+        Tasks given out at a time; None for all: workers that come later then have some, too.
     """
 
-    def __init__(self, executor: Executor) -> None:
-        self._executor = executor
-        self.jobs = int(getattr(executor, "_max_workers", 1))
+    executor: Executor
+    work: Callable[[Task], Outcome]
+    jobs: int
+    ahead: int | None
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
-        """Yield every task with its outcome."""
-        return _through(self._executor, run_one, tasks, self.jobs)
+        """Yield every task with its outcome.
+
+        Raises
+        ------
+        ConnectionError
+            If the executor gives up its tasks, as Dask does when its scheduler is lost.
+        """
+        rest, given = iter(tasks), dict[Future[Outcome], Task]()
+        while True:
+            new = list(islice(rest, None if self.ahead is None else self.ahead - len(given)))
+            for task in new:
+                try:
+                    given[self.executor.submit(self.work, task)] = task
+                except BrokenExecutor as error:  # it takes no more
+                    yield task, _failed(error)
+            if not given and not new:
+                return
+            for future in wait(given, return_when=FIRST_COMPLETED).done:
+                try:
+                    outcome = future.result()
+                except CancelledError:
+                    raise ConnectionError(
+                        "the executor has given up its runs: start its scheduler again and call "
+                        "the study again, what is done is kept"
+                    ) from None
+                except Exception as error:
+                    outcome = _failed(error)
+                yield given.pop(future), outcome
+
+
+class _Here(Executor):
+    """Does a task when it is given, in this process."""
+
+    def submit(self, work: Callable[..., Any], /, *given: Any, **options: Any) -> Future[Any]:
+        done: Future[Any] = Future()
+        done.set_result(work(*given, **options))
+        return done
 
 
 def _in_children(task: Task) -> Outcome:
@@ -93,28 +97,6 @@ def _in_children(task: Task) -> Outcome:
         except ChildDied as death:
             said = str(death)
     return Outcome("failed", f"{said}, {MOST_DEATHS} times")
-
-
-def _through(
-    executor: Executor, work: Callable[[Task], Outcome], tasks: Iterable[Task], jobs: int
-) -> Iterator[tuple[Task, Outcome]]:
-    """Yield tasks and outcomes; no more tasks are given out than run at a time."""
-    rest, given = iter(tasks), dict[Future[Outcome], Task]()
-    while True:
-        new = list(islice(rest, jobs - len(given)))
-        for task in new:
-            try:
-                given[executor.submit(work, task)] = task
-            except BrokenExecutor as error:  # it takes no more
-                yield task, _failed(error)
-        if not given and not new:
-            return
-        for future in wait(given, return_when=FIRST_COMPLETED).done:
-            try:
-                outcome = future.result()
-            except Exception as error:
-                outcome = _failed(error)
-            yield given.pop(future), outcome
 
 
 def _failed(error: BaseException) -> Outcome:
@@ -139,13 +121,15 @@ def engine_of(executor: Any, *, default_jobs: int) -> Engine:
     if isinstance(executor, int) and not isinstance(executor, bool):
         if executor < 1:
             raise ValueError(f"a study must have 1 process or more, got {executor}")
-        return InTurn() if executor == 1 else Processes(executor)
+        if executor == 1:
+            return Engine(_Here(), run_one, jobs=1, ahead=1)
+        return Engine(ThreadPoolExecutor(executor), _in_children, executor, executor)
     if type(executor).__module__.partition(".")[0] == "distributed":
-        from .dask_engine import DaskEngine
-
-        return DaskEngine(executor)
+        jobs = max(1, sum(executor.nthreads().values()))
+        return Engine(executor.get_executor(pure=False), _in_children, jobs, None)
     if isinstance(executor, Executor) or hasattr(executor, "submit"):
-        return GivenExecutor(executor)
+        jobs = int(getattr(executor, "_max_workers", 1))
+        return Engine(executor, run_one, jobs, jobs)
     raise TypeError(
         "executor must be a number of processes, a concurrent.futures executor or a "
         f"dask.distributed client, got {type(executor).__name__}"

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.study.surrogate.inputs import Input
 from shellcut.study.surrogate.sensitivity import Indices, sobol_indices
-from shellcut.study.surrogate.surface import Fitted, fewest_runs, fit, is_constant
+from shellcut.study.surrogate.surface import Surface, fewest_runs, is_constant, is_there
 
 from .studied import FigureOfRuns, Studied, Study
 
@@ -31,8 +30,8 @@ class Analysed:
         Runs that have the figure.
     factors : tuple of Studied
         Those that vary over these runs, in the order of the surface's inputs.
-    fitted : Fitted or None
-        The surface, with its error.
+    surface : Surface or None
+        With its error.
     indices : Indices or None
         Its sensitivities.
     why : str
@@ -42,14 +41,9 @@ class Analysed:
     figure: FigureOfRuns
     rows: Bools
     factors: tuple[Studied, ...]
-    fitted: Fitted | None
+    surface: Surface | None
     indices: Indices | None
     why: str
-
-    @property
-    def inputs(self) -> tuple[Input, ...]:
-        """Inputs of the surface."""
-        return tuple(one.input for one in self.factors)
 
     @property
     def varies(self) -> bool:
@@ -74,7 +68,7 @@ class Analysed:
     @property
     def predicts(self) -> bool:
         """Whether there is a surface that is better than the mean."""
-        return self.fitted is not None and self.fitted.explained > _NOTHING
+        return self.surface is not None and self.surface.explained > _NOTHING
 
     @property
     def values(self) -> Floats:
@@ -89,11 +83,11 @@ def analysed(study: Study, figure: FigureOfRuns) -> Analysed:
     bare = Analysed(figure, rows, factors, None, None, "")
     if why := _why_no_surface(study, bare):
         return Analysed(figure, rows, factors, None, None, why)
-    fitted = fit(bare.inputs, bare.values, figure.values[rows])
+    surface = Surface([one.input for one in factors], bare.values, figure.values[rows])
     indices = None
-    if fitted.explained > _NOTHING and len(factors) > 1:
-        indices = sobol_indices(fitted.surface)
-    return Analysed(figure, rows, factors, fitted, indices, "")
+    if surface.explained > _NOTHING and len(factors) > 1:
+        indices = sobol_indices(surface)
+    return Analysed(figure, rows, factors, surface, indices, "")
 
 
 def _why_no_surface(study: Study, one: Analysed) -> str:
@@ -107,7 +101,7 @@ def _why_no_surface(study: Study, one: Analysed) -> str:
     if is_constant(one.figure.values[one.rows]):
         value = one.figure.values[one.rows][0]
         return f"it is {value:.6g} in all {n} runs, so nothing influences it here"
-    if n < (least := fewest_runs(one.inputs)):
+    if n < (least := fewest_runs([factor.input for factor in one.factors])):
         over = f"{len(one.factors)} factor" + "s" * (len(one.factors) > 1)
         return f"a surface over {over} needs {least} runs or more, and {n} have this figure"
     values = np.unique(one.figure.values[one.rows])
@@ -116,4 +110,4 @@ def _why_no_surface(study: Study, one: Analysed) -> str:
             f"it takes two values only, {values[0]:.5g} and {values[1]:.5g}: it jumps, and no "
             "smooth surface describes that"
         )
-    return ""
+    return "" if is_there() else "it needs scikit-learn, pip install 'shellcut[study]'"

@@ -55,14 +55,14 @@ def _effect(study: Study, one: Analysed, k: int) -> str:
 
 def _alone(one: Analysed, k: int) -> tuple[Floats, Floats]:
     """Return places along a factor, and the mean of the surface over the others there."""
-    assert one.fitted is not None
-    inputs = one.inputs
+    assert one.surface is not None
+    inputs = one.surface.inputs
     others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(_N_OTHER))
     n_name = len(inputs[k].names)
     places = np.arange(n_name) if n_name else np.linspace(*inputs[k].ends, _N_PLACE)
     points = np.repeat(others[None], len(places), axis=0)
     points[:, :, k] = places[:, None]
-    means = one.fitted.surface.predict(points.reshape(-1, len(inputs))).reshape(len(places), -1)
+    means = one.surface.predict(points.reshape(-1, len(inputs))).reshape(len(places), -1)
     return places.astype(float), means.mean(axis=1)
 
 

@@ -12,7 +12,7 @@ from shellcut.report.markup import section
 from shellcut.report.page import page_of
 from shellcut.report.words import versions
 
-from . import curves, effects, sensitivities, surfaces, theory, words
+from . import curves, effects, sensitivities, surfaces, words
 from .analysis import analysed
 from .studied import Study, read_folder
 
@@ -22,8 +22,8 @@ def report_study(
 ) -> Path:
     """Write one self-contained HTML file about a study: table, curves, effects, sensitivities.
 
-    It can be written while the study runs; it then shows the runs that are done. Surfaces are
-    Gaussian processes if scikit-learn is installed (extra ``study``), polynomials otherwise.
+    It can be written while the study runs; it then shows the runs that are done. Response surfaces
+    and sensitivities need scikit-learn (extra ``study``).
 
     Parameters
     ----------
@@ -83,7 +83,6 @@ def _body(study: Study, out: Path) -> str:
         "Pairs of figures": effects.pairs(study, found),
         "Response surfaces": surfaces.surfaces(study, found),
         "Sensitivities": sensitivities.sensitivities(found),
-        "Beside the theory": theory.theory(study),
         "What was run": words.what_was_run(study),
         "Versions": versions("scikit-learn"),
     }

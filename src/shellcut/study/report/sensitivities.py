@@ -44,7 +44,7 @@ def _meaning() -> str:
 
 def _of_figure(one: Analysed) -> str:
     title = f"<h3>{escape(one.figure.name)}</h3>"
-    if one.fitted is None:
+    if one.surface is None:
         return title + missing(f"No sensitivities: {one.why}.")
     if len(one.factors) == 1:
         return title + missing(
@@ -55,7 +55,7 @@ def _of_figure(one: Analysed) -> str:
         return title + missing(
             "No sensitivities: the surface predicts unseen runs no better than their mean."
         )
-    indices, fitted, unit = one.indices, one.fitted, after(one.figure.unit)
+    indices, surface, unit = one.indices, one.surface, after(one.figure.unit)
     rows = [
         (
             factor.name,
@@ -65,12 +65,12 @@ def _of_figure(one: Analysed) -> str:
         for k, factor in enumerate(one.factors)
     ]
     rest = (
-        f"From {fitted.surface.kind} through {fitted.n_run} runs, which predicts unseen runs to "
-        f"{fitted.error:.3g}{unit} (rms; their mean does to {fitted.mean_error:.3g}{unit}); "
+        f"From a surface through {surface.n_run} runs, which predicts unseen runs to "
+        f"{surface.error:.3g}{unit} (rms; their mean does to {surface.mean_error:.3g}{unit}); "
         f"{indices.n_draw} surfaces at "
         f"{indices.n_point} points."
     )
-    if fitted.explained < _CLEAR:
+    if surface.explained < _CLEAR:
         rest += " That is a poor surface: the indices are a hint, not a measure."
     head = ("factor", "first order", "total")
     return (

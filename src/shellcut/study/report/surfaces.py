@@ -13,7 +13,6 @@ from shellcut.arrays import Floats
 from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import missing, table
 from shellcut.study.surrogate.inputs import at_shares
-from shellcut.study.surrogate.polynomial import Polynomial
 from shellcut.unit import after
 
 from .analysis import Analysed
@@ -36,7 +35,7 @@ def surfaces(study: Study, analyses: Sequence[Analysed]) -> str:
     parts = [_how(analyses), _errors(analyses)]
     parts += [missing(f"{one.figure.name}: no surface, {one.why}.") for one in analyses if one.why]
     for one in analyses:
-        if one.fitted is None:
+        if one.surface is None:
             continue
         pictures = [_left_out(study, one)]
         if one.predicts:
@@ -53,43 +52,36 @@ def surfaces(study: Study, analyses: Sequence[Analysed]) -> str:
 
 
 def _how(analyses: Sequence[Analysed]) -> str:
-    if all(one.fitted is None for one in analyses):
+    if all(one.surface is None for one in analyses):
         return ""
     said = (
-        "A surface gives the figure as a function of the factors. Its error is measured on runs "
-        "that it has not seen: they are left out, one by one or a tenth at a time, and predicted "
-        "from the others."
+        "A surface, a Gaussian process, gives the figure as a function of the factors. Its error "
+        "is measured on runs that it has not seen: they are left out, one by one or a tenth at a "
+        "time, and predicted from the others."
     )
-    if any(one.fitted and isinstance(one.fitted.surface, Polynomial) for one in analyses):
-        said += (
-            " The surfaces are polynomials by least squares, because scikit-learn is not "
-            "installed: with pip install 'shellcut[study]' they are Gaussian processes, which "
-            "follow bends that a polynomial does not."
-        )
     return f"<p>{escape(said)}</p>"
 
 
 def _errors(analyses: Sequence[Analysed]) -> str:
     rows = []
     for one in analyses:
-        fitted = one.fitted
-        if fitted is None:
+        surface = one.surface
+        if surface is None:
             continue
-        how = "one by one" if fitted.n_fold == fitted.n_run else f"{fitted.n_fold} parts"
+        how = "one by one" if surface.n_fold == surface.n_run else f"{surface.n_fold} parts"
         rows.append(
             (
                 one.figure.name,
-                str(fitted.n_run),
-                fitted.surface.kind.removeprefix("a "),
+                str(surface.n_run),
                 how,
-                f"{fitted.error:.3g}{after(one.figure.unit)}",
-                f"{fitted.mean_error:.3g}{after(one.figure.unit)}",
-                f"{100.0 * max(fitted.explained, 0.0):.0f} %",
+                f"{surface.error:.3g}{after(one.figure.unit)}",
+                f"{surface.mean_error:.3g}{after(one.figure.unit)}",
+                f"{100.0 * max(surface.explained, 0.0):.0f} %",
             )
         )
     if not rows:
         return ""
-    head = ("figure", "runs", "surface", "left out", "error, rms", "error of the mean", "explained")
+    head = ("figure", "runs", "left out", "error, rms", "error of the mean", "explained")
     said = "".join(
         f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>'
         for kind, word, text in _judged(analyses)
@@ -101,12 +93,12 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
     """Return kind, word and sentence about each surface."""
     said, guessed = [], dict[str, None]()
     for one in analyses:
-        fitted = one.fitted
-        if fitted is None:
+        surface = one.surface
+        if surface is None:
             continue
         name, unit = one.figure.name, after(one.figure.unit)
-        error, of_mean = f"{fitted.error:.3g}{unit}", f"{fitted.mean_error:.3g}{unit}"
-        share = 100.0 * fitted.explained
+        error, of_mean = f"{surface.error:.3g}{unit}", f"{surface.mean_error:.3g}{unit}"
+        share = 100.0 * surface.explained
         if not one.predicts:
             text = (
                 f"the surface predicts unseen runs no better than their mean (error {error}, of "
@@ -115,10 +107,10 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
             )
             said.append(("doubt", "nothing", f"{name}: {text}"))
             continue
-        if fitted.explained < _POOR:
+        if surface.explained < _POOR:
             text = f"explains {share:.0f} % of the variance of unseen runs: take it as a tendency."
             said.append(("doubt", "poor", f"{name}: the surface {text}"))
-        elif fitted.explained > _GOOD:
+        elif surface.explained > _GOOD:
             text = f"predicts unseen runs to {error} (rms), their mean to {of_mean}."
             said.append(("good", "holds", f"{name}: the surface {text}"))
         for factor, low, high in one.unseen:
@@ -134,16 +126,16 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
 
 def _left_out(study: Study, one: Analysed) -> str:
     """Return what each run gave over what the others predict for it."""
-    assert one.fitted is not None
-    fitted = one.fitted
-    figure = one.figure.values[one.rows][fitted.rows]
+    assert one.surface is not None
+    surface = one.surface
+    figure = one.figure.values[one.rows][surface.rows]
     texts = said_of(study, one)
-    said = [texts[k] for k in fitted.rows.tolist()]
+    said = [texts[k] for k in surface.rows.tolist()]
     ends = np.array(
-        [min(figure.min(), fitted.left_out.min()), max(figure.max(), fitted.left_out.max())]
+        [min(figure.min(), surface.left_out.min()), max(figure.max(), surface.left_out.max())]
     )
     return panel(
-        Axis("predicted from the other runs", one.figure.unit, fitted.left_out),
+        Axis("predicted from the other runs", one.figure.unit, surface.left_out),
         Axis("the run", one.figure.unit, figure),
         said,
         lines=[(ends, ends, "same")],
@@ -200,8 +192,8 @@ def _by_weight(one: Analysed, numbers: list[int]) -> list[int]:
 
 def _mean_over(one: Analysed, i: int, j: int) -> Floats:
     """Return the mean of the surface over all factors but two, shape (n, n), of j and i."""
-    assert one.fitted is not None
-    inputs = one.inputs
+    assert one.surface is not None
+    inputs = one.surface.inputs
     n_other = _N_OTHER if len(inputs) > 2 else 1
     others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(n_other))
     across = np.linspace(*inputs[i].ends, _N_SIDE)
@@ -210,7 +202,7 @@ def _mean_over(one: Analysed, i: int, j: int) -> Floats:
     for other in others:
         points = np.tile(other, (_N_SIDE * _N_SIDE, 1))
         points[:, i], points[:, j] = np.tile(across, _N_SIDE), np.repeat(up, _N_SIDE)
-        mean += one.fitted.surface.predict(points).reshape(_N_SIDE, _N_SIDE) / n_other
+        mean += one.surface.predict(points).reshape(_N_SIDE, _N_SIDE) / n_other
     return mean
 
 

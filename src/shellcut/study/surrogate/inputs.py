@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -32,24 +31,17 @@ class Input:
     ends: tuple[float, float]
     names: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
-        if not self.ends[0] < self.ends[1]:
-            raise ValueError(
-                f"the input {self.name} must take two values or more, got only {self.ends[0]:g}"
-            )
-
     @property
     def n_column(self) -> int:
         """Columns that it becomes."""
         return 1 if len(self.names) <= 2 else len(self.names)
 
-    def columns(self, values: npt.ArrayLike) -> Floats:
+    def columns(self, values: Floats) -> Floats:
         """Return the columns of values, shape (n, n_column)."""
-        given = np.asarray(values, float)
         if self.n_column > 1:
-            return np.asarray(given[:, None] == np.arange(len(self.names)), float)
+            return np.asarray(values[:, None] == np.arange(len(self.names)), float)
         low, high = self.ends
-        return np.asarray(2.0 * (given - low) / (high - low) - 1.0)[:, None]
+        return np.asarray(2.0 * (values - low) / (high - low) - 1.0)[:, None]
 
     def at(self, shares: Floats) -> Floats:
         """Return the values at shares in [0, 1): evenly over the range, each name as often."""
@@ -61,23 +53,8 @@ class Input:
 
 
 def columns_of(inputs: Sequence[Input], values: Floats) -> Floats:
-    """Return the columns of all inputs.
-
-    Parameters
-    ----------
-    inputs : sequence of Input
-    values : ndarray, shape (n, n_input)
-
-    Returns
-    -------
-    ndarray, shape (n, number of columns)
-    """
+    """Return the columns of all inputs, from values of shape (n, n_input)."""
     return np.hstack([one.columns(values[:, k]) for k, one in enumerate(inputs)])
-
-
-def owners_of(inputs: Sequence[Input]) -> Ints:
-    """Return the number of the input that each column belongs to."""
-    return np.repeat(np.arange(len(inputs)), [one.n_column for one in inputs])
 
 
 def at_shares(inputs: Sequence[Input], shares: Floats) -> Floats:

@@ -50,16 +50,8 @@ class Indices:
 
 
 def sobol_indices(surface: Surface, *, seed: int = 0) -> Indices:
-    """Return the indices of a surface, inputs independent and evenly distributed.
-
-    Raises
-    ------
-    ValueError
-        If the surface has fewer than two inputs: all its variance is that of the one.
-    """
+    """Return the indices of a surface of two inputs or more, independent and evenly distributed."""
     inputs, n_input = surface.inputs, len(surface.inputs)
-    if n_input < 2:
-        raise ValueError(f"sensitivities compare two inputs or more, got {n_input}")
     n = 2 ** int(np.log2(_EVALUATIONS / (n_input + 2)))
     rng = np.random.default_rng(seed)
     shares = scipy.stats.qmc.Sobol(2 * n_input, seed=rng).random(n)

@@ -1,77 +1,43 @@
-"""A surface through runs, with the error by which it misses runs that it has not seen."""
+"""A surface through runs, with the error by which it misses runs that it has not seen.
+
+It is a Gaussian process of scikit-learn. The covariance is Matérn's of 5/2 with a length for each
+column, and a noise that does not depend on the place [RasmussenWilliams2006] 4.2; all are those of
+the largest likelihood.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+import importlib.util
+import warnings
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import scipy
 
 from shellcut.arrays import Floats
 
-from .gaussian_process import GaussianProcess, is_there
-from .inputs import Input
-from .polynomial import Polynomial
+from .inputs import Input, columns_of
 
 _ONE_BY_ONE = 20
 """Runs up to which each is left out by itself; of more a tenth at a time."""
 
 _MOST = 400
-"""Runs through which a Gaussian process goes: its work grows with the cube of their number."""
+"""Runs through which a surface goes: its work grows with the cube of their number."""
+
+_RESTARTS = 2
+"""Other starts of the search for the lengths, against a poor maximum."""
+
+_LENGTHS = (0.1, 1e3)
+"""Of the columns, which go from -1 to 1; the longest is a plane."""
+
+_NOISES = (1e-9, 1e1)
+"""Variances of the noise over that of the figure."""
 
 
-class Surface(Protocol):
-    """A figure as a function of the inputs."""
-
-    inputs: tuple[Input, ...]
-
-    @property
-    def kind(self) -> str:
-        """What it is, in words."""
-        ...
-
-    def predict(self, values: Floats) -> Floats:
-        """Return the figure at values of the inputs, shape (n,)."""
-        ...
-
-    def draws(self, values: Floats, n_draw: int, rng: np.random.Generator) -> Floats:
-        """Return surfaces that the runs also allow, shape (n_draw, n)."""
-        ...
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A surface and how well it predicts.
-
-    Attributes
-    ----------
-    surface : Surface
-    n_run : int
-        Runs it rests on.
-    n_fold : int
-        Parts in which the runs were left out; ``n_run`` if one by one.
-    error, mean_error : float
-        Root-mean-square miss of runs left out, by the surface and by the mean of the others, in
-        the unit of the figure.
-    left_out : ndarray, shape (n_run,)
-        Prediction of each run by a surface through the others.
-    rows : ndarray, shape (n_run,)
-        The runs, as rows of what was given.
-    """
-
-    surface: Surface
-    n_run: int
-    n_fold: int
-    error: float
-    mean_error: float
-    left_out: Floats
-    rows: np.ndarray[tuple[int], np.dtype[np.int64]]
-
-    @property
-    def explained(self) -> float:
-        """Share of the variance of unseen runs that it predicts; 0 for the mean, 1 for all."""
-        return 1.0 - (self.error / self.mean_error) ** 2
+def is_there() -> bool:
+    """Whether scikit-learn is installed."""
+    return importlib.util.find_spec("sklearn") is not None
 
 
 def fewest_runs(inputs: Sequence[Input]) -> int:
@@ -79,69 +45,93 @@ def fewest_runs(inputs: Sequence[Input]) -> int:
     return 3 + sum(one.n_column for one in inputs)
 
 
-def fit(inputs: Sequence[Input], values: Floats, figure: Floats) -> Fitted:
-    """Return a surface through runs, a Gaussian process if scikit-learn is installed.
+def is_constant(figure: Floats) -> bool:
+    """Whether a figure is the same in all runs, but for round-off."""
+    return bool(np.ptp(figure) <= 1e-9 * max(np.abs(figure).max(), 1e-300))
+
+
+class Surface:
+    """A figure as a function of the inputs, and how well it predicts.
 
     Parameters
     ----------
     inputs : sequence of Input
     values : ndarray, shape (n, n_input)
     figure : ndarray, shape (n,)
+        What to describe; not constant, of :func:`fewest_runs` or more.
 
-    Raises
-    ------
-    ValueError
-        If there are too few runs, or the figure is the same in all.
+    Attributes
+    ----------
+    rows : ndarray, shape (n_run,)
+        The runs it rests on, as rows of what was given.
+    n_run : int
+    n_fold : int
+        Parts in which the runs were left out; ``n_run`` if one by one.
+    left_out : ndarray, shape (n_run,)
+        Prediction of each run by a surface through the others.
+    error, mean_error : float
+        Root-mean-square miss of runs left out, by the surface and by the mean of the others, in
+        the unit of the figure.
     """
-    if len(figure) < (least := fewest_runs(inputs)):
-        raise ValueError(
-            f"a surface over {len(inputs)} factors must rest on {least} runs or more, got "
-            f"{len(figure)}"
+
+    def __init__(self, inputs: Sequence[Input], values: Floats, figure: Floats) -> None:
+        from sklearn.dummy import DummyRegressor
+        from sklearn.exceptions import ConvergenceWarning
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+        from sklearn.model_selection import PredefinedSplit, cross_val_predict
+
+        self.inputs = tuple(inputs)
+        self.rows = np.arange(len(figure))
+        if len(self.rows) > _MOST:
+            self.rows = np.sort(np.random.default_rng(0).permutation(len(figure))[:_MOST])
+        columns, figure = columns_of(inputs, values[self.rows]), figure[self.rows]
+        lengths = Matern(np.full(columns.shape[1], 2.0), _LENGTHS, nu=2.5)
+        kernel = ConstantKernel(1.0, (1e-3, 1e4)) * lengths + WhiteKernel(1e-3, _NOISES)
+        self._process: Any = GaussianProcessRegressor(
+            kernel, normalize_y=True, n_restarts_optimizer=_RESTARTS, random_state=0
         )
-    if is_constant(figure):
-        raise ValueError(f"the figure must differ from run to run, got {figure[0]:g} in all")
-    rows = np.arange(len(figure))
-    gaussian = is_there()
-    if gaussian and len(rows) > _MOST:
-        rows = np.sort(np.random.default_rng(0).permutation(len(figure))[:_MOST])
-        values, figure = values[rows], figure[rows]
-    if gaussian:
-        whole = GaussianProcess(inputs, values, figure)
-        return _judged(
-            whole, lambda v, f: GaussianProcess(inputs, v, f, like=whole), values, figure, rows
+        self.n_run = len(figure)
+        self.n_fold = self.n_run if self.n_run <= _ONE_BY_ONE else 10
+        places = np.random.default_rng(0).permutation(self.n_run)
+        parts = PredefinedSplit(places % self.n_fold)
+        with warnings.catch_warnings():  # a length at its end is a plane, no noise a good fit
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            self._process.fit(columns, figure)
+            # Through a part of the runs the search begins at the lengths of all.
+            again = GaussianProcessRegressor(self._process.kernel_, normalize_y=True)
+            self.left_out: Floats = cross_val_predict(again, columns, figure, cv=parts)
+        mean = cross_val_predict(DummyRegressor(), columns, figure, cv=parts)
+        self.error, self.mean_error = (
+            float(np.sqrt(np.mean((one - figure) ** 2))) for one in (self.left_out, mean)
         )
-    return _judged(
-        Polynomial(inputs, values, figure),
-        lambda v, f: Polynomial(inputs, v, f),
-        values,
-        figure,
-        rows,
-    )
+        self._scale = float(np.std(figure))
+
+    @property
+    def explained(self) -> float:
+        """Share of the variance of unseen runs that it predicts; 0 for the mean, 1 for all."""
+        return 1.0 - (self.error / self.mean_error) ** 2
+
+    def predict(self, values: Floats) -> Floats:
+        """Return the figure at values of the inputs, shape (n,)."""
+        return np.asarray(self._process.predict(columns_of(self.inputs, values)))
+
+    def draws(self, values: Floats, n_draw: int, rng: np.random.Generator) -> Floats:
+        """Return surfaces that the runs also allow, shape (n_draw, n), without the noise."""
+        mean, covariance = self._process.predict(columns_of(self.inputs, values), return_cov=True)
+        noise = self._process.kernel_.k2.noise_level * self._scale**2
+        covariance[np.diag_indices_from(covariance)] -= noise
+        root = _root(covariance, 1e-8 * self._scale**2)
+        return np.asarray(mean + rng.standard_normal((n_draw, len(mean))) @ root.T)
 
 
-def is_constant(figure: Floats) -> bool:
-    """Whether a figure is the same in all runs, but for round-off."""
-    return bool(np.ptp(figure) <= 1e-9 * max(np.abs(figure).max(), 1e-300))
-
-
-def _judged(
-    surface: Surface,
-    again: Callable[[Floats, Floats], Surface],
-    values: Floats,
-    figure: Floats,
-    rows: np.ndarray[tuple[int], np.dtype[np.int64]],
-) -> Fitted:
-    """Predict every run by a surface through the others."""
-    n = len(figure)
-    n_fold = n if n <= _ONE_BY_ONE else 10
-    fold = np.random.default_rng(0).permutation(n) % n_fold
-    predicted, mean = np.empty(n), np.empty(n)
-    for k in range(n_fold):
-        out = fold == k
-        mean[out] = figure[~out].mean()
-        if is_constant(figure[~out]):
-            predicted[out] = mean[out]
-        else:
-            predicted[out] = again(values[~out], figure[~out]).predict(values[out])
-    error, mean_error = (float(np.sqrt(np.mean((p - figure) ** 2))) for p in (predicted, mean))
-    return Fitted(surface, n, n_fold, error, mean_error, predicted, rows)
+def _root(covariance: Floats, least: float) -> Floats:
+    """Return a triangular root; the little that is added keeps round-off from making it none."""
+    diagonal = np.diag_indices_from(covariance)
+    while True:
+        covariance[diagonal] += least
+        try:
+            root: Floats = scipy.linalg.cholesky(covariance, lower=True, check_finite=False)
+            return root
+        except scipy.linalg.LinAlgError:
+            least *= 10.0
