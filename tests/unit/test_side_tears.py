@@ -147,7 +147,6 @@ def test_moving_supports_hold_the_film_together(criterion):
     ("changes", "message"),
     [
         ({"criterion": "strain"}, "criterion must be 'force' or 'stress', got 'strain'"),
-        ({"drop_loose": "some"}, "drop_loose must be 'never' or 'clear'"),
         ({"turn_limit_deg": 180.0}, "turn_limit_deg must be positive and below 180, got 180.0 deg"),
         ({"check_every": 0}, "check_every must be 1 or more, got 0"),
         ({"check_every": 2.5}, "check_every"),

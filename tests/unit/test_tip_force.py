@@ -182,21 +182,6 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
     assert np.abs(at_zero - never).max() > 0.1 * np.abs(never).max()
 
 
-def test_a_piece_that_has_gone_gives_nothing_back():
-    shell, state = cases.set_up(uneven_mesh(), layered(PLASTIC))
-    drawn(state, np.diag([1.15, 0.9, 1.0]))
-    flowed(state, shell, UNEVEN)
-    at = np.array([3.0, 0.2, 0.0])
-    whole = TipForce(state, shell, domain_in(state, shell, at, 2.0), BASE)
-    middle = shell.reference.x[shell.reference.quads].mean(axis=1)
-    gone = np.flatnonzero(middle[:, 0] > 3.2)
-    state.quad.dropped[gone] = True
-    force = TipForce(state, shell, domain_in(state, shell, at, 2.0), BASE)
-    assert np.intersect1d(whole._rows, gone).size > 0
-    assert np.intersect1d(force._rows, gone).size == 0
-    assert np.isfinite(force.of(state, BASE)).all()
-
-
 def test_a_law_whose_history_cannot_be_frozen_is_refused():
     shell, state = cases.set_up(rectangle(2.0, 2.0, size=1.0), layered(Damaging()))
     with pytest.raises(ValueError, match="without history, or with a frozen law, got damaging"):

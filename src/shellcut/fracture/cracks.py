@@ -74,10 +74,6 @@ class Cracks:
             return
         self.free.run(state, pose)
 
-    def forget(self, state: State) -> None:
-        """Give up the tips in film that has been taken out."""
-        self.free.forget(state)
-
     def saved(self) -> dict[str, Any]:
         """Return what has been cut, and where the cracks end."""
         return {"cuts": self.cuts.saved(), "free": self.free.saved()}

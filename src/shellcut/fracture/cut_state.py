@@ -129,8 +129,6 @@ def renew_nodes(
         of_node: dict[int, list[list[Corner]]] = {}
         for members in topology.classes(mesh_node):
             row, corner = members[0]
-            if state.quad.dropped[row]:
-                continue  # its piece has been taken out of the run
             of_node.setdefault(int(state.quads[row, corner]), []).append(members)
         for node, groups in of_node.items():
             groups.sort(key=lambda members: (not topology.is_real(members), members))

@@ -37,7 +37,7 @@ class DrawnFilm(NamedTuple):
     """And their weights; a node that is drawn itself has the weight 1, shape (n_point, 4)."""
     polygons: Ints
     """Points of every row, counter-clockwise, shape (n_row, n_corner), n_corner >= 4; one with
-    fewer corners repeats its last point. Of rows that have been taken out they mean nothing."""
+    fewer corners repeats its last point."""
     crack_edges: Ints
     """Points of both flanks of every crack edge, shape (n, 2, 2), as
     :func:`shellcut.fracture.quad_fans.open_edge_copies`."""
@@ -97,8 +97,7 @@ class _Outlines:
     def film(self) -> DrawnFilm:
         """Return it."""
         state, topology = self._state, self._topology
-        gone = state.quad.dropped
-        cut = [row for row in topology.cut_rows() if not gone[row]]
+        cut = topology.cut_rows()
         for row in cut:
             for place in topology.polygon(row).points:
                 self._point(row, place)
@@ -118,7 +117,7 @@ class _Outlines:
             np.concatenate(nodes),
             np.concatenate(weight),
             polygons,
-            flanks_among(polygons[~gone[: state.n_quad]], reference),
+            flanks_among(polygons, reference),
         )
 
     def _touched(self) -> set[int]:
@@ -128,8 +127,7 @@ class _Outlines:
         sides = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=2), axis=2)
         keys = [i * n + j for i, j in self._on]
         touched = np.isin(product(sides, np.array([n, 1])), keys).any(axis=1)
-        there = ~self._state.quad.dropped[: self._state.n_quad]
-        return set(np.flatnonzero(touched & there).tolist())
+        return set(np.flatnonzero(touched).tolist())
 
     def _outline(self, row: int) -> list[int]:
         """Return the points around a row, those that its neighbours have on its sides too."""

@@ -142,7 +142,7 @@ def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: I
     touched = np.flatnonzero(~np.isin(node, untouched))
     seen, (first, other) = _seen_by_contact(f.nodes[touched], f.weight[touched])
     n.real[node] = False
-    n.real[node[touched]] = seen & ~state.quad.dropped[row[touched]]
+    n.real[node[touched]] = seen
     first, other = touched[first], touched[other]
     first, other = first[anew[first]], other[anew[first]]
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2

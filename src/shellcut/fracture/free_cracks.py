@@ -406,15 +406,6 @@ class FreeCracks:
             self._end_at(state, ahead, cut, 1, cut.heading)
             self._cuts.wake(state)
 
-    def forget(self, state: State) -> None:
-        """Give up the tips in film that has been taken out of the run."""
-        gone, there = state.quad.dropped, []
-        for tip in self.tips:
-            ahead = [row for row, _ in self._path.rows_ahead(tip)]
-            if not gone[ahead].any():
-                there.append(tip)
-        self.tips = there
-
     def tip_nodes(self, state: State) -> Ints:
         """Return the nodes where cracks along sides end."""
         return self._path.nodes_of(state, self.tips)

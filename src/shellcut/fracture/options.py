@@ -32,7 +32,6 @@ from .anisotropy import Anisotropy
 Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
-DropLoose: TypeAlias = Literal["never", "clear"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
 _ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
@@ -117,10 +116,6 @@ class Fracture:
         ),
     ] = None
     branching: bool = False
-    drop_loose: Annotated[
-        DropLoose,
-        Option("", "take pieces that nothing holds out of the run once clear of film and tool"),
-    ] = "never"
 
     def __post_init__(self) -> None:
         if problems := list(self._contradictions()):

@@ -172,11 +172,6 @@ class QuadFrequencies:
             self._row[-1] = len(self._strain)
             self._strain = np.concatenate([self._strain, self._strain[self._row[row]][None]])
 
-    def drop(self, rows: Ints) -> None:
-        """Take rows that are out of the run for ones so soft that they never limit the step."""
-        for bounds in (self._evaluated, self.squared, self._evaluated_damped, self.damped):
-            bounds[rows] *= _SOFT
-
     def saved(self) -> dict[str, Any]:
         """Return the last evaluations: the bounds depend on when each was made."""
         return {
@@ -225,9 +220,6 @@ class QuadFrequencies:
 
 
 _PIECE = 1024
-
-# Factor on omega² of a quad that has been taken out.
-_SOFT = 1e-6
 
 
 def growth_rates(material: ShellMaterial) -> tuple[float, float]:

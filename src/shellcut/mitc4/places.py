@@ -72,11 +72,6 @@ class Places:
         for copy in (row, new):
             self._fill(state, copy)
 
-    def empty(self, rows: Ints) -> None:
-        """Take the stiffness from some rows for good."""
-        for row in rows.tolist():
-            empty_place(int(self.blocks.slot[row]), self.blocks, self.tables, self.points)
-
     @property
     def has_copies(self) -> bool:
         """Whether a quad has been cut."""

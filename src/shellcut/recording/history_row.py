@@ -32,7 +32,6 @@ _ENERGIES = (
     "contact_absorbed",
     "self_contact_work",
     "self_contact_stored",
-    "dropped",
     "friction_work",
     "friction_stored",
     "friction_dissipated",

@@ -121,10 +121,7 @@ def _of_self_contact(sim: Simulation) -> dict[str, float]:
 
 
 def _of_pieces(sim: Simulation) -> dict[str, float]:
-    """Return how many pieces of the film are loose, and what was taken out; none without cracks."""
+    """Return how many pieces of the film are loose; nothing without cracks."""
     if sim.cracks is None:
         return {}
-    figures: dict[str, float] = {"n_loose": Pieces.of(sim.state).n_loose}
-    if sim.state.n_dropped:
-        figures["n_dropped"] = sim.state.n_dropped
-    return figures
+    return {"n_loose": Pieces.of(sim.state).n_loose}
