@@ -19,7 +19,7 @@ from shellcut.mitc4.section import (
 )
 from shellcut.mitc4.sliding_energy import SlidingEnergy
 from shellcut.mitc4.sliding_points import SlidingPoints
-from shellcut.mitc4.tangent import reference_products
+from shellcut.mitc4.tangent import quad_products
 from shellcut.mitc4.thickness_points import build_rule
 from tip_domains import BASE, domain_in, force_on
 
@@ -31,7 +31,7 @@ def energies(X, T, x, t):
     """½ sᵀ H s of quads."""
     H, (i, j) = np.zeros((len(X), N_STRAIN, N_STRAIN)), np.triu_indices(N_STRAIN)
     H[:, i, j] = H[:, j, i] = full_stiffness(X, T, FILM)
-    s = reference_products(x, t) - reference_products(X, T)
+    s = quad_products(x, t) - quad_products(X, T)
     return 0.5 * np.einsum("ei,eij,ej->e", s, H, s)
 
 
