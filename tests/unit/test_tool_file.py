@@ -9,7 +9,6 @@ from shellcut.formats.stl import write_stl
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import ToolError
 from shellcut.tool.tool_file import read_tool
-from test_surface_files import BOX, CORNERS
 
 RING = tooth_ring()
 SINGLE = 2e-6  # mm; single precision of 10 mm is 5e-7, some operations on it
@@ -194,13 +193,6 @@ class TestChains:
 
 
 class TestRefusals:
-    def test_no_sharp_edge(self, tmp_path):
-        path = tmp_path / "box.stl"
-        write_stl(path, CORNERS, BOX, header="box")
-        with pytest.raises(ToolError, match="none turns by sharp_angle_deg = 100"):
-            read_tool(path, unit="mm")
-        assert read_tool(path, unit="mm", sharp_angle_deg=80.0).n_edge == 12
-
     @pytest.mark.parametrize(
         ("options", "words"),
         [

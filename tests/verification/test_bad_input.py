@@ -23,25 +23,12 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.table_motion import TableMotion
-from shellcut.tool.tool import Tool, ToolError
+from shellcut.tool.tool import Tool
 
 SHEET = rectangle(4.0, 4.0, size=1.0)  # 25 nodes, node 12 in the middle
-X, QUADS = SHEET.nodes, SHEET.quads
 BLADE = straight_blade()
 MOTION = StraightMotion((1.0, 0.0, 0.0), speed=6000.0)
 NAN, INF = float("nan"), float("inf")
-
-
-def _moved_node(node: int, to: np.ndarray) -> np.ndarray:
-    nodes = X.copy()
-    nodes[node] = to
-    return nodes
-
-
-def _reordered(order: list[int]) -> np.ndarray:
-    quads = QUADS.copy()
-    quads[5] = quads[5][order]
-    return quads
 
 
 def _blade_at(x: float, y: float) -> Tool:
@@ -60,85 +47,7 @@ def _fast(_time: float) -> float:
     return 2.0
 
 
-FOLDED = X + np.maximum(X[:, :1] - 2.0, 0.0) * np.array([0.0, 0.0, 3.0])
-
 Case = tuple[Callable[[], object], tuple[str, ...]]
-
-MESH_CASES: dict[str, Case] = {
-    "nodes by columns": (
-        lambda: Mesh.from_arrays(X.T, QUADS),
-        ("nodes must have shape", "got (3, 25)", "one row per node"),
-    ),
-    "node not a number": (
-        lambda: Mesh.from_arrays(_moved_node(2, np.array([2.0, NAN, 0.0])), QUADS),
-        ("nodes must be finite", "node 2 at (2, nan, 0)", "repair or remove"),
-    ),
-    "triangles": (
-        lambda: Mesh.from_arrays(X, QUADS[:, :3]),
-        ("quads must have shape (n_quad, 4)", "got (16, 3)", "triangles are not supported"),
-    ),
-    "quads of floats": (
-        lambda: Mesh.from_arrays(X, QUADS * 1.0),
-        ("quads must be whole numbers", "float64", "cast"),
-    ),
-    "ids from one": (
-        lambda: Mesh.from_arrays(X, QUADS + 1),
-        ("node ids from 0 to 24", "quad 15 of nodes [19, 20, 25, 24]", "ids count from 0"),
-    ),
-    "inverted quad": (
-        lambda: Mesh.from_arrays(X, _reordered([3, 2, 1, 0])),
-        ("must turn the same way", "quad 5 at (1.5, -0.5, 0)", "reverse the node order"),
-    ),
-    "bow-tie": (
-        lambda: Mesh.from_arrays(X, _reordered([0, 2, 1, 3])),
-        ("quad 5 at (1.5, -0.5, 0) degenerate or a bow-tie", "put the four corners in order"),
-    ),
-    "re-entrant quad": (
-        lambda: Mesh.from_arrays(_moved_node(12, X[6] + 0.1 * (X[12] - X[6])), QUADS),
-        ("must be convex", "quad 5 at", "scaled Jacobian -0.9", "reorder the corners or move"),
-    ),
-    "two nodes at one place": (
-        lambda: Mesh.from_arrays(_moved_node(12, X[11]), QUADS),
-        ("must have an area and four edges", "quad 5 at", "quad 9 at", "merge nodes"),
-    ),
-    "folded sheet": (
-        lambda: Mesh.from_arrays(FOLDED, QUADS),
-        ("differ by 60 degrees at most", "71.6", "quad 1 at", "quad 2 at", "round a fold"),
-    ),
-    "id twice in a set": (
-        lambda: Mesh.from_arrays(X, QUADS, node_sets={"grip": [3, 3]}),
-        ("node set 'grip' must hold each id once", "got 3 again", "numpy.unique"),
-    ),
-    "notch beside the edges": (
-        lambda: SHEET.cut([10, 12]),
-        ("must follow mesh edges", "node 10 at (0, 0, 0)", "name every node between"),
-    ),
-}
-
-TOOL_CASES: dict[str, Case] = {
-    "open": (
-        lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles[:-1]),
-        ("3 open edges", "has a hole", "around (-2.13426, -0.1, 3), 1.431 mm across"),
-    ),
-    "inside out": (
-        lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles[:, ::-1]),
-        ("inside-out surface", "tooth 0", "give vertices, triangles[:, ::-1]"),
-    ),
-    "one triangle turned": (
-        lambda: Tool.from_triangles(
-            BLADE.vertices, np.vstack([BLADE.triangles[:-1], BLADE.triangles[-1:, ::-1]])
-        ),
-        ("opposite orientation", "(-1.70138, 0.3, 3) to (-3, -0.3, 3)", "reverse one of the two"),
-    ),
-    "nothing sharp": (
-        lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles, sharp_angle_deg=170.0),
-        ("no sharp edge found", "the sharpest turns by 160.0", "lower sharp_angle_deg"),
-    ),
-    "vertices by columns": (
-        lambda: Tool.from_triangles(BLADE.vertices.T, BLADE.triangles),
-        ("vertices must have shape (n_vertex, 3)", "got (3, 10)"),
-    ),
-}
 
 MODEL_CASES: dict[str, Case] = {
     "unknown node set": (
@@ -194,14 +103,6 @@ MODEL_CASES: dict[str, Case] = {
     "motion without tool": (
         lambda: _simulate(motion=MOTION),
         ("tool and motion go together", "both or none"),
-    ),
-    "tool through the sheet": (
-        lambda: _simulate(tool=_blade_at(2.0, 0.3), motion=MOTION),
-        ("must start outside the sheet", "quads 8 at (0.5, 0.5, 0)", "Mesh.cut"),
-    ),
-    "tool around a node": (
-        lambda: _simulate(tool=_blade_at(2.5, 0.0), motion=MOTION),
-        ("nodes 10 at (0, 0, 0), 11 at (1, 0, 0)", "lie inside the tool", "move the tool's start"),
     ),
 }
 
@@ -307,14 +208,9 @@ def _refused(case: Case, kind: type[Exception] = ValueError) -> None:
         assert word in str(error.value)
 
 
-@pytest.mark.parametrize("name", [*MESH_CASES, *MODEL_CASES, *PARAMETER_CASES, *DETAIL_CASES])
+@pytest.mark.parametrize("name", [*MODEL_CASES, *PARAMETER_CASES, *DETAIL_CASES])
 def test_bad_values(name: str) -> None:
-    _refused((MESH_CASES | MODEL_CASES | PARAMETER_CASES | DETAIL_CASES)[name])
-
-
-@pytest.mark.parametrize("name", TOOL_CASES)
-def test_bad_tool(name: str) -> None:
-    _refused(TOOL_CASES[name], ToolError)
+    _refused((MODEL_CASES | PARAMETER_CASES | DETAIL_CASES)[name])
 
 
 @pytest.mark.parametrize("name", NUMBERS)
@@ -345,24 +241,8 @@ def test_a_pose_that_is_none_ends_the_run_by_name() -> None:
             run()
 
 
-def test_all_problems_of_a_mesh_come_at_once() -> None:
-    quads = _reordered([0, 2, 1, 3])
-    with pytest.raises(ValueError, match="problems:") as error:
-        Mesh.from_arrays(X, quads, node_sets={"grip": [3, 3], "clamp": [77]})
-    for word in ("'grip'", "'clamp'", "77", "bow-tie"):
-        assert word in str(error.value)
-
-
 def test_supports_that_agree_are_accepted() -> None:
     # The corner belongs to both sets: held twice, or moved twice by the same function, is no clash.
     _simulate(supports=[Support.clamped("top"), Support.clamped("left")])
     both = [Support("top", velocity={"y": _slow}), Support("left", velocity={"y": _slow})]
     _simulate(supports=both)
-
-
-def test_a_tool_that_only_touches_is_accepted() -> None:
-    _simulate(tool=_blade_at(-0.01, 0.0), motion=MOTION)
-    notched = SHEET.cut([10, 11, 12])
-    # Between the flanks of the notch, thinner than the blade, it would stand inside the sheet.
-    with pytest.raises(ValueError, match="outside the sheet"):
-        _simulate(notched, tool=_blade_at(1.5, 0.0), motion=MOTION)
