@@ -62,7 +62,7 @@ def test_it_goes_on_with_the_same_bits(options, tmp_path):
     assert differing(sim, again) == []
     mine, other = numbers_of(sim), numbers_of(again)
     for numbers in (mine, other):  # of searches since the run began, or since the checkpoint
-        del numbers["sim.cracks.free._pierce._near.n_search"]
+        del numbers["sim.cracks._pierce._near.n_search"]
     rows = {
         "node": sim.state.n_node,
         "cable": sim.state.n_cable,
@@ -106,7 +106,7 @@ def short_guillotine(**options):
 
 def test_a_guillotine_through_quads_keeps_its_mesh_and_has_its_notch():
     case = short_guillotine()
-    free = case.simulation.cracks.free
+    free = case.simulation.cracks
     np.testing.assert_array_equal(case.simulation.mesh.nodes, slanted_strip().nodes)
     np.testing.assert_allclose(free.at_tips(case.simulation.mesh.nodes), [[1.2, 0, 0]], atol=1e-9)
     assert case.simulation.state.crack_length == 0.0
