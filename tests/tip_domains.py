@@ -30,6 +30,6 @@ def domain_in(state, shell, place, reach, topology=None, base=BASE):
 
 
 def force_on(sim, place, reach, base=BASE):
-    topology = None if sim.cracks is None else sim.cracks.free._cuts.topology
+    topology = None if sim.cracks is None else sim.cracks.cuts.topology
     domain = domain_in(sim.state, sim.shell, place, reach, topology, base)
     return TipForce(sim.state, sim.shell, domain, base, sim.loads)

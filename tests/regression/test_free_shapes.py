@@ -97,7 +97,7 @@ def test_a_crack_follows_its_blade(shape, off):
     sim = led(path, heading, 3, enters=True)
     cuts = np.array([cut.reference for cut in sim.state.split_log if cut.kind != "notch"])
     assert _from_line(cuts, path).max() < off * SIZE
-    assert len(sim.cracks.free.tips) == 1
+    assert len(sim.cracks.tips) == 1
     long = np.hypot(*np.diff(path, axis=0).T).sum()
     assert long - 3.0 * SIZE - 1.2 < sim.state.crack_length < long + SIZE - 1.2
     n, film_nodes = sim.state.node, sim.mesh.n_node

@@ -162,7 +162,7 @@ def test_nothing_else_has_a_history(whole):
         again.step()
     mine, other = numbers_of(sim), numbers_of(again)
     for numbers in (mine, other):  # of searches since the run began, or since the checkpoint
-        numbers.pop("sim.cracks.free._pierce._near.n_search", None)
+        numbers.pop("sim.cracks._pierce._near.n_search", None)
     assert len(mine) > 300
     # The tables of the state have rows in reserve, which nobody reads.
     rows = {"node": sim.state.n_node, "cable": sim.state.n_cable}

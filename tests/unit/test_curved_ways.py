@@ -43,7 +43,7 @@ def inner_tips(sim, roll):
 @pytest.mark.parametrize("radius", [1e9, 4.0])
 def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
     sim, roll, _ = rolled(30.0, radius)
-    path, tips = sim.cracks.free._path, inner_tips(sim, roll)
+    path, tips = sim.cracks._path, inner_tips(sim, roll)
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     for tip in tips:
         at = path.place_of(sim.state, tip)
@@ -72,7 +72,7 @@ def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_de
     ahead = mesh.nodes[:, 0] > 2.5
     x = sim.state.node.x
     x[: mesh.n_node][ahead] = mesh.nodes[node] + (mesh.nodes[ahead] - mesh.nodes[node]) @ fold.T
-    path = sim.cracks.free._path
+    path = sim.cracks._path
     at = path.place_of(sim.state, tip)
     np.testing.assert_allclose(at.heading, fold @ heading, atol=1e-12)
     # A way along the film ahead is found in a row ahead.
@@ -92,9 +92,9 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     node.x[: len(x)], node.t[: len(t)] = x, t
     _, vectors = np.linalg.eigh(stretch)
     across = vectors[:, 0] * np.sign(vectors[0, 0])
-    path = sim.cracks.free._path
+    path = sim.cracks._path
     # Above the strength the stress decides alone.
-    topology = sim.cracks.free._cuts.topology
+    topology = sim.cracks.cuts.topology
     free = FreeDirection(sim.shell, topology, path, sc.CohesiveLaw(strength=12.0))
     for tip in inner_tips(sim, roll):
         at = path.place_of(sim.state, tip)

@@ -105,7 +105,7 @@ def test_run_in_parts_is_the_whole_run_bit_by_bit(whole):
 def test_hooks_do_not_change_a_bit(whole):
     def read(sim):
         sim.close_ledger()
-        return sim.time_step.bound(sim.state), sim.cracks.free.at_tips(sim.mesh.nodes)
+        return sim.time_step.bound(sim.state), sim.cracks.at_tips(sim.mesh.nodes)
 
     sampler = Sampler(1e-6, read)
     sim = cutting()

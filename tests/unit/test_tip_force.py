@@ -259,7 +259,7 @@ def pressed_strip(load, beside=0.0, pull=0.0, length=12.0, height=4.0):
 
 def in_space(sim):
     """Row ahead of the only tip, and what the base has become there."""
-    path, (tip,) = sim.cracks.free._path, sim.cracks.free.tips
+    path, (tip,) = sim.cracks._path, sim.cracks.tips
     row, entry = path.rows_ahead(tip)[0]
     x = sim.state.node.x[sim.state.quads[row]]
     return tip, np.array([path.carried_on(row, entry, way) @ x for way in BASE])
@@ -272,9 +272,9 @@ def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
     low, left = sim.mesh.nodes[:, 1].min(), sim.mesh.nodes[:, 0].min()
     way = [(left - 1.0, low + 2.9), (left + 2.6, low + 2.9), (left + 3.4, low + 3.9)]
     sim.notch(*((*point, 0.0) for point in way))
-    (tip,) = sim.cracks.free.tips
-    place = sim.cracks.free._path.reference_of(sim.state, tip)
-    topology = sim.cracks.free._cuts.topology
+    (tip,) = sim.cracks.tips
+    place = sim.cracks._path.reference_of(sim.state, tip)
+    topology = sim.cracks.cuts.topology
     bent = domain_in(sim.state, sim.shell, place, 1.6, topology)
     assert bent.room == pytest.approx(1.6)  # nothing is nearer than the reach
     X = sim.shell.reference.x[sim.shell.reference.quads[bent.rows]]
@@ -302,7 +302,7 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
     height, beside = 4.0, 0.1
     sim = pressed_strip(load, beside=beside)
     tip, moved = in_space(sim)
-    place = sim.cracks.free._path.reference_of(sim.state, tip)
+    place = sim.cracks._path.reference_of(sim.state, tip)
     ahead = height**5 / 720.0
     behind = sum((0.5 * height + s * beside) ** 5 / 20.0 for s in (1.0, -1.0))
     D = YOUNG * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))
@@ -317,5 +317,5 @@ def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     # What the load does in the sliding is larger than what is released: without it, 16° aside.
     sim = pressed_strip(sc.Pressure(PRESSURE))
     tip, _ = in_space(sim)
-    way = next(sim.cracks.free._direction.ways(sim.state, tip))
+    way = next(sim.cracks._direction.ways(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load

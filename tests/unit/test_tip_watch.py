@@ -86,7 +86,7 @@ def jittered(seed):
 )
 def test_same_segments_and_measures_as_the_rules(mesh):
     sim = cut_strip(mesh=mesh)
-    rules, free, kinds = Rules(sim), sim.cracks.free, []
+    rules, free, kinds = Rules(sim), sim.cracks, []
     while len(sim.state.split_log) < 16 and sim.state.step < 4000:
         sim.step()
         if sim.state.step % 25 == 4:
@@ -100,7 +100,7 @@ def test_same_beside_other_cracks():
     kinds = []
     for turn in range(6):
         sim = cut_strip(mesh=jittered(10 + turn))
-        free = sim.cracks.free
+        free = sim.cracks
         for x in rng.uniform(1.0, 1.8, 3):
             slant = rng.uniform(-0.4, 0.4)
             sim.notch((x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))

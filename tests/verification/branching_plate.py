@@ -93,7 +93,7 @@ def main() -> None:
         pull=chosen.pull,
         branching=True,
     )
-    while sim.state.time < 100e-6 and sim.cracks.free.tips:
+    while sim.state.time < 100e-6 and sim.cracks.tips:
         sim.step()
     places, times = cuts(sim)
     where, when = branchings(sim)
@@ -105,7 +105,7 @@ def main() -> None:
     at_end = times[places[:, 0] > 100.0 - 2.0 * chosen.size]
     print(f"at the far side at {1e6 * at_end[0]:.1f} us" if len(at_end) else "not at the far side")
     book = sim.ledger
-    print(f"crack {sim.state.crack_length:.1f} mm, {len(sim.cracks.free.tips)} tips left")
+    print(f"crack {sim.state.crack_length:.1f} mm, {len(sim.cracks.tips)} tips left")
     print(f"cables {book.cohesive_work / (ENERGY * sim.state.crack_length):.3f} G h")
     print(f"imbalance {book.relative(book.imbalance):.1e} of the work of the loads")
     if chosen.picture is not None:

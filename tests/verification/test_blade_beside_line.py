@@ -70,7 +70,7 @@ def _check_path(sim: sc.Simulation, notched: bool) -> None:
     edge = PATH - 0.05
     assert edge - SIZE < reached[-1] < edge + 3.5 * SIZE
     assert sim.cracks is not None
-    assert len(sim.cracks.free.tips) == 1
+    assert len(sim.cracks.tips) == 1
 
 
 @pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])

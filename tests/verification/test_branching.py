@@ -88,7 +88,7 @@ def test_no_film_is_lost_where_cracks_branch(torn):
 
 def test_a_run_goes_on_with_the_same_bits_between_branchings(tmp_path):
     def between(sim):
-        return len(branchings(sim)[0]) == 1 and any(len(t.pace) > 2 for t in sim.cracks.free.tips)
+        return len(branchings(sim)[0]) == 1 and any(len(t.pace) > 2 for t in sim.cracks.tips)
 
     check_goes_on(lambda: small(branching=True), between, tmp_path / "c.h5", n_step=120)
 

@@ -18,7 +18,7 @@ def check(case):
     sim = case.simulation
     assert sim.fracture.path == "free"
     assert {cut.kind for cut in sim.state.split_log} == {"notch"}
-    (tip,) = sim.cracks.free.at_tips(sim.mesh.nodes)
+    (tip,) = sim.cracks.at_tips(sim.mesh.nodes)
     size = np.sqrt(sim.shell.area.max())
     assert NOTCH - 1e-9 <= tip[0] - sim.mesh.nodes[:, 0].min() < NOTCH + size
     assert abs(tip[1]) < 0.05 * size

@@ -61,7 +61,7 @@ def test_work_goes_into_the_crack(shift):
             rows.append((book.tool_work, abs(book.imbalance) / book.put_in))
     book, n, cables = sim.close_ledger(), sim.state.node, sim.state.cable
     tool, imbalance = np.array(rows).T
-    assert not sim.cracks.free.tips
+    assert not sim.cracks.tips
     assert sim.cables.n_broken == cables.count
     tearing = sim.law.fracture_energy * sim.material.thickness * sim.state.crack_length
     # What a step overshoots the last opening by; measured 1.0000.

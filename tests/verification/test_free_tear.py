@@ -37,7 +37,7 @@ def torn(size, amount):
     )
     middle, rim = LENGTH / 2, -WIDTH / 2
     sim.notch((middle - 0.3, rim - 0.3, 0.0), (middle + 1.5, rim + 1.5, 0.0))
-    while sim.state.time < 6e-4 and sim.cracks.free.tips:
+    while sim.state.time < 6e-4 and sim.cracks.tips:
         sim.step()
     return sim
 
@@ -103,11 +103,11 @@ def test_cracks_that_pass_turn_to_each_others_flanks(size, amount):
     sim = passing(size, amount)
     # On rectangles of 0.5 mm one tip waits 0.75 mm before the other's flank at 1.5 ms, and comes to
     # it as the pull goes on.
-    while sim.state.time < 2.5e-3 and len(sim.cracks.free.tips) == 2:
+    while sim.state.time < 2.5e-3 and len(sim.cracks.tips) == 2:
         sim.step()
     left, right = ways_of(sim)
-    tips = [sim.cracks.free._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.free.tips]
-    others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.free.tips]
+    tips = [sim.cracks._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.tips]
+    others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.tips]
     gaps = [abs(np.interp(x, *way.T) - y) for (x, y), way in zip(tips, others, strict=True)]
     # One that has come to a flank has no tip any more; then the sheet is in two parts.
     assert len(tips) < 2 or max(gaps) < size

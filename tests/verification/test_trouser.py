@@ -107,7 +107,7 @@ def torn_as_it_should(kind, size):
     # Straight: off the middle by a quarter of an edge at most, in 9 mm.
     assert np.abs(place[:, 1]).max() < 0.25 * size
     assert (np.diff(place[:, 0]) > 0.0).all()
-    assert len(sim.cracks.free.tips) == 1
+    assert len(sim.cracks.tips) == 1
 
 
 @pytest.mark.parametrize("kind", ["plain", "moved"])

@@ -5,7 +5,12 @@ has run into. From there a ray goes through the polygon of the row ahead, and :m
 where it leaves that.
 
 A crack whose new tip lies on the very side on which an oncoming one ends, nearer than ``JOIN``
-across its way, has no row left to go through: the part of the side between them is torn.
+across its way, has no row left to go through: the part of the side between them is broken.
+
+A crack that has come to an earlier one goes on from the other flank of that. Several rows touch the
+place where the two meet. Film hangs together there where rows have the same nodes: the row into
+which the crack would go on, and those that hang together with it, are the other flank; all others
+lie behind.
 """
 
 from __future__ import annotations
@@ -20,9 +25,19 @@ from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import KnownTopology, State
 
+from .cut_state import nodes_at
 from .cut_topology import CutTopology
-from .quad_fans import boundary_edges
-from .quad_polygon import AWAY, CORNERS, FLANK, Point, along_side, on_side
+from .open_edges import boundary_edges
+from .quad_polygon import (
+    AWAY,
+    CORNERS,
+    FLANK,
+    Point,
+    along_side,
+    common_side,
+    corner_at,
+    on_side,
+)
 from .ray_ahead import ALONG_SIDE, AT_CROSSING, AT_POINT, SNAP, Aimed, leave
 from .rows_ahead import RowsAhead, table_of
 from .segment import Segment
@@ -171,11 +186,10 @@ class CrackPath(TipPlaces):
             end = on_side(side, along_side(side, end))
         return Segment(row, (xi, eta), end, side, corner, kind == ALONG_SIDE, right)
 
-    def between(self, tip: Tip, other: Tip) -> tuple[tuple[int, int], float, float] | None:
-        """Return the side on which two tips lie, and where; None if on none, or not it alone.
+    def between(self, tip: Tip, other: Tip) -> Segment | None:
+        """Return the segment along a side from a tip to another; None if they do not lie on one.
 
-        Nodes of the side, ascending, and fractions of it from the first. One of the tips may be at
-        its end; no third crack may cross it between them.
+        One of the tips may be at its end; no third crack may cross it between them.
         """
         if tip.flank is not None or other.flank is not None or (tip.at_node and other.at_node):
             return None
@@ -188,15 +202,19 @@ class CrackPath(TipPlaces):
                 places.append(one.s)
         if len(places) < 2:
             return None
-        low, high = min(places) + AWAY, max(places) - AWAY
-        if any(low < s < high for s in self.topology.crossings(*side)):
+        low, high = min(places), max(places)
+        if any(low + AWAY < s < high - AWAY for s in self.topology.crossings(*side)):
             return None
-        return side, places[0], places[1]
+        for row, k, up in self.topology.rows_beside(*side):
+            start, stop = (on_side(k, s if up else 1.0 - s) for s in places)
+            if common_side(self.topology.polygon(row), start, stop) == k:
+                return Segment(row, start, stop, k, corner_at(stop), along_side=True)
+        return None
 
     def tip_at(self, end: Segment, heading: Floats, length: float) -> Tip | None:
         """Return the tip at the end of a segment that has just been cut; None at a rim.
 
-        Where that has come to an earlier crack :mod:`.tip_across` finds it.
+        Where that has come to an earlier crack :meth:`tip_across` finds it.
         """
         ring, quad = self.ring(end.row), self.topology.parent(end.row)
         if end.corner >= 0:
@@ -205,3 +223,22 @@ class CrackPath(TipPlaces):
         else:
             tip = Tip(*end.on_side_of(ring), quad, heading, length)
         return tip if self.rows_ahead(tip) else None
+
+    def tip_across(
+        self, state: State, end: Segment, heading: Floats, way: Floats
+    ) -> Tip | None:
+        """Return the tip on the other flank of the crack at which a segment has ended.
+
+        None where there is no film beyond, at a rim. There is no crack behind the new tip: its
+        length is 0.
+
+        heading, way : (3,), direction of the segment in the reference film, and in space.
+        """
+        touching = self.rows_at(self.topology.parent(end.row), end.exit)
+        ahead = next((at for at in touching if self.segment(state, *at, way) is not None), None)
+        if ahead is None:
+            return None
+        row, place = ahead
+        nodes = nodes_at(state, row, place)
+        behind = tuple(other for other, at in touching if nodes_at(state, other, at) != nodes)
+        return Tip((-1, -1), 0.0, self.topology.parent(row), heading, 0.0, place, behind)

@@ -21,7 +21,7 @@ from shellcut.arrays import Bools, Floats, Ints, product
 from shellcut.state import State
 
 from .cut_topology import CutTopology
-from .quad_fans import flanks_among
+from .open_edges import crack_edges
 from .quad_polygon import FLANK, Point, along_side, corner_at, on_side, shape_functions, side_at
 
 # Places on one side, or in one quad, closer than this are one, in its parametric length.
@@ -39,8 +39,7 @@ class DrawnFilm(NamedTuple):
     """Points of every row, counter-clockwise, shape (n_row, n_corner), n_corner >= 4; one with
     fewer corners repeats its last point."""
     crack_edges: Ints
-    """Points of both flanks of every crack edge, shape (n, 2, 2), as
-    :func:`shellcut.fracture.quad_fans.open_edge_copies`."""
+    """Points of both flanks of every crack edge, shape (n, 2, 2)."""
 
     @classmethod
     def of(cls, state: State, topology: CutTopology) -> DrawnFilm:
@@ -117,7 +116,7 @@ class _Outlines:
             np.concatenate(nodes),
             np.concatenate(weight),
             polygons,
-            flanks_among(polygons, reference),
+            crack_edges(polygons, reference),
         )
 
     def _touched(self) -> set[int]:

@@ -1,4 +1,4 @@
-"""The edges of a film that is cut: rims, flanks of cracks, and sides that are broken or torn.
+"""The edges of a film that is cut: rims, flanks of cracks, and sides that are broken.
 
 From a tip the crack's own flanks lead back (:meth:`FilmEdges.way_back`), as far as no other edge of
 the film touches them: not the rim at which it began, nor the other branch, nor its own way where it
@@ -54,7 +54,7 @@ class FilmEdges:
 
     def find(self) -> None:
         """Find the edges of the film as it is cut now."""
-        topology, film = self._topology, self._shell.reference
+        topology, film, mesh = self._topology, self._shell.reference, self._shell.mesh_quads
         looked_at = topology.opened_rows()
         whole = self._rim.copy()
         whole[[row for row in looked_at if row < len(whole)]] = False
@@ -64,13 +64,14 @@ class FilmEdges:
         places: list[tuple[Point, Point]] = []
         outside: list[list[int]] = []
         for cut in looked_at:
-            polygon, rim = topology.polygon(cut), self._rim[topology.parent(cut)]
+            quad = topology.parent(cut)
+            polygon, rim, ring = topology.polygon(cut), self._rim[quad], mesh[quad].tolist()
             points = polygon.points
             for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
                 parts = [(a, b)]
                 if side != FLANK and not rim[side]:
-                    opened = topology.open_parts(cut, side)
-                    parts = [(on_side(side, start), on_side(side, stop)) for start, stop in opened]
+                    broken = topology.broken_parts(ring[side], ring[(side + 1) % 4])
+                    parts = [(on_side(side, start), on_side(side, stop)) for start, stop in broken]
                 rows += [cut] * len(parts)
                 places += parts
                 outside += [beyond(*part) if side == FLANK else [] for part in parts]

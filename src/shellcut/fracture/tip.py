@@ -10,7 +10,7 @@ import numpy as np
 from shellcut.arrays import Floats, unit
 from shellcut.state import State
 
-from .quad_fans import arriving, crack_tips, fans_of
+from .open_edges import crack_tips
 from .quad_polygon import Point
 
 # Outside the parametric square: written for a tip that lies on no flank.
@@ -56,8 +56,7 @@ class Tip:
 def tips_of_notches(state: State) -> list[Tip]:
     """Return the tips of the notches with which a mesh is made."""
     tips = []
-    for node in crack_tips(state):
-        (far, _), *_ = arriving(state, fans_of(state, node))
+    for node, far in crack_tips(state).items():
         heading = unit(state.node.X[node] - state.node.X[far])
         tips.append(Tip((node, node), 0.0, -1, heading, 0.0))
     return tips

@@ -96,14 +96,10 @@ class TipPlaces:
         if tip.at_node:
             return self._rows_at_node(tip.ends[0])
         found = []
-        a, b = tip.ends
-        for row, corner in topology.corners_at(a):
-            quad, ring = topology.parent(row), self.ring(row)
-            if quad == tip.quad or b not in ring:
+        for row, side, up in topology.rows_beside(*tip.ends):
+            if topology.parent(row) == tip.quad:
                 continue
-            goes_up = ring[(corner + 1) % 4] == b
-            side, s = (corner, tip.s) if goes_up else ((corner - 1) % 4, 1.0 - tip.s)
-            held = span(topology.polygon(row), side)
+            s, held = tip.s if up else 1.0 - tip.s, span(topology.polygon(row), side)
             if held is not None and held[0] < s - AWAY and held[1] > s + AWAY:
                 found.append((row, on_side(side, s)))
         return found
@@ -123,9 +119,9 @@ class TipPlaces:
         if side >= 0:
             a, b, s = ring[side], ring[(side + 1) % 4], along_side(side, place)
             mine += [
-                (row, on_side((at - 1) % 4, 1.0 - s))
-                for row, at in topology.corners_at(a)
-                if topology.parent(row) != quad and self.ring(row)[(at - 1) % 4] == b
+                (row, on_side(at, 1.0 - s))
+                for row, at, up in topology.rows_beside(a, b)
+                if topology.parent(row) != quad and not up
             ]
         return [(row, at) for row, at in mine if side_of(topology.polygon(row), at) is not None]
 
@@ -257,10 +253,14 @@ class TipPlaces:
 
     def reference_of(self, state: State, tip: Tip) -> Floats:
         """Return where a tip lies in the reference film [mm], shape (3,)."""
+        return self.at_tip(tip, state.node.X)
+
+    def at_tip(self, tip: Tip, rows: Floats) -> Floats:
+        """Return rows : (n_node, k) of the mesh's nodes at a tip, shape (k,)."""
         if tip.flank is not None:
-            X = state.node.X[self._shell.mesh_quads[tip.quad]]
-            return np.asarray(product(shape_functions(tip.flank), X))
-        a, b = state.node.X[list(tip.ends)]
+            corners = self._shell.mesh_quads[tip.quad]
+            return np.asarray(product(shape_functions(tip.flank), rows[corners]))
+        a, b = rows[list(tip.ends)]
         return np.asarray(a + tip.s * (b - a))
 
     def nodes_of(self, state: State, tips: Sequence[Tip]) -> Ints:

@@ -18,7 +18,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
 from .anisotropy import Anisotropy
-from .cut_state import sides_of
+from .cut_state import rows_along, side_under
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, Polygon, divide, holds, shape_functions
 from .segment import Segment
@@ -137,10 +137,11 @@ class TrialCut:
         """Return the rows on both sides of a trial cut, and classes around nodes of the mesh."""
         topology = self.topology
         if segment.along_side:
-            a, b, rows, _ = sides_of(topology, self._shell, segment)
-            topology.break_side(a, b)
+            side, part = side_under(self._shell, segment)
+            rows, _ = rows_along(topology, side, part)
+            topology.break_side(*side, *part)
             classes = [topology.classes(node) for node in nodes]
-            topology.mend_side(a, b)
+            topology.mend_side(*side)
             return rows, classes
         whole = topology.polygon(segment.row)
         new = topology.cut(segment.row, segment.entry, segment.exit)

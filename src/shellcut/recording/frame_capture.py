@@ -14,7 +14,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, unit
 from shellcut.fracture.drawn_film import DrawnFilm
-from shellcut.fracture.quad_fans import open_edge_copies
+from shellcut.fracture.open_edges import crack_edges
 from shellcut.frame import Frame
 from shellcut.mitc4.centre_stress import FaceStresses
 from shellcut.mitc4.shell import MITC4Shell
@@ -94,7 +94,7 @@ class Exposure:
 
 def _whole_film(state: State) -> dict[str, Any]:
     n = state.n_node
-    flanks = open_edge_copies(state).astype(np.int64)
+    flanks = crack_edges(state.quads.astype(np.int64), state.node.origin[:n])
     return {
         "points": state.node.x[:n],
         "reference": state.node.X[:n],

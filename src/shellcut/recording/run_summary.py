@@ -66,8 +66,8 @@ def run_summary(
     }
     if sim.cracks is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
-        if sim.cracks.free.stress is not None:
-            figures["n_recovery_borrowed"] = sim.cracks.free.stress.n_borrowed
+        if sim.cracks.stress is not None:
+            figures["n_recovery_borrowed"] = sim.cracks.stress.n_borrowed
     finite: dict[str, Any] = {
         name: int(value) if name.startswith("n_") else float(value)
         for name, value in figures.items()

@@ -60,7 +60,7 @@ class UnfeltPenetration:
         cuts = sim.tool is not None and sim.tool.n_edge > 0
         if not cuts or sim.cracks is None or sim.fracture.path != "edges":
             return np.zeros(0, np.int64)
-        return sim.cracks.free.tip_nodes(sim.state)
+        return sim.cracks.tip_nodes(sim.state)
 
     def _polygon(self, row: int) -> Part:
         cracks = self._sim.cracks

@@ -343,7 +343,7 @@ class Simulation:
             )
         if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")
-        self.cracks.free.notch(self.state, points_of_notch(points))
+        self.cracks.notch(self.state, points_of_notch(points))
 
     @checked
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
