@@ -56,17 +56,19 @@ def numbers_of(thing, path="sim", seen=None):
     return found
 
 
-def check_goes_on(build, reached, path, *, n_step=200):
-    """Save a run that has ``reached`` something; go on with it and with another from the file."""
-    sim, other = build(), build()
+def check_goes_on(build, reached, path, n_step):
+    """Save a run that has ``reached`` something; go on with it and from the file on two threads."""
+    sim, other = build(threads=1), build(threads=2)
     while not reached(sim):
         sim.step()
-        assert sim.state.time < 1e-4
+        assert sim.state.step < 20_000
     save_checkpoint(sim, path)
     load_checkpoint(other, path)
+    before = sim.state.node.x.copy()
     for one in (sim, other):
         for _ in range(n_step):
             one.step()
+        one.close_ledger()
     assert differing(sim, other) == []
+    assert not np.array_equal(sim.state.node.x, before)
     assert abs(sim.ledger.imbalance) < 5e-3 * sim.ledger.put_in
-    return sim

@@ -86,8 +86,8 @@ def slit():
 def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
     sim, x = slit()
     free = sim.cracks
-    (tip,) = free.tips
-    assert free._path.reference_of(sim.state, tip)[0] > x
+    ((there, *_),) = free.at_tips(sim.state.node.X)
+    assert there > x
     # The notch went on across the slit: everything to the left of the slit is another piece.
     flank = next(c for c in sim.state.split_log[::-1] if abs(c.reference[0] - x) < 1e-9)
     assert flank.kind == "notch"
@@ -109,9 +109,9 @@ def test_a_crack_that_passes_the_end_of_another_goes_on():
     sim = cut_strip(mesh=aligned(), notched=False)
     free, x = sim.cracks, start_of(sim)
     sim.notch((x + 2.03, -2.0, 0.0), (x + 2.03, -0.3, 0.0))
-    (end,) = (free._path.reference_of(sim.state, tip) for tip in free.tips)
+    (end,) = free.at_tips(sim.state.node.X)
     sim.notch((x - 1.0, end[1] + 0.06, 0.0), (x + 4.0, end[1] + 0.06, 0.0))
-    ends = np.array([free._path.reference_of(sim.state, tip) for tip in free.tips])
+    ends = free.at_tips(sim.state.node.X)
     assert ends[:, 0].max() > x + 3.5
 
 
@@ -122,7 +122,7 @@ def test_two_that_come_towards_each_other_at_an_angle_end_where_they_meet():
     way = np.array([-np.sqrt(0.75), 0.5, 0.0])
     end = np.array([x + 1.4, 0.0, 0.0])
     sim.notch(end - 4.0 * way, end)
-    (there,) = (free._path.reference_of(sim.state, tip) for tip in free.tips)
+    (there,) = free.at_tips(sim.state.node.X)
     sim.notch((x - 1.0, there[1], 0.0), (x + 4.0, there[1], 0.0))
     assert not free.tips
 
@@ -136,7 +136,7 @@ def test_two_tips_at_one_place_on_a_slit_are_none_any_more():
     sim.notch((x - 1.0, 0.01, 0.0), (x + 1.89, 0.01, 0.0))
     (waiting,) = free.tips
     assert waiting.flank is not None
-    there = free._path.reference_of(sim.state, waiting)
+    (there,) = free.at_tips(sim.state.node.X)
     sim.notch((x + 7.0, there[1], 0.0), (there[0] - 0.5, there[1], 0.0))
     assert not free.tips
 

@@ -1,6 +1,5 @@
 """Places on edges of the film against the tool."""
 
-from dataclasses import asdict
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +16,6 @@ from shellcut.contact.settings import STEEPEST, Contact, node_stiffness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
-from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.recording.unfelt_penetration import UnfeltPenetration
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
@@ -381,35 +379,6 @@ def test_friction_of_a_bar_dragged_along_a_rim_is_mu_times_what_presses():
     assert pulls[2] == pytest.approx(TANGENTIAL * k * ways[2], rel=1e-2)
     # What the way in has stretched across is not quite gone after 0.1 mm.
     assert pulls[-1] == pytest.approx(MU * normal, rel=1e-4)
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.2])
-def test_same_bits_over_threads_and_a_restart(friction, tmp_path):
-    """Teeth that enter a film and cut it; edges press, and rub, for some steps."""
-
-    def opening(**options):
-        contact = Contact(film_edges=True, friction=friction)
-        return opening_test("quick", contact=contact, **options).simulation
-
-    def go(sim, until):
-        while sim.state.step < until:
-            sim.step()
-        n = sim.state.node
-        return n.x[: n.count].copy(), asdict(sim.close_ledger()), sim.dt
-
-    first, rubs = opening(), []
-    while len(rubs) < 40:
-        first.step()
-        if term(first, "edge_friction" if friction else "edges").forces.stored > 0.0:
-            rubs.append(first.state.step)
-        if len(rubs) == 20:  # within a touch
-            save_checkpoint(first, tmp_path / "half.h5")
-    wanted = go(first, rubs[-1] + 100)
-    again = opening()
-    load_checkpoint(again, tmp_path / "half.h5")
-    for x, ledger, dt in (go(opening(threads=2), rubs[-1] + 100), go(again, rubs[-1] + 100)):
-        np.testing.assert_array_equal(x, wanted[0])
-        assert (ledger, dt) == wanted[1:]
 
 
 def ends_by_place(state, outline):

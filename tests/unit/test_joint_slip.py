@@ -1,16 +1,12 @@
 """Joints that slip along the cutting edge, and cables that slip around it."""
 
-from dataclasses import asdict
-
 import numpy as np
 import pytest
 import scipy.optimize
 
 import shellcut as sc
 from far_pose import FAR
-from gone_on import check_goes_on
 from naive import cable as naive
-from notched_strip import cutting
 from shellcut.cables.directional_cable import CableSet
 from shellcut.cables.joint_slip import neighbours
 from shellcut.mesh.structured import rectangle
@@ -275,38 +271,3 @@ def test_an_edge_that_leaves_the_film_is_refused():
     blunt = sc.Tool.from_triangles(BLADE.vertices, BLADE.triangles, edges=np.zeros((0, 2), int))
     with pytest.raises(ValueError, match="slice_ratio is of a cutting edge"):
         sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.0, tool=blunt)
-
-
-def slicing(**options):
-    """A slicing cut with all that rubs."""
-    sim = cutting(motion=sc.StraightMotion((1.0, 0.0, 1.0), 3e4, ramp=5e-6))
-    law = sc.CohesiveLaw(
-        opening_a=0.05, opening_p=0.2, opening_u=0.3, joint="slip", joint_friction=0.2
-    )
-    rubs = {"law": law, "contact": sc.Contact(friction=0.2)}
-    return type(sim)(**{**sim.inputs, **rubs, **options})
-
-
-def slips(sim):
-    ledger = sim.ledger
-    return sim.cables.n_joint_made >= 2 and min(ledger.joint_friction, ledger.friction_work) > 0.0
-
-
-def test_a_run_with_slip_and_friction_goes_on_from_a_checkpoint_bit_for_bit(tmp_path):
-    check_goes_on(slicing, slips, tmp_path / "half.h5")
-
-
-def test_slip_and_friction_have_the_same_bits_over_threads_and_output(tmp_path):
-    plain, recorded = slicing(threads=1), slicing(threads=2)
-    while not slips(plain):
-        plain.step()
-    for _ in range(100):
-        plain.step()
-    until = plain.state.time - 0.5 * plain.state.dt
-    records = {"n_row": 20, "n_frame": 3, "n_snapshot": 1, "progress": False}
-    recorder = sc.Recorder(recorded, tmp_path, until=until, name="cut", **records)
-    recorded.run(until, hooks=[recorder])
-    assert recorded.state.step == plain.state.step
-    for name, rows in plain.state.node.saved().items():
-        np.testing.assert_array_equal(rows, recorded.state.node.saved()[name], err_msg=name)
-    assert asdict(plain.close_ledger()) == asdict(recorded.close_ledger())

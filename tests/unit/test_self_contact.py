@@ -11,7 +11,6 @@ from shellcut.contact.quad_distance import closest_place, corners_of
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.numerics.jit import kernel
-from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
 
 
@@ -233,33 +232,6 @@ def test_a_flap_that_folds_onto_the_sheet_does_not_pass():
     assert least[False] < -20.0 * h  # without contact it swings through
     assert least[True] > 0.0
     assert book.self_contact_work > 0.0
-
-
-def test_same_bits_over_threads_and_a_restart(tmp_path):
-    def go(sim, steps):
-        for _ in range(steps):
-            sim.step()
-        n = sim.state.node
-        return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
-
-    # Restarted while a point touches, between two searches.
-    whole = thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0))
-    wanted = go(whole, 200)
-    other = go(thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0), threads=2), 200)
-    first = thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0))
-    while not first.self_contact.forces.n_touching:
-        first.step()
-    go(first, 3)
-    save_checkpoint(first, tmp_path / "half.h5")
-    again = thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0))
-    load_checkpoint(again, tmp_path / "half.h5")
-    resumed = go(again, 200 - first.state.step)
-    for x, v, book in (other, resumed):
-        np.testing.assert_array_equal(x, wanted[0])
-        np.testing.assert_array_equal(v, wanted[1])
-        assert book == wanted[2]
-    assert again.self_contact.n_looked == whole.self_contact.n_looked
-    assert wanted[2].self_contact_work != 0.0
 
 
 @pytest.mark.parametrize("path", ["edges", "free"])

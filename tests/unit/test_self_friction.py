@@ -10,7 +10,6 @@ from naive.booking import book
 from naive.self_friction import forces_on_sheet, returned, slip_speed
 from shellcut.contact.self_friction import SelfFriction
 from shellcut.mesh.structured import rectangle
-from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.tool.pose import Pose
 from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
 
@@ -230,28 +229,6 @@ def test_a_piece_on_the_film_stays_where_the_pull_is_less():
     # Without friction it would have gone 40 µm; it hangs in the springs, which give by 0.2 N / k_t.
     assert abs(v[0]) < 5.0
     assert abs(way[0]) < 5e-3
-
-
-def test_same_bits_over_threads_and_a_restart(tmp_path):
-    def go(sim, until):
-        while sim.state.step < until:
-            sim.step()
-        n = sim.state.node
-        return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
-
-    wanted = go(lying(1e7)[0], 300)
-    other = go(lying(1e7, threads=2)[0], 300)
-    first = lying(1e7)[0]
-    go(first, 150)
-    assert first.close_ledger().friction_stored > 0.0
-    save_checkpoint(first, tmp_path / "half.h5")
-    again = lying(1e7)[0]
-    load_checkpoint(again, tmp_path / "half.h5")
-    for x, v, kept in (other, go(again, 300)):
-        np.testing.assert_array_equal(x, wanted[0])
-        np.testing.assert_array_equal(v, wanted[1])
-        assert kept == wanted[2]
-    assert wanted[2].friction_dissipated > 0.0
 
 
 def test_the_halves_of_a_split_node_keep_their_spring():

@@ -149,7 +149,7 @@ def test_last_step_is_not_shortened():
     sim.run(1e-6)
     assert sim.state.time >= 1e-6
     assert sim.state.time - sim.state.dt < 1e-6
-    assert sim.state.dt == sim._dt
+    assert sim.state.dt == sim.dt
 
 
 class Recorder:

@@ -272,8 +272,7 @@ def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
     low, left = sim.mesh.nodes[:, 1].min(), sim.mesh.nodes[:, 0].min()
     way = [(left - 1.0, low + 2.9), (left + 2.6, low + 2.9), (left + 3.4, low + 3.9)]
     sim.notch(*((*point, 0.0) for point in way))
-    (tip,) = sim.cracks.tips
-    place = sim.cracks._path.reference_of(sim.state, tip)
+    (place,) = sim.cracks.at_tips(sim.state.node.X)
     topology = sim.cracks.cuts.topology
     bent = domain_in(sim.state, sim.shell, place, 1.6, topology)
     assert bent.room == pytest.approx(1.6)  # nothing is nearer than the reach
@@ -301,8 +300,8 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
     """Ahead a beam with clamped ends, behind two cantilevers: -E + W = ½ p ∫ w dy in each."""
     height, beside = 4.0, 0.1
     sim = pressed_strip(load, beside=beside)
-    tip, moved = in_space(sim)
-    place = sim.cracks._path.reference_of(sim.state, tip)
+    _, moved = in_space(sim)
+    (place,) = sim.cracks.at_tips(sim.state.node.X)
     ahead = height**5 / 720.0
     behind = sum((0.5 * height + s * beside) ** 5 / 20.0 for s in (1.0, -1.0))
     D = YOUNG * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))

@@ -20,7 +20,15 @@ ENERGY = 0.003
 
 
 def plate(
-    length=100.0, width=40.0, size=40.0 / 81, *, pull=1.0, strength=5.0, moved=0.0, **options
+    length=100.0,
+    width=40.0,
+    size=40.0 / 81,
+    *,
+    pull=1.0,
+    strength=5.0,
+    moved=0.0,
+    threads=None,
+    **options,
 ):
     """Return the plate before it is pulled, its crack along the middle.
 
@@ -56,6 +64,7 @@ def plate(
         ),
         fracture=sc.Fracture(path="free", check_every=2, cable_places="gauss", **options),
         damping_beta=1e-9,
+        threads=threads,
     )
     sim.notch((-1.0, 0.0, 0.0), (0.5 * length, 0.0, 0.0))
     return sim

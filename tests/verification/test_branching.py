@@ -90,7 +90,10 @@ def test_a_run_goes_on_with_the_same_bits_between_branchings(tmp_path):
     def between(sim):
         return len(branchings(sim)[0]) == 1 and any(len(t.pace) > 2 for t in sim.cracks.tips)
 
-    check_goes_on(lambda: small(branching=True), between, tmp_path / "c.h5", n_step=120)
+    def build(**options):
+        return small(branching=True, **options)
+
+    check_goes_on(build, between, tmp_path / "c.h5", 120)
 
 
 @pytest.mark.parametrize("poisson", [-0.9, 0.0, 0.49])

@@ -148,11 +148,7 @@ def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0):
 
 def force_on_a_tip(sim, reach):
     """Return the force on the tip on the left [N], along the notch and inward."""
-    place = next(
-        at
-        for tip in sim.cracks.tips
-        if (at := sim.cracks._path.reference_of(sim.state, tip))[1] > 0.0
-    )
+    place = next(at for at in sim.cracks.at_tips(sim.state.node.X) if at[1] > 0.0)
     along, aside = force_on(sim, place, reach).of(sim.state, BASE)
     return along, -aside
 

@@ -106,7 +106,7 @@ def test_cracks_that_pass_turn_to_each_others_flanks(size, amount):
     while sim.state.time < 2.5e-3 and len(sim.cracks.tips) == 2:
         sim.step()
     left, right = ways_of(sim)
-    tips = [sim.cracks._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.tips]
+    tips = sim.cracks.at_tips(sim.state.node.X)[:, :2]
     others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.tips]
     gaps = [abs(np.interp(x, *way.T) - y) for (x, y), way in zip(tips, others, strict=True)]
     # One that has come to a flank has no tip any more; then the sheet is in two parts.

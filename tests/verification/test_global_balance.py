@@ -147,7 +147,7 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
         sim.step()
         force, _ = _about_origin(sim, sim.tooth_wrenches)
         held = node.reaction[: sim.state.n_node, :3].sum(axis=0)
-        dt = 0.5 * (sim.state.dt + sim._dt)
+        dt = 0.5 * (sim.state.dt + sim.dt)
         step = dt * (held - force)
         # Round-off, relative to the impulse of all nodal forces, splits included.
         scale = dt * np.abs(node.force[: sim.state.n_node]).sum() + np.abs(before).max()

@@ -137,13 +137,14 @@ class EdgeContact(PressTerm):
             "looks": self._looks._asdict(),
             "memory": self._memory._asdict(),
             "carriers": self.carriers._asdict(),
+            "n_search": self.n_search,
         }
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
         self.touch.take(saved["touch"])
-        self._key = saved["key"].copy()
+        self._key, self.n_search = saved["key"].copy(), saved["n_search"]
         for name, kind in (("looks", Looks), ("memory", Memory), ("carriers", Carriers)):
             rows = kind(**{field: rows.copy() for field, rows in saved[name].items()})
             setattr(self, name if name == "carriers" else f"_{name}", rows)
