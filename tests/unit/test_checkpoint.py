@@ -82,7 +82,6 @@ RUNS = {
     "force": (cutting, END, {}),
     "stress": (cutting, END, {"fracture": Fracture(criterion="stress")}),
     "layers": (cutting, END, {"material": LAYERED}),
-    "threads": (cutting, END, {"threads": 2}),
     "start": (
         *(cutting, END),
         {"fracture": Fracture(equilibrium_start=True), "damping_beta": 0.0},

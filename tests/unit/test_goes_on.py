@@ -9,6 +9,7 @@ from gone_on import check_goes_on
 from notched_strip import cutting
 from shellcut.models import opening_test
 from shellcut.tool.shapes import straight_blade
+from test_force_terms import tethered
 from test_point_contact import pricked
 from test_self_friction import lying
 from two_pieces import thrown
@@ -87,6 +88,7 @@ RUNS = {
         lambda sim: sim.state.step == 150 and sim.close_ledger().friction_stored > 0.0,
         150,
     ),
+    "a term of one's own": (tethered, lambda sim: sim.state.step == 150, 250),
 }
 
 
