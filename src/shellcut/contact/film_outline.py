@@ -43,17 +43,17 @@ _AT_CORNER = 1.0 - 1e-9
 class Outline(NamedTuple):
     """Polygons of all rows, as kernels take them; good for one topology."""
 
-    n_edge: Annotated[Ints, "(n_row,)"]
+    n_edge: Annotated[Ints, "(n_quad,)"]
     """Number of points and edges of the polygon."""
-    point: Annotated[Floats, "(n_row, n_most, 2)"]
+    point: Annotated[Floats, "(n_quad, n_most, 2)"]
     """xi, eta of its points."""
-    side: Annotated[Ints, "(n_row, n_most)"]
+    side: Annotated[Ints, "(n_quad, n_most)"]
     """Side of the quad on which the edge from a point lies, -1 for a flank."""
-    open: Annotated[Bools, "(n_row, n_most)"]
+    open: Annotated[Bools, "(n_quad, n_most)"]
     """Whether the film ends at the edge."""
-    open_at: Annotated[Bools, "(n_row, n_most)"]
+    open_at: Annotated[Bools, "(n_quad, n_most)"]
     """Whether the film ends at the point."""
-    absent: Annotated[Bools, "(n_row,)"]
+    absent: Annotated[Bools, "(n_quad,)"]
     """Whether a row is left out."""
 
 

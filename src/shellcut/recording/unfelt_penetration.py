@@ -8,7 +8,7 @@ import numpy as np
 
 from shellcut.arrays import Ints
 from shellcut.contact.edge_contact import EdgeContact
-from shellcut.contact.point_contact import felt_nodes
+from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import FlankPenetration, ToolWires, missed_penetration
 
 if TYPE_CHECKING:
