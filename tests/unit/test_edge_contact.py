@@ -11,8 +11,7 @@ from free_strip import cut_strip
 from naive.edge_contact import depth_at, forces_on_ends
 from notched_strip import cutting
 from shellcut.contact.coulomb_friction import TANGENTIAL
-from shellcut.contact.film_edges import open_edges
-from shellcut.contact.film_outline import FilmOutline
+from shellcut.contact.film_outline import FilmOutline, open_edges
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle

@@ -90,9 +90,9 @@ class Memory(NamedTuple):
     row: Annotated[Ints, "(n_row,)"]
     """Row of each carrier in the following arrays: node ids if these are the state's."""
     side: Annotated[SmallInts, "(n_kept,)"]
-    """Side of the blade on which it lies: +1, -1, or 0 while unknown."""
+    """Side of the blade, or of a sheet, on which it lies: +1, -1, or 0 while unknown."""
     depth: Annotated[Floats, "(n_kept,)"]
-    """Depth in the tool [mm], 0 outside."""
+    """Depth [mm], 0 outside."""
     offset: Annotated[Floats, "(n_kept,)"]
     """Part of the depth that does not press [mm]."""
     work: Annotated[Floats, "(n_kept,)"]
@@ -209,29 +209,6 @@ class ToolPoints(NamedTuple):
         return cls(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros(0))
 
 
-class SheetMemory(NamedTuple):
-    """What is remembered of a point and a sheet close to it."""
-
-    side: Annotated[SmallInts, "(n_sheet,)"]
-    """Side of the sheet that the point is on, +1 along its normals or -1; 0 beside its edge."""
-    met: Annotated[Bools, "(n_sheet,)"]
-    """Whether the point has been seen close to the sheet."""
-    offset: Annotated[Floats, "(n_sheet,)"]
-    """Depth at first sight, which does not press; it goes as the two part [mm]."""
-    depth: Annotated[Floats, "(n_sheet,)"]
-    """Depth at the last look [mm], 0 where they do not touch."""
-    stored: Annotated[Floats, "(n_sheet,)"]
-    """Penalty energy [N·mm]."""
-    work: Annotated[Floats, "(n_sheet,)"]
-    """Work put into the spring since they touch [N·mm]."""
-
-    @classmethod
-    def blank(cls, n: int) -> SheetMemory:
-        """Return the memory of sheets that have not been met."""
-        side, met, numbers = np.zeros(n, np.int8), np.zeros(n, np.bool_), np.zeros((4, n))
-        return cls(side, met, *numbers)
-
-
 class Waits(NamedTuple):
     """How long points need not be looked at: ways, on the scale of ``walked``."""
 
@@ -278,7 +255,10 @@ class SheetTables(NamedTuple):
     pairs: Pairs
     stiffness: Annotated[Floats, "(n_pair,)"]
     """k of the point on each quad [N/mm]."""
-    memory: SheetMemory
+    memory: Memory
+    """Sheet by sheet; the force is that on the point."""
+    met: Annotated[Bools, "(n_sheet,)"]
+    """Whether the point has been seen close to the sheet."""
     waits: Waits
     moving: Annotated[Ints, "(n_moving,)"]
     """Points that are nodes, and nodes of the quads close to points."""

@@ -158,8 +158,6 @@ class PenaltyLaw(NamedTuple):
     """g_M [mm]."""
     rounding: float
     """r of the tool's convex edges, see :mod:`shellcut.tool.rounded_depth` [mm]."""
-    noticed: float
-    """Change of the depth in a step above which it is treated as a jump or an impact [mm]."""
     tool_half_thickness: float
     """V / A of the thinnest body [mm]."""
     absorb_slowness: float
@@ -192,7 +190,6 @@ class PenaltyLaw(NamedTuple):
             stiffest=stiffest,
             smoothing_depth=depth,
             rounding=ROUNDING * depth,
-            noticed=NOTICED * depth,
             tool_half_thickness=half,
             absorb_slowness=ABSORB_WAVES * math.sqrt(density / stretching),
         )

@@ -40,7 +40,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, Ints
+from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
@@ -53,8 +53,8 @@ from .contact_points import contact_points
 from .contact_tables import (
     Carriers,
     ContactNodes,
+    Memory,
     Presses,
-    SheetMemory,
     SheetTables,
     ToolPoints,
     Waits,
@@ -115,7 +115,8 @@ class SheetContact(PressTerm):
         super().__init__(name, n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
         self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
-        self._pairs, self._memory = Pairs.none(), SheetMemory.blank(0)
+        self._pairs, self._memory = Pairs.none(), Memory.blank(0)
+        self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
         self._x_then: Floats = np.zeros((0, 3))
@@ -149,18 +150,11 @@ class SheetContact(PressTerm):
         """Return the point of every carrier."""
         return self._pairs.point_of_sheet
 
-    # ---------------------------------------------------------------- what differs
+    def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
+        """Return the points that look for partners, the quads that may be, and film that moves.
 
-    def _points_of(self, state: State) -> Points:
-        """Return the points that look for partners."""
-        raise NotImplementedError
-
-    def _rows_of(self, state: State) -> Ints:
-        """Return the quads that may be partners, ascending."""
-        raise NotImplementedError
-
-    def _nodes_of(self, state: State) -> Ints:
-        """Return the nodes whose motion makes the list of pairs old."""
+        The last are the nodes whose motion makes the list of pairs old.
+        """
         raise NotImplementedError
 
     def _stiffness_of(self, state: State) -> Floats:
@@ -193,17 +187,18 @@ class SheetContact(PressTerm):
 
     def _search(self, state: State, pose: Pose) -> float:
         """List the pairs anew; return the energy of springs that have gone [N·mm]."""
-        was, had, carried = self._pairs, self._memory, self.carriers
+        was, had, carried, met = self._pairs, self._memory, self.carriers, self._met
         self._pose_then = pose
-        self._tracked, points = self._nodes_of(state), self._points_of(state)
+        points, rows, self._tracked = self._near(state, pose)
         reach = self._margin + (self.law.capture if self._radius else self.law.thickness)
-        self._pairs = self._find.find(points, self._rows_of(state), reach, state)
+        self._pairs = self._find.find(points, rows, reach, state)
         n_sheet, n_point = self._pairs.n_sheet, len(self._pairs.point)
         self.kept = self._same_sheets(was, state)
         to = np.flatnonzero(self.kept >= 0)
-        self._memory = SheetMemory.blank(n_sheet)
+        self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
         self.carriers = Carriers.of(np.zeros((n_sheet, 4), np.int64))
-        for new, old in zip((*self._memory, *self.carriers), (*had, *carried), strict=True):
+        now = *self._memory[1:], *self.carriers, self._met
+        for new, old in zip(now, (*had[1:], *carried, met), strict=True):
             new[to] = old[self.kept[to]]
         gone = np.setdiff1d(np.arange(was.n_sheet), self.kept)
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
@@ -214,7 +209,7 @@ class SheetContact(PressTerm):
         self._look_at = state.step + _LEAST_STEPS
         self.n_search += 1
         self._lay_out(state)
-        return float(had.stored[gone].sum())
+        return float(np.maximum(had.work[gone], 0.0).sum())
 
     def _same_sheets(self, old: Pairs, state: State) -> Ints:
         """Return for each sheet the one in old pairs with a common quad and the same point, or -1.
@@ -224,7 +219,7 @@ class SheetContact(PressTerm):
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
         # There is nothing to remember of sheets that nothing has come close to, most of them.
         of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
-        met = np.flatnonzero(self._memory.met[of_old])
+        met = np.flatnonzero(self._met[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
@@ -265,6 +260,7 @@ class SheetContact(PressTerm):
             pairs=pairs,
             stiffness=self._stiffness_of(state),
             memory=self._memory,
+            met=self._met,
             waits=self._waits,
             moving=np.flatnonzero(near),
             outline=self._outline.of(state),
@@ -293,6 +289,7 @@ class SheetContact(PressTerm):
             "pose_then": self._pose_then._asdict(),
             "x_then": self._x_then,
             "tracked": self._tracked,
+            "met": self._met,
             "revision": self._known.revision,
             **{name: getattr(self, name) for name in _NUMBERS},
         }
@@ -302,6 +299,7 @@ class SheetContact(PressTerm):
         self._pose, self._pose_then = pose, Pose(**saved["pose_then"]).copied()
         self.touch.take(saved["touch"])
         self._x_then, self._tracked = saved["x_then"].copy(), saved["tracked"].copy()
+        self._met = saved["met"].copy()
         for name, kind in _SAVED.items():
             setattr(self, f"_{name}", kind(**{k: v.copy() for k, v in saved[name].items()}))
         self.carriers = Carriers(**{k: v.copy() for k, v in saved["carriers"].items()})
@@ -312,7 +310,7 @@ class SheetContact(PressTerm):
         self._lay_out(state)
 
 
-_SAVED: dict[str, Any] = {"pairs": Pairs, "memory": SheetMemory, "waits": Waits}
+_SAVED: dict[str, Any] = {"pairs": Pairs, "memory": Memory, "waits": Waits}
 _NUMBERS = "_walked", "_walk_to", "_look_at", "deepest", "n_looked", "n_search"
 
 
@@ -363,20 +361,13 @@ class PointContact(SheetContact):
         weight = self.points.share[point] * np.clip(1.0 + _SLACK - away, 0.0, 1.0)
         return node, weight * self._contact.law.steepest(area)
 
-    def _points_of(self, state: State) -> Points:
-        assert self._pose is not None
-        ids = np.arange(len(self.points.place))
-        return Points(ids, self._pose.to_space(self.points.place), np.full(ids.size, -1))
-
-    def _rows_of(self, state: State) -> Ints:
-        n, near = state.node, self._contact.near.ids
-        at = np.arange(n.quads.shape[1]) < n.n_quad_at[near, None]
-        rows = np.unique(n.quads[near][at])
-        whole = (state.quad.share[rows] >= 1.0) & ~n.halved[state.quads[rows]].any(axis=1)
-        return rows[whole].astype(np.int64)
-
-    def _nodes_of(self, state: State) -> Ints:
-        return self._contact.near.ids
+    def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
+        near, place = self._contact.near, pose.to_space(self.points.place)
+        rows = near.rows(state)
+        halved = state.node.halved[state.quads[rows]].any(axis=1)
+        whole = (state.quad.share[rows] >= 1.0) & ~halved
+        points = Points(np.arange(len(place)), place, np.full(len(place), -1))
+        return points, rows[whole], near.ids
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
@@ -437,8 +428,7 @@ class SelfContact(SheetContact):
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
         return {"self_contact_stored": float(self.touch.sums[STORED])}
 
-    def _points_of(self, state: State) -> Points:
-        """Return the points of this topology: near cracks, and of pieces that nothing holds."""
+    def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         n, quads = state.node, state.quads
         if not self._chosen_for.is_of(state):
             near = n.halved[: n.count].copy()
@@ -449,15 +439,10 @@ class SelfContact(SheetContact):
             beside = self.law.thickness / local_edge_length(n.contact_area[self._ids])
             self._rings = 1 + beside.astype(np.int64)
             self._chosen_for.take(state)
-        return Points(self._ids, n.x[self._ids], self._rings)
-
-    def _rows_of(self, state: State) -> Ints:
-        return np.flatnonzero(~self._outline.of(state).absent[: state.n_quad])
-
-    def _nodes_of(self, state: State) -> Ints:
-        film = state.node.real[: state.n_node].copy()
+        film = n.real[: n.count].copy()
         film[state.flank.node[: state.flank.count]] = True
-        return np.flatnonzero(film)
+        rows = np.flatnonzero(~self._outline.of(state).absent[: state.n_quad])
+        return Points(self._ids, n.x[self._ids], self._rings), rows, np.flatnonzero(film)
 
     def _stiffness_of(self, state: State) -> Floats:
         return film_stiffness(state.node, self._pairs.point_of_pair, self._film)

@@ -29,7 +29,7 @@ from .look_at_quad import (
     weights_at,
 )
 from .near_nodes import largest_speed, tool_way
-from .settings import NOTICED, largest_rebound, smoothed, smoothed_integral
+from .press_kernel import is_fast, press
 
 # Steps of the fastest node by which a point is looked at before it can touch.
 _AHEAD = 4.0
@@ -54,7 +54,7 @@ def add_sheet_forces(
     step += tool_way(pose, before, tables.radius) if rigid else step
     walked += step
     ahead = _AHEAD * step
-    work = half_work_of(presses, nodes, dt)
+    work, g_m = half_work_of(presses, nodes, dt), law.smoothing_depth
     stored = absorbed = deepest = 0.0
     count = n_looked = 0
     for i in range(pairs.point.shape[0]):
@@ -68,46 +68,46 @@ def add_sheet_forces(
             band = ahead + (law.capture if rigid else law.thickness)
             near = nearest_on(p, sheet, band, walked, tables)
             free = min(free, near.free + ahead)  # then one of them is in the band
-            first_sight = not memory.met[sheet]
-            memory.met[sheet] = True
+            first_sight = not tables.met[sheet]
+            tables.met[sheet] = True
             if near.pair < 0:
-                absorbed += memory.stored[sheet]
+                absorbed += max(memory.work[sheet], 0.0)
                 _forget(sheet, 0, tables)
                 continue
             way, off = way_out(p, outward, sheet, near, tables)
             free = min(free, off)
             if off > 0.0 or way.depth <= 0.0:
-                absorbed += memory.stored[sheet] if way.side == 0 else 0.0
+                absorbed += max(memory.work[sheet], 0.0) if way.side == 0 else 0.0
                 _forget(sheet, way.side, tables)
                 continue
             memory.side[sheet] = way.side
             if first_sight:
                 memory.offset[sheet] = way.depth
-            memory.offset[sheet] = min(memory.offset[sheet], way.depth)
-            loaded, k = way.depth - memory.offset[sheet], tables.stiffness[near.pair]
-            force = k * smoothed(loaded, law.smoothing_depth)
-            energy = k * smoothed_integral(loaded, law.smoothing_depth)
-            memory.work[sheet], force = _after_impact(
-                force, energy, point, sheet, came, way, dt, tables
+            if first_sight or dt == 0.0:  # before the run film may be put anywhere: that is no jump
+                memory.depth[sheet] = way.depth
+            back, pushed, mass, k = (0.0, 0.0, 0.0), 0.0, 0.0, tables.stiffness[near.pair]
+            if is_fast(sheet, way.depth, g_m, memory):
+                back, pushed, mass = _approach(point, came, way, dt, tables)
+            out = way.direction
+            force, energy, _ = press(
+                sheet, way.depth, k, back, out, pushed, mass, 0.0, dt, g_m, memory
             )
-            memory.depth[sheet], memory.stored[sheet] = way.depth, energy
+            store(memory.force, sheet, scale(force, out))
             stored += energy
-            deepest = max(deepest, loaded)
+            deepest = max(deepest, way.depth - memory.offset[sheet])
             _press(count, point, force, way, tables)
             weights, row = weights_at(near.place.xi, near.place.eta), pairs.row[near.pair]
             for a in range(4):
                 carriers.node[sheet, a] = tables.quads[row, a]
                 carriers.weight[sheet, a] = weights[a]
             carriers.stiffness[sheet], carriers.pressure[sheet] = k, force
-            on_film = scale(-force, way.direction)
-            normal = scale(-1.0, way.direction)
+            normal = scale(-1.0, out)
             if rigid:
                 q = corners_of(nodes.x, tables.quads, way.row)
-                react(
-                    on_film, place_in(q, way.xi, way.eta), tables.points.body[point], pose, wrench
-                )
-                normal = turn_back(normal, pose)
                 carriers.body[sheet] = tables.points.body[point]
+                s = place_in(q, way.xi, way.eta)
+                react(scale(force, normal), s, carriers.body[sheet], pose, wrench)
+                normal = turn_back(normal, pose)
             store(carriers.normal, sheet, normal)
             count += 1
         waits.point[i] = walked + max(free - ahead, 0.0)
@@ -131,43 +131,28 @@ def _point_at(
 
 
 @inline
-def _after_impact(
-    force: float,
-    energy: float,
-    point: int,
-    sheet: int,
-    came: Vec3,
-    way: Way,
-    dt: float,
-    tables: SheetTables,
-) -> tuple[float, float]:
-    """Return the work in the spring of a point [N·mm], and the force that it may exert [N]."""
+def _approach(
+    point: int, came: Vec3, way: Way, dt: float, tables: SheetTables
+) -> tuple[Vec3, float, float]:
+    """Return the way back of a point from a quad over the last step [mm].
+
+    And all other force that pushes them together [N], and the mass that moves between them [t].
+    """
     tables = borrowed(tables)
-    memory, quads, nodes = tables.memory, tables.quads, tables.nodes
-    change = way.depth - memory.depth[sheet]
-    if abs(change) <= NOTICED * tables.law.smoothing_depth or dt == 0.0:
-        return energy, force
-    # Way of the point against the quad; what pushes both together, over their masses; 1 / mass.
-    moved, towards, give = came, (0.0, 0.0, 0.0), 0.0
+    quads, nodes = tables.quads, tables.nodes
+    back, towards, give = scale(-1.0, came), (0.0, 0.0, 0.0), 0.0
     if not tables.of_tool and not nodes.supported[point]:
         give = 1.0 / nodes.contact_mass[point]
         towards = scale(-give, load(nodes.force, point))
     weights = weights_at(way.xi, way.eta)
     for a in range(4):
         n, weight = quads[way.row, a], weights[a]
-        moved = add_scaled(moved, -dt * weight, load(nodes.velocity_half, n))
+        back = add_scaled(back, dt * weight, load(nodes.velocity_half, n))
         give += weight * weight * nodes.push[n, 0]
         towards = add_scaled(towards, weight * nodes.push[n, 0], load(nodes.force, n))
-    went, spent, was = (
-        -dot(moved, way.direction),
-        memory.work[sheet],
-        tables.carriers.pressure[sheet],
-    )
-    if give > 0.0:
-        put_in = spent + 0.5 * was * went
-        pushed = dot(towards, way.direction) / give
-        force = min(force, largest_rebound(put_in, went, pushed, 1.0 / give, dt))
-    return spent + 0.5 * (was + force) * went, force
+    if give == 0.0:
+        return back, 0.0, 0.0
+    return back, dot(towards, way.direction) / give, 1.0 / give
 
 
 @always_inline
@@ -175,7 +160,7 @@ def _forget(sheet: int, side: int, tables: SheetTables) -> None:
     """Take a point out of contact, on a side of the sheet or on none."""
     memory = tables.memory
     memory.side[sheet] = side
-    memory.offset[sheet] = memory.depth[sheet] = memory.stored[sheet] = memory.work[sheet] = 0.0
+    memory.offset[sheet] = memory.depth[sheet] = memory.work[sheet] = 0.0
     tables.carriers.pressure[sheet] = 0.0
 
 

@@ -48,7 +48,8 @@ class UnfeltPenetration:
             return Unfelt()
         sim = self._sim
         felt = np.append(felt_nodes(sim.terms), self._about_to_be_cut())
-        _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt)
+        rows = sim.contact.near.rows(sim.state) if sim.contact is not None else None
+        _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt, rows)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
 
     def _about_to_be_cut(self) -> Ints:
