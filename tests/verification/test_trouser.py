@@ -12,57 +12,31 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from curved_films import moved
 from harness import load_cases
-from shellcut.mesh.structured import rectangle
+from shellcut.models.trouser import LAW, THICKNESS
 
-LENGTH, WIDTH, NOTCH, THICKNESS = 19.0, 6.0, 6.0, 0.2
-SPEED, RISE = 2500.0, 3e-4
+LENGTH, WIDTH, NOTCH = 19.0, 6.0, 6.0
 UPRIGHT, FAR = 3.0, 9.0
-LAW = sc.CohesiveLaw(
-    strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
-)
 TEARING = LAW.fracture_energy * THICKNESS
 
 
-def strip(kind, size):
-    """Return a strip from x = 0 on, its rows of quads along the tear or not."""
-    mesh = rectangle(LENGTH, WIDTH, size=size)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
-    x, y = X[:, :2].T.copy()
+def trouser(kind, size):
+    """Return the ready model, the rows of its quads along the tear or not."""
+    inputs = sc.trouser(size).simulation.inputs
+    mesh = moved(inputs["mesh"], "random", 0.2 if kind == "moved" else 0.0, size)
+    X = mesh.nodes.copy()
+    x, y = mesh.nodes[:, :2].T
     ends = np.clip(np.minimum(x, LENGTH - x) / 4.0, 0.0, 1.0)
     if kind == "turned":
         X[:, 0] += np.tan(np.radians(20.0)) * y * ends
     elif kind == "wavy":  # rows cross the tear at up to 20 degrees
         X[:, 1] += 0.5 * np.sin(2.0 * np.pi * x / 9.0) * (1.0 - (2.0 * y / WIDTH) ** 2) * ends
-    elif kind == "moved":
-        inside = np.ones(mesh.n_node, bool)
-        inside[mesh.boundary_nodes()] = False
-        shift = np.random.default_rng(5).uniform(-0.2, 0.2, (inside.sum(), 2))
-        X[inside, :2] += shift * size
-    at_start = np.abs(X[:, 0]) < 1e-9
-    sets = {
-        "up": np.flatnonzero(at_start & (X[:, 1] > 1e-9)),
-        "down": np.flatnonzero(at_start & (X[:, 1] < -1e-9)),
-        "tail": np.flatnonzero(np.abs(X[:, 0] - LENGTH) < 1e-9),
+    inputs |= {
+        "mesh": sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
+        "contact": None,
     }
-    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=sets)
-
-
-def trouser(kind, size):
-    """Return a trouser test; the ends of its legs move up and down, free to come to the tear."""
-
-    def pulled(name, way):
-        rate = {"z": lambda time: way * SPEED * min(1.0, time / RISE)}
-        return sc.Support(name, translation="yz", rotation="", velocity=rate)
-
-    sim = sc.Simulation(
-        strip(kind, size),
-        sc.ShellMaterial.homogeneous(thickness=THICKNESS),
-        supports=[sc.Support.clamped("tail"), pulled("up", 1.0), pulled("down", -1.0)],
-        law=LAW,
-        fracture=sc.Fracture(path="free", check_every=20),
-        damping_alpha=50.0,
-    )
+    sim = sc.Simulation(**inputs)
     sim.notch((-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
     return sim
 
