@@ -6,14 +6,13 @@ energy, a function of state, against the same sum of the internal forces: of sec
 step.
 """
 
-import dataclasses
 from functools import cache
 
 import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.mesh.structured import disc, rectangle
+from shellcut.mesh.structured import disc
 from shellcut.state import BROKEN
 from shellcut.tool.shapes import straight_blade
 
@@ -76,21 +75,13 @@ def test_the_imbalance_falls_with_the_square_of_the_step(damped: bool) -> None:
 @cache
 def _cut(safety: float) -> tuple[sc.Simulation, dict[str, np.ndarray]]:
     """Drive a blade 14 mm along a film held at two sides, notched on a mesh line."""
-    mesh = rectangle(16.0, 8.0, size=SIZE)
-    notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 2.0))
-    mesh = mesh.cut(notch[np.argsort(mesh.nodes[notch, 0])])
-    blade = straight_blade(length=4.0, height=3.0)
-    blade = dataclasses.replace(blade, vertices=blade.vertices + np.array([-0.05, 0.0, 0.0]))
-    sim = sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("top"), sc.Support.clamped("bottom")],
-        tool=blade,
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-4),
-        law=sc.CohesiveLaw(),
+    sim = sc.guillotine(
+        SIZE,
+        length=16.0,
+        tool=straight_blade(length=4.0, height=3.0),
         fracture=sc.Fracture(path="edges"),
         stepping=sc.Stepping(safety=safety),
-    )
+    ).simulation
     rows = []
     while sim.motion.coordinate(sim.state.time) < 14.0:
         sim.step()

@@ -7,13 +7,12 @@ from outside: with them the balance is that of momentum.
 """
 
 import copy
-import dataclasses
 
 import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.mesh.structured import opening_disc
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
@@ -22,22 +21,14 @@ ROUND_OFF = 1e-13
 
 
 def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False) -> sc.Simulation:
-    mesh = rectangle(8.0, 8.0, size=0.8)
-    notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 1.7))
-    mesh = mesh.cut(notch[np.argsort(mesh.nodes[notch, 0])])
-    blade = straight_blade(edge_angle_deg=edge_angle_deg, length=4.0, height=3.0)
-    # The edge meets the sheet 0.05 mm before its rim.
-    blade = dataclasses.replace(blade, vertices=blade.vertices + np.array([-0.05, 0.0, 0.0]))
-    return sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("top"), sc.Support.clamped("bottom")],
-        tool=blade,
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
-        law=sc.CohesiveLaw(),
+    return sc.guillotine(
+        0.8,
+        length=8.0,
+        speed=12000.0,
+        tool=straight_blade(edge_angle_deg=edge_angle_deg, length=4.0, height=3.0),
         fracture=sc.Fracture(path="edges", equilibrium_start=equilibrium_start),
         damping_alpha=0.0,
-    )
+    ).simulation
 
 
 def _turned(x: np.ndarray, force: np.ndarray) -> np.ndarray:
