@@ -14,6 +14,7 @@ import numpy as np
 
 from shellcut import CohesiveLaw, guillotine
 from shellcut.tool.shapes import straight_blade
+from steady_cut_works import steady_works
 
 THICKNESS = 0.074  # mm
 HALF_ANGLE = np.radians(10.0)
@@ -32,18 +33,9 @@ def cut(radius, **joint):
     law = CohesiveLaw(**joint)
     blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)
     case = guillotine(SIZE, length=LENGTH, law=law, tool=blade)
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        book, path = sim.ledger, sim.motion.coordinate(sim.state.time)
-        parts = (book.tool_work, book.cohesive_work, book.joint_friction, book.damping)
-        rows.append((path, *parts, book.imbalance))
-    path, *parts, imbalance = np.array(rows).T
-    n = int((path[-1] - 8.0) / SIZE)
-    ends = np.array([8.0, 8.0 + n * SIZE])
-    whole = law.fracture_energy * THICKNESS * n * SIZE
-    means = [float(np.diff(np.interp(ends, path, part))[0] / whole) for part in parts]
-    return (*means, float(np.abs(imbalance).max() / parts[0].max()))
+    names = "tool_work", "cohesive_work", "joint_friction", "damping"
+    means, worst, _ = steady_works(case, SIZE, 8.0, *names)
+    return (*(mean / (law.fracture_energy * THICKNESS) for mean in means), worst)
 
 
 def on_the_blade(radius, friction, law=None):
