@@ -12,7 +12,6 @@ import pytest
 import shellcut as sc
 from curved_films import moved
 from shellcut.mesh.structured import rectangle
-from shellcut.models.guillotine import blade_before
 
 LENGTH, WIDTH, SIZE, NOTCH, SLIT = 12.0, 6.4, 0.8, 2.0, 6.3
 
@@ -23,18 +22,10 @@ LENGTH, WIDTH, SIZE, NOTCH, SLIT = 12.0, 6.4, 0.8, 2.0, 6.3
 def test_a_cut_across_an_earlier_one_takes_the_tearing_energy(angle, amount, seed):
     mesh = moved(rectangle(LENGTH, WIDTH, size=SIZE), "random", amount, SIZE, seed)
     law = sc.CohesiveLaw(opening_a=0.2, opening_p=0.5, opening_u=1.0)
-    blade, motion, _ = blade_before(mesh, None, travel=LENGTH, speed=6000.0, law=law)
-    sim = sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
-        tool=blade,
-        motion=motion,
-        law=law,
-        fracture=sc.Fracture(path="free"),
-    )
+    sim = sc.guillotine(
+        mesh=mesh, notch=NOTCH, travel=LENGTH, law=law, fracture=sc.Fracture(path="free")
+    ).simulation
     start, slope = mesh.nodes[:, 0].min(), 1.0 / np.tan(np.radians(angle))
-    sim.notch((start - 1.0, 1e-7, 0.0), (start + NOTCH, 1e-7, 0.0))
     sim.notch(*((start + SLIT + slope * y, y, 0.0) for y in (-0.55 * WIDTH, 0.25 * WIDTH)))
     worst = 0.0
     while sim.state.time < (LENGTH + 3.0) / 6000.0:
