@@ -13,7 +13,6 @@ import shellcut as sc
 from curved_films import moved
 from naive import trial_cut
 from shellcut.mesh.structured import cylinder, rectangle
-from shellcut.models.guillotine import blade_before
 from tip_domains import force_on
 
 RADIUS, PRESSURE, N_AROUND = 6.0, 0.1, 32
@@ -113,24 +112,20 @@ def test_a_blade_cuts_a_strip_under_pressure():
     length, size = 8.0, 0.8
     mesh = moved(rectangle(length, 6.4, size=size), "random", 0.2, size, seed=4)
     law = sc.CohesiveLaw(**SHORT_LAW | BLADE)
-    blade, motion, _ = blade_before(mesh, None, travel=length, speed=12000.0, law=law)
     ramp = {"factor": lambda time: min(time / 2e-4, 1.0)}
-    sim = sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+    sim = sc.guillotine(
+        mesh=mesh,
+        notch=1.6,
+        travel=length,
+        speed=12000.0,
+        law=law,
         loads=[
             sc.Pressure(0.001, following=True, **ramp),
             sc.Pressure(0.001, **ramp),
             sc.EdgeTraction("right", (0.002, 0.0, 0.001), **ramp),
         ],
-        tool=blade,
-        motion=motion,
-        law=law,
         fracture=sc.Fracture(path="free"),
-    )
-    start = mesh.nodes[:, 0].min()
-    sim.notch((start - 1.0, 1e-7, 0.0), (start + 1.6, 1e-7, 0.0))
+    ).simulation
     worst = 0.0
     while sim.state.time < (length + 3.0) / 12000.0:
         sim.step()

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.mesh.structured import opening_disc
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
-from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import straight_blade
 
 # Round-off: some thousand terms are summed; relative to the sum of their sizes. Measured 6e-16.
 ROUND_OFF = 1e-13
@@ -150,15 +149,9 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
 
 
 def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
-    motion = sc.ScrewMotion.over(angle_deg=95.0, duration=1.5e-3, pitch=12.0)
-    sim = sc.Simulation(
-        opening_disc("quick"),
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("rim")],
-        tool=tooth_ring(),
-        motion=motion,
-        law=sc.CohesiveLaw(),
-    )
+    through = sc.Fracture(path="free")
+    sim = sc.opening_test("quick", duration=1.5e-3, fracture=through).simulation
+    motion = sim.motion
     axis = np.array([0.0, 0.0, 1.0])
     torque, power = [], []
     while sim.motion.coordinate(sim.state.time) < np.radians(12.0):
