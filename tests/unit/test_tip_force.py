@@ -21,7 +21,7 @@ from shellcut.mitc4.sliding_energy import SlidingEnergy
 from shellcut.mitc4.sliding_points import SlidingPoints
 from shellcut.mitc4.tangent import quad_products
 from shellcut.mitc4.thickness_points import build_rule
-from tip_domains import BASE, domain_in, force_on
+from tip_domains import BASE, at_tip, domain_in, force_on
 
 YOUNG, POISSON, THICKNESS = 1678.0, 0.3, 0.1
 FILM = sc.ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, density=1e-9, thickness=THICKNESS)
@@ -257,14 +257,6 @@ def pressed_strip(load, beside=0.0, pull=0.0, length=12.0, height=4.0):
     return sim
 
 
-def in_space(sim):
-    """Row ahead of the only tip, and what the base has become there."""
-    path, (tip,) = sim.cracks._path, sim.cracks.tips
-    row, entry = path.rows_ahead(tip)[0]
-    x = sim.state.node.x[sim.state.quads[row]]
-    return tip, np.array([path.carried_on(row, entry, way) @ x for way in BASE])
-
-
 def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
     sim = sc.Simulation(
         uneven_mesh(), FILM, law=sc.CohesiveLaw(strength=1e3), fracture=sc.Fracture(path="free")
@@ -300,8 +292,7 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
     """Ahead a beam with clamped ends, behind two cantilevers: -E + W = ½ p ∫ w dy in each."""
     height, beside = 4.0, 0.1
     sim = pressed_strip(load, beside=beside)
-    _, moved = in_space(sim)
-    (place,) = sim.cracks.at_tips(sim.state.node.X)
+    place, moved = at_tip(sim)
     ahead = height**5 / 720.0
     behind = sum((0.5 * height + s * beside) ** 5 / 20.0 for s in (1.0, -1.0))
     D = YOUNG * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))
@@ -315,6 +306,6 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
 def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     # What the load does in the sliding is larger than what is released: without it, 16° aside.
     sim = pressed_strip(sc.Pressure(PRESSURE))
-    tip, _ = in_space(sim)
+    (tip,) = sim.cracks.tips
     way = next(sim.cracks._direction.ways(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load

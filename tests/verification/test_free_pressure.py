@@ -13,7 +13,7 @@ import shellcut as sc
 from curved_films import moved
 from naive import trial_cut
 from shellcut.mesh.structured import cylinder, rectangle
-from tip_domains import force_on
+from tip_domains import at_tip, force_on
 
 RADIUS, PRESSURE, N_AROUND = 6.0, 0.1, 32
 SHORT_LAW = {"strength": 18.0, "plateau": 12.0}
@@ -92,14 +92,10 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
         load.follow(sim.state)
         done = (load.force[:count] * (n.x[:count] - n.X[:count])).sum()
         potential[end] = sim.ledger.initial - done
-        path, (tip,) = sim.cracks._path, sim.cracks.tips
-        row, entry = path.rows_ahead(tip)[0]
-        base, x = np.eye(3)[:2], n.x[sim.state.quads[row]]
-        moved = np.array([path.carried_on(row, entry, way) @ x for way in base])
-        place = path.reference_of(sim.state, tip)
+        place, moved_base = at_tip(sim)
         for reach in (1.0, 1.8):
-            force = force_on(sim, place, reach, base)
-            J[end, reach] = force.of(sim.state, moved)
+            force = force_on(sim, place, reach)
+            J[end, reach] = force.of(sim.state, moved_base)
     released = 0.5 * (potential[5.0] - potential[7.0])
     assert n.x[:count, 2].max() > 0.5
     for reach in (1.0, 1.8):
