@@ -291,9 +291,7 @@ def test_a_cutting_edge_ahead_of_a_tip_is_not_unfelt(monkeypatch):
     )
     sim = cutting()
     UnfeltPenetration(sim).now()
-    assert (
-        left_out == [sim.cracks.tip_nodes(sim.state).tolist()] != [[]]
-    )  # no point presses yet
+    assert left_out == [sim.cracks.tip_nodes(sim.state).tolist()] != [[]]  # no point presses yet
 
 
 def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):

@@ -22,6 +22,7 @@ the ray turns.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import Annotated, NamedTuple
 
@@ -31,9 +32,11 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
+from shellcut.state import State
 
 from .quad_polygon import AWAY, FLANK
-from .rows_ahead import AT_END_ON_FLANK, AT_END_POINT, NO_SIDE, RowsAhead
+from .rows_ahead import NO_SIDE, RowsAhead
+from .tip import Segment
 
 JOIN = 0.3
 """Ends of cracks that come towards a tip are met if nearer than this, in edge lengths across the
@@ -54,9 +57,9 @@ GRAZE = 0.2
 """Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
 side of it, runs along that side, and the segment passes the corner on the near side."""
 
-AT_POINT, ALONG_SIDE, AT_CROSSING, ON_SIDE, ON_FLANK = range(5)
-"""Where a segment ends: at a point of the polygon, the same along a side of the mesh, on a crossing
-of another crack, on a side between crossings, on a flank."""
+AT_POINT, ALONG_SIDE, AT_END, AT_CROSSING, ON_SIDE, ON_FLANK = range(6)
+"""Where a segment ends: at a point of the polygon, the same along a side of the mesh, where an
+oncoming crack does, on a crossing of another crack, on a side between crossings, on a flank."""
 
 
 class Aimed(NamedTuple):
@@ -64,8 +67,8 @@ class Aimed(NamedTuple):
 
     way: Annotated[Ints, "(n_tip, 4)"]
     """Which row ahead, -1 if the tip has none; where it ends (AT_POINT to ON_FLANK); at which point
-    or edge; on which side of the quad at a point, else at or after how many crossings of the edge
-    from the last one."""
+    or edge; on which side of the quad at a point or end, else at or after how many crossings of the
+    edge from the last one."""
     nodes: Annotated[Ints, "(n_tip, 4)"]
     """Of that row."""
     entry: Annotated[Floats, "(n_tip, 2)"]
@@ -78,6 +81,15 @@ class Aimed(NamedTuple):
         """Return the table of n tips without segments."""
         way, nodes = np.full((n, 4), -1), np.zeros((n, 4), np.int64)
         return cls(way, nodes, np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(n))
+
+    @classmethod
+    def along(cls, state: State, segments: Sequence[Segment]) -> Aimed:
+        """Return the table of some segments, whose ways are not asked for."""
+        found = cls.of(len(segments))
+        for i, one in enumerate(segments):
+            found.nodes[i], found.right[i] = state.quads[one.row], one.right
+            found.entry[i], found.exit[i] = one.entry, one.exit
+        return found
 
 
 @kernel
@@ -225,14 +237,8 @@ def _to_an_end(
         off = abs(dot(gap, normal))
         if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
-            kind, edge, nth = AT_CROSSING, ahead.end_edge[c], ahead.end_nth[c]
-            if nth == AT_END_POINT:
-                kind, nth = AT_POINT, ahead.side[k, edge]
-                if nth == FLANK:
-                    nth = ahead.side[k, (edge + ahead.n_point[k] - 1) % ahead.n_point[k]]
-            elif nth == AT_END_ON_FLANK:
-                kind, nth = ON_FLANK, 0
-            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = kind, edge, nth
+            aimed.way[i, 1], aimed.way[i, 2] = AT_END, ahead.end_edge[c]
+            aimed.way[i, 3] = ahead.end_side[c]
             aimed.exit[i, 0], aimed.exit[i, 1] = ahead.end[c, 0], ahead.end[c, 1]
     return found
 
