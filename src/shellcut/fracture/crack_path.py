@@ -195,13 +195,12 @@ class CrackPath:
 
     def may_break(self, row: int, start: int, end: int) -> bool:
         """Return whether a crack may run along a side: whole film on both sides of it."""
-        ring = self.ring(row)
+        topology, ring = self.topology, self.ring(row)
         a, b = ring[start], ring[end]
-        return (
-            len(self.topology.beside(a, b)) == 2
-            and not self.topology.is_broken(a, b)
-            and (self.sides_only or not self.topology.crossings(a, b))
-        )
+        quads = {topology.parent(one) for one, _, _ in topology.rows_beside(a, b)}
+        if len(quads) < 2 or topology.is_broken(a, b):
+            return False
+        return self.sides_only or not topology.crossings(a, b)
 
     def place_in(self, state: State, row: int, place: Point) -> Place:
         """Return where a place of a row is now."""

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import sqrt
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -60,6 +60,10 @@ side of it, runs along that side, and the segment passes the corner on the near 
 AT_POINT, ALONG_SIDE, AT_END, AT_CROSSING, ON_SIDE, ON_FLANK = range(6)
 """Where a segment ends: at a point of the polygon, the same along a side of the mesh, where an
 oncoming crack does, on a crossing of another crack, on a side between crossings, on a flank."""
+
+
+Ray: TypeAlias = tuple[Vec3, Vec3, Vec3]
+"""Where a ray begins, the unit normal to its plane, and its unit direction."""
 
 
 class Aimed(NamedTuple):
@@ -156,14 +160,14 @@ def through(
         return False
     normal = scale(1.0 / norm(normal), normal)
     if joining:
-        return _to_an_end(ahead, k, i, here, normal, way, x, aimed)
+        return _to_an_end(ahead, k, i, (here, normal, way), x, aimed)
     n, hit, along, best, first_is_nearer = ahead.n_point[k], -1, 0.0, np.inf, True
     for j in range(n):
         if ahead.on_edge[k, j]:
             continue
-        start = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        start = _gap(ahead, k, j, x, here)
         b = (j + 1) % n
-        stop = sub(at(ahead, k, ahead.point[k, b, 0], ahead.point[k, b, 1], x), here)
+        stop = _gap(ahead, k, b, x, here)
         off_a, off_b = dot(start, normal), dot(stop, normal)
         if off_a * off_b > 0.0 or off_a == off_b:
             continue
@@ -172,12 +176,12 @@ def through(
         if 0.0 < far < best:
             best, hit, along, first_is_nearer = far, j, s, abs(off_a) <= abs(off_b)
     if ahead.sides_only:
-        return hit >= 0 and _along_a_side(ahead, k, i, here, normal, way, x, aimed)
+        return hit >= 0 and _along_a_side(ahead, k, i, (here, normal, way), x, aimed)
     if hit < 0:
-        return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
+        return _past_a_corner(ahead, k, i, (here, normal, way), x, aimed)
     for end in range(2):
         j = (hit + (end if first_is_nearer else 1 - end)) % n
-        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = _gap(ahead, k, j, x, here)
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
@@ -194,22 +198,14 @@ def through(
 
 
 @inline
-def _along_a_side(
-    ahead: RowsAhead,
-    k: int,
-    i: int,
-    here: Vec3,
-    normal: Vec3,
-    way: Vec3,
-    x: Floats,
-    aimed: Aimed,
-) -> bool:
+def _along_a_side(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i along the side of row k at the least angle to the ray."""
+    here, normal, way = ray
     least, found = np.inf, False
     for j in range(ahead.n_point[k]):
         if not ahead.breaks[k, j]:
             continue
-        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = _gap(ahead, k, j, x, here)
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if far > 0.0 and off < least * far:
             least, found = off / far, True
@@ -220,17 +216,9 @@ def _along_a_side(
 
 
 @inline
-def _to_an_end(
-    ahead: RowsAhead,
-    k: int,
-    i: int,
-    here: Vec3,
-    normal: Vec3,
-    way: Vec3,
-    x: Floats,
-    aimed: Aimed,
-) -> bool:
+def _to_an_end(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i through row k to where an oncoming crack ends near the ray."""
+    here, normal, way = ray
     nearest, found = JOIN * ahead.size[k], False
     for c in range(ahead.first_end[k], ahead.first_end[k + 1]):
         gap = sub(at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
@@ -244,17 +232,9 @@ def _to_an_end(
 
 
 @inline
-def _past_a_corner(
-    ahead: RowsAhead,
-    k: int,
-    i: int,
-    here: Vec3,
-    normal: Vec3,
-    way: Vec3,
-    x: Floats,
-    aimed: Aimed,
-) -> bool:
+def _past_a_corner(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i that passes a corner of row k along whose side the ray runs."""
+    here, normal, way = ray
     n, on, count = ahead.n_point[k], -1, 0
     for j in range(n):
         if ahead.on_edge[k, j]:
@@ -265,7 +245,7 @@ def _past_a_corner(
         j = on if end else (on + 1) % n
         edge = (on + n - 1) % n if end else j
         side = ahead.side[k, edge]
-        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = _gap(ahead, k, j, x, here)
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
             continue
@@ -346,6 +326,12 @@ def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
         total += area * (ahead.J[k, 0] + slope / 3.0)
         j = after
     return total
+
+
+@inline
+def _gap(ahead: RowsAhead, k: int, j: int, x: Floats, here: Vec3) -> Vec3:
+    """Return the way from a place to point j of the polygon of row k."""
+    return sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
 
 
 @inline
