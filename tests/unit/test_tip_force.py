@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from damaging_film import Damaging
 from naive import cases
 from shellcut.fracture.tip_domain import TipDomain
 from shellcut.fracture.tip_force import TipForce
@@ -180,12 +179,6 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
     state.history[:, ::n_number] = 0.1
     np.testing.assert_array_equal(at_zero, rim.of(state, BASE))
     assert np.abs(at_zero - never).max() > 0.1 * np.abs(never).max()
-
-
-def test_a_law_whose_history_cannot_be_frozen_is_refused():
-    shell, state = cases.set_up(rectangle(2.0, 2.0, size=1.0), layered(Damaging()))
-    with pytest.raises(ValueError, match="without history, or with a frozen law, got damaging"):
-        TipForce(state, shell, domain_in(state, shell, [1.0, 0.0, 0.0], 2.0), BASE)
 
 
 def strip_at_rest(pull, notch=8.0, height=4.0, film=FILM, slit=None):

@@ -33,12 +33,13 @@ class Rules:
 
     def plain(self, tip, tips):
         """Return segment and measure of a tip, None without, and whether the edge has passed."""
-        state, motion, at = self.sim.state, self.sim.motion, self.path.place_of(self.sim.state, tip)
+        state, motion = self.sim.state, self.sim.motion
+        at, heading = crack_path.place_of(self.path, state, tip)
         edge, passed = blade_drive.nearest_edge(self.edges, at.x, at.size, self.sim.pose)
         if edge < 0:
             return None, None, passed
         off, then = blade_drive.beyond(self.edges, motion, at.x, at.size, edge, state.time)
-        ways, lean = blade_drive.directions(self.edges, edge, off, at, then)
+        ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
         measure = segment and trial_cut.measure(self.trial, state, tip, segment)

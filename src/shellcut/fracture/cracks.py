@@ -1,7 +1,7 @@
 """Cracks of a film: who is due, and how a crack advances by one quad or side.
 
 Read :meth:`Cracks.cut_due` first. Each part has its file: where a crack goes (:mod:`.crack_path`),
-when it is due (:mod:`.trial_sums`), which tips a blade drives (:mod:`.blade_drive`, all at once
+when it is due (:mod:`.trial_cut`), which tips a blade drives (:mod:`.blade_drive`, all at once
 :mod:`.tip_watch`), where the others run (:mod:`.free_direction`, along sides only
 :mod:`.side_tears`), where a cut begins (:mod:`.pierce`), and the cut itself (:mod:`.cuts`).
 """
@@ -27,7 +27,7 @@ from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
 from .branching import Branching, ways
-from .crack_path import CrackPath
+from .crack_path import ONCOMING, CrackPath
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
@@ -35,13 +35,10 @@ from .options import Fracture
 from .pierce import Pierce
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
-from .segment import Segment
 from .side_tears import Due, LargestStress, SideTears
-from .tip import Pace, Tip, restored_tips, saved_tips, tips_of_notches
-from .tip_places import ONCOMING
+from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
-from .trial_cut import TrialCut
-from .trial_sums import TrialSums
+from .trial_cut import TrialCut, TrialSums
 
 _SAME_PLACE = 1e-6
 """Of the local edge length: tips that are no farther from each other are at one place."""
@@ -81,7 +78,6 @@ class Cracks:
         self._check_every = fracture.check_every
         self._shell = shell
         self._known = KnownTopology()
-        self._largest_speed = fracture.largest_speed or np.inf
         self._checked = False
         self._branching: Branching | None = None
         if fracture.branching:
@@ -130,16 +126,15 @@ class Cracks:
     def _advance_free(self, state: State) -> None:
         """Advance the cracks that no blade drives and that are due, by one quad at most.
 
-        A crack then runs no faster than an edge length in ``check_every`` steps, and not beyond the
-        largest speed given.
+        A crack then runs no faster than an edge length in ``check_every`` steps.
         """
         self._require_checks(state)
         for tip in list(self.tips):
             if not self._known.is_of(state):
                 self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
                 self._known.take(state)
-            if tip not in self.tips or state.time < tip.since:
-                continue  # another crack has just joined it, or it has just been here
+            if tip not in self.tips:
+                continue  # another crack has just joined it
             if tip.branch and self._branching is not None:
                 tip.branch = not self._branching.is_alone(*self._apart(state, tip))
             find = self._through_quads if self._sides is None else self._sides.best
@@ -229,7 +224,8 @@ class Cracks:
                 f"lies outside, and no side of the rim between it and {stop.tolist()} mm is "
                 "nearer to that line than it is long"
             )
-        while tip is not None and (at := self._path.place_of(state, tip)) is not None:
+        while tip is not None and (ahead := self._path.rows_ahead(tip)):
+            at = self._path.place_in(state, *ahead[0])
             way, lean = line.direction(self._path.reference_of(state, tip), at)
             segment = self._path.segment_from(state, tip, way, lean, self.tips)
             if segment is None and len(state.split_log) == before:
@@ -345,7 +341,6 @@ class Cracks:
         """Put a tip where the crack goes on from an end of what has been cut."""
         tip = self._tip_after(state, segment, cut, end, came)
         if tip is not None:
-            tip.since = state.time + cut.length / self._largest_speed
             tip.pace, tip.branch = pace, branch
             self.tips.append(tip)
 
@@ -376,8 +371,7 @@ class Cracks:
         if cut.kind != NOTCH and self._pierce is None:
             return None  # a tear begins at no edge of the film
         self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
-        way = cut.way(state, heading)
-        return self._path.tip_across(state, segment, heading, way)
+        return self._path.tip_across(state, segment, heading)
 
     def _joins_along_a_side(self, state: State, tip: Tip, kind: str) -> bool:
         """Tear a side from a new tip to an oncoming crack that ends on it; return whether one does.

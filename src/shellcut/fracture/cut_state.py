@@ -37,7 +37,7 @@ from .quad_polygon import (
     share_of,
     span,
 )
-from .segment import Segment
+from .tip import Segment
 
 LEAST_MASS = 0.05
 """Of a quad or copy that is cut, the mass that either part gets at least."""
@@ -68,9 +68,7 @@ def cut_row(state: State, shell: MITC4Shell, topology: CutTopology, segment: Seg
     return new
 
 
-def side_under(
-    shell: MITC4Shell, segment: Segment
-) -> tuple[tuple[int, int], tuple[float, float]]:
+def side_under(shell: MITC4Shell, segment: Segment) -> tuple[tuple[int, int], tuple[float, float]]:
     """Return the side of the mesh along which a segment runs, and which part of it.
 
     The nodes of the side in the direction of the segment, and fractions of it from the first.

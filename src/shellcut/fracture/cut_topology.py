@@ -161,10 +161,6 @@ class CutTopology:
         around = self._quads_around(node)
         return [(row, ring.index(node)) for quad, ring in around for row in self.rows_of(quad)]
 
-    def beside(self, a: int, b: int) -> list[int]:
-        """Return the quads of the mesh on the side between two of its nodes."""
-        return [quad for quad, ring in self._quads_around(a) if b in ring]
-
     def rows_beside(self, a: int, b: int) -> list[tuple[int, int, bool]]:
         """Return all copies on the side between two nodes of the mesh, by quad and row.
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, product, unit
+from shellcut.arrays import Floats, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -23,8 +23,8 @@ from .anisotropy import Anisotropy
 from .cut_state import cut_row, nodes_at, renew_nodes, rows_along, side_under
 from .cut_topology import CutTopology
 from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
-from .segment import Segment
 from .segment_cables import SegmentCables
+from .tip import Segment
 
 
 class Cut(NamedTuple):
@@ -48,16 +48,6 @@ class Cut(NamedTuple):
             for row, chord in zip(self.rows, self.chords, strict=True)
         )
         return minus != plus
-
-    def way(self, state: State, heading: Floats) -> Floats:
-        """Return its unit direction in space, the way that ``heading`` points, shape (3,)."""
-        row, (start, stop) = next(
-            (row, chord) for row, chord in zip(self.rows, self.chords, strict=True) if row >= 0
-        )
-        along = np.array(shape_functions(stop)) - np.array(shape_functions(start))
-        way = product(along, state.node.x[state.quads[row]])
-        sign = np.copysign(1.0, product(self.heading, heading))
-        return np.asarray(sign * unit(way))
 
 
 class Cuts:

@@ -16,7 +16,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
 from .cut_topology import CutTopology
-from .quad_polygon import CORNERS, FLANK, Point, beyond, on_side
+from .quad_polygon import CORNERS, FLANK, Point, beyond, edges, on_side
 
 SAME = 1e-5
 """Of a length of several edges: ends of edges that are nearer are one place, far above
@@ -66,8 +66,7 @@ class FilmEdges:
         for cut in looked_at:
             quad = topology.parent(cut)
             polygon, rim, ring = topology.polygon(cut), self._rim[quad], mesh[quad].tolist()
-            points = polygon.points
-            for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
+            for a, b, side in edges(polygon):
                 parts = [(a, b)]
                 if side != FLANK and not rim[side]:
                     broken = topology.broken_parts(ring[side], ring[(side + 1) % 4])

@@ -3,11 +3,11 @@
 When a crack at its tip runs, by two measures that reach 1:
 
 ``"force"`` (default)
-    The nodal force of a trial cut (:mod:`.trial_sums`). The new cables take over this very force,
+    The nodal force of a trial cut (:mod:`.trial_cut`). The new cables take over this very force,
     so a crack starts near equilibrium.
 ``"stress"``
     sigma_I / sigma_F with the stress recovered at the mid-surface, the paper's
-    (:mod:`.largest_stress`).
+    (:mod:`.side_tears`).
 
 Cracks run from their tips and from where a cutting edge goes through whole film. [Frangi2010] says
 any node, which would also part nodes beside the cut.
@@ -34,7 +34,7 @@ Path: TypeAlias = Literal["free", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places"
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -106,15 +106,6 @@ class Fracture:
             "where the force of a cut ripples less",
         ),
     ] = "ends"
-    largest_speed: Annotated[
-        float | None,
-        Option(
-            "mm/s",
-            "of cracks through quads that no blade drives",
-            above=0,
-            unset="one quad in check_every steps, mostly below the film's Rayleigh speed",
-        ),
-    ] = None
     branching: bool = False
 
     def __post_init__(self) -> None:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallIds
+from shellcut.arrays import Floats, SmallIds
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.state import State
