@@ -93,6 +93,16 @@ def _one_grid_for_equal_tools():
         yield
 
 
+@pytest.fixture(scope="module")
+def no_pictures():
+    """Runs of the module draw nothing, as where Matplotlib is not installed."""
+    import shellcut.recording.recorder
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+        yield
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
     from shellcut.numerics.jit import on_compilation

@@ -7,7 +7,7 @@ from shellcut.mesh.film_file import read_film
 from shellcut.mesh.structured import rectangle
 
 
-def moved(mesh, kind, amount, size):
+def moved(mesh, kind, amount, size, seed=5):
     """Return a strip from x = 0 whose rows of quads do not follow y = 0, its rims straight."""
     X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
     x, y = X[:, 0], X[:, 1]
@@ -17,10 +17,12 @@ def moved(mesh, kind, amount, size):
     elif kind == "turned":
         ends = np.clip(np.minimum(x, length - x) / 6.0, 0.0, 1.0)
         X[:, 0] += np.tan(np.radians(amount)) * y * ends
+    elif kind == "wavy":
+        X[:, 1] += amount * np.sin(2.0 * np.pi * x / 9.0) * (1.0 - (2.0 * y / width) ** 2)
     elif kind == "random":
         free = np.ones(mesh.n_node, bool)
         free[mesh.boundary_nodes()] = False
-        X[free, :2] += np.random.default_rng(5).uniform(-amount, amount, (free.sum(), 2)) * size
+        X[free, :2] += np.random.default_rng(seed).uniform(-amount, amount, (free.sum(), 2)) * size
     return sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
 
 

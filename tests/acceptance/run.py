@@ -1,13 +1,12 @@
 """Acceptance: the first fifteen minutes of a user, in a fresh environment without a display.
 
-    python tests/acceptance/run.py                   # five to seven minutes; 1.5 GB on disk
+    python tests/acceptance/run.py                   # four to six minutes; 1 GB on disk
     python tests/acceptance/run.py --only 7 8        # some rows, with what they need
     python tests/acceptance/run.py --keep DIR        # leave everything in DIR to be looked at
 
 Needs Python and an index of packages, nothing else: it builds the wheel, installs it with the extra
 ``plot`` into a virtual environment of its own, and goes through what a user does, row by row, each
-against its limits. VTK, PyVista and pandas are installed for the rows that need them, after those
-that must do without. Ends with 1 if a row fails.
+against its limits. Ends with 1 if a row fails.
 
 What ``DIR/commands.log`` holds: every command, what it said, its exit code and its time.
 """
@@ -22,21 +21,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-import rows_compare
-import rows_install
-import rows_parts
-import rows_results
-import rows_run
 from row import Outcome
+from rows import ROWS
 from user import User
-
-ROWS = [
-    *rows_install.ROWS,
-    *rows_run.ROWS,
-    *rows_results.ROWS,
-    *rows_parts.ROWS,
-    *rows_compare.ROWS,
-]
 
 
 def main() -> int:

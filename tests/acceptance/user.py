@@ -19,8 +19,6 @@ ROOT = HERE.parents[1]
 
 QUICK = ("opening", "--set", "mesh=quick")
 """The main job."""
-SHORT = (*QUICK, "--set", "motion.angle_deg=14", "--set", "duration=1e-3", "--no-pictures")
-"""The same, over before the teeth have cut 5 mm; a few seconds."""
 
 _LIMIT = 600.0
 """No command takes longer [s]."""
@@ -68,6 +66,7 @@ class User:
         shutil.copytree(ROOT / "src", source / "src", ignore=_NOT_SOURCES)
         for name in ("pyproject.toml", "README.md", "LICENSE"):
             shutil.copy(ROOT / name, source)
+        shutil.copytree(ROOT / ".ci", source / ".ci", ignore=_NOT_SOURCES)
         _done(self.pip("wheel", "--no-deps", "-w", str(wheels), str(source)))
         (wheel,) = wheels.glob("*.whl")
         installed = self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]")
@@ -87,16 +86,8 @@ class User:
         return self.folder / "out"
 
     @cached_property
-    def viewer(self) -> Finished:
-        """VTK, PyVista and pandas, installed after the plain rows."""
-        wheel = self.environment.wheel
-        installed = self.pip("install", f"{wheel}[view]", "pandas")
-        _done(installed)
-        return installed
-
-    @cached_property
     def parts(self) -> Path:
-        """The user's own parts: a cap as STL and a disc as .msh, .inp and .k."""
+        """The user's own parts: a cap as STL and a disc as .msh."""
         _ = self.environment
         folder = self.folder / "parts"
         folder.mkdir()

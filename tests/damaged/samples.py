@@ -11,6 +11,8 @@ import numpy as np
 from shellcut.mesh.structured import disc
 from shellcut.tool.shapes import tooth_ring
 
+DATA = Path(__file__).parents[1] / "unit" / "data"
+
 
 @functools.cache
 def film():
@@ -171,6 +173,9 @@ FILMS = {
     "LS-DYNA columns": ("film.k", lambda: lsdyna().encode(), True),
     "LS-DYNA commas": ("film.k", lambda: lsdyna(commas=True).encode(), True),
     "Gmsh 2.2 text": ("film.msh", lambda: gmsh_2().encode(), True),
+    "Gmsh 2.2 binary": ("film.msh", (DATA / "gmsh_2.2_binary.msh").read_bytes, False),
+    "Gmsh 4.1 text": ("film.msh", (DATA / "gmsh_4.1.msh").read_bytes, True),
+    "Gmsh 4.1 binary": ("film.msh", (DATA / "gmsh_4.1_binary.msh").read_bytes, False),
     "VTU text": ("film.vtu", lambda: _by_meshio(".vtu", binary=False), True),
     "VTU binary": ("film.vtu", lambda: _by_meshio(".vtu", binary=True), False),
     "VTK text": ("film.vtk", lambda: _by_meshio(".vtk", binary=False), True),

@@ -56,12 +56,12 @@ def beyond(edges, motion, x, size, edge, time, reach=LOOK_AHEAD[0]):
     return float((pose.to_body(x[None])[0] - segment[START]) @ segment[NORMAL]), pose
 
 
-def directions(edges, edge, off, place, pose):
+def directions(edges, edge, off, place, heading, pose):
     """Return the unit directions in which a blade drives a tip, and how their plane leans."""
     t, b = place.t, pose.rotation @ edges.segments[edge, NORMAL]
     trace = np.cross(t, b)
     trace /= max(float(np.linalg.norm(trace)), TANGENT)
-    if trace @ place.heading < 0.0:
+    if trace @ heading < 0.0:
         trace = -trace
     sine = float(b @ place.T)
     across = (b - (b @ t) * t) / max(1.0 - sine * sine, LEAST)

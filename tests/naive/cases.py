@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from shellcut.fracture.quad_polygon import CORNERS
-from shellcut.fracture.segment import Segment
+from shellcut.fracture.tip import Segment
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import cylinder, rectangle

@@ -15,7 +15,7 @@ from shellcut.fracture.quad_polygon import (
     shape_functions,
 )
 from shellcut.fracture.ray_ahead import ALONG, GRAZE, JOIN, MERGE, SNAP
-from shellcut.fracture.segment import Segment
+from shellcut.fracture.tip import Segment
 
 
 def segment_from(
@@ -170,3 +170,10 @@ def _first_edge(polygon, entry, off, ahead):
         if 0.0 < way < best:
             best, found = way, (i, along)
     return found
+
+
+def place_of(path, state, tip):
+    """Return where a tip is, and in which direction it came, of any length."""
+    (row, entry), *_ = path.rows_ahead(tip)
+    forward = path.carried_on(row, entry, tip.heading)
+    return path.place_in(state, row, entry), forward @ state.node.x[state.quads[row]]

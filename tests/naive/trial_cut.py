@@ -1,4 +1,4 @@
-"""The nodal force of a trial cut, by the sums of ``fracture/trial_sums.py`` one side at a time."""
+"""The nodal force of a trial cut, by the sums of ``fracture/trial_cut.py`` one side at a time."""
 
 import numpy as np
 

@@ -73,15 +73,6 @@ def smooth(path):
     return path, np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
 
 
-def wave():
-    x = np.linspace(0.0, 10.0, 120)
-    return smooth(
-        np.column_stack(
-            [x - LENGTH / 2, -0.8 * np.cos(2.0 * np.pi * np.maximum(x - 2.4, 0.0) / 8.0)]
-        )
-    )
-
-
 def saw():
     """Five points of 53°."""
     corners = [(-LENGTH / 2, -1.0), (-4.0, -1.0)]
@@ -98,15 +89,15 @@ def spiral():
 
 
 # Farthest place of a cut from the path in edges: corners of the mesh are met within 0.05 edges, and
-# where the path turns a crack aims an edge beyond its tip. Measured on eight meshes each: 0.05 to
-# 0.09, 0.08 to 0.28, 0.05 to 0.16.
-@pytest.mark.parametrize(("shape", "off"), [(wave, 0.1), (saw, 0.3), (spiral, 0.2)])
+# where the path turns a crack aims an edge beyond its tip. Measured on eight meshes each: 0.08 to
+# 0.28, 0.05 to 0.16.
+@pytest.mark.parametrize(("shape", "off"), [(saw, 0.3), (spiral, 0.2)])
 def test_a_crack_follows_its_blade(shape, off):
     path, heading = shape()
     sim = led(path, heading, 3, enters=True)
     cuts = np.array([cut.reference for cut in sim.state.split_log if cut.kind != "notch"])
     assert _from_line(cuts, path).max() < off * SIZE
-    assert len(sim.cracks.free.tips) == 1
+    assert len(sim.cracks.tips) == 1
     long = np.hypot(*np.diff(path, axis=0).T).sum()
     assert long - 3.0 * SIZE - 1.2 < sim.state.crack_length < long + SIZE - 1.2
     n, film_nodes = sim.state.node, sim.mesh.n_node

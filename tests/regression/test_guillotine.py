@@ -41,10 +41,6 @@ def check_cut(size: float, tmp_path) -> float:
     return force
 
 
-def test_force_on_coarse_mesh(tmp_path):
-    check_cut(0.8, tmp_path)
-
-
 @pytest.mark.slow
 def test_three_meshes_agree(tmp_path):
     forces = [check_cut(size, tmp_path / str(size)) for size in (0.8, 0.4, 0.25)]

@@ -19,7 +19,7 @@ def test_four_cuts_that_join_are_one_circle():
     sim = case.simulation
     assert sim.fracture.path == "free"
     sim.run(case.duration)
-    assert not sim.cracks.free.tips
+    assert not sim.cracks.tips
     quads = sim.state.quads
     rows = np.arange(len(quads)).repeat(4)
     table = csr_array((np.ones(quads.size), (rows, quads.ravel())))

@@ -33,7 +33,7 @@ def test_a_cable_has_the_factor_of_its_segment():
     )
     rim = mesh.nodes[:, 0].min()
     sim.notch((rim - 1.0, 0.2, 0.0), (rim + 1.2, 0.2, 0.0))
-    free = sim.cracks.free
+    free = sim.cracks
     for _ in range(2):
         (tip,) = free.tips
         segment = free._path.segment_from(sim.state, tip, tip.heading)
@@ -83,7 +83,7 @@ def test_of_two_equally_good_ways_a_crack_takes_one():
     sim.notch((-1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     while sim.state.time < 3.1e-4:
         sim.step()
-        assert len(sim.cracks.free.tips) == 1
+        assert len(sim.cracks.tips) == 1
     places = np.array([cut.reference[:2] for cut in sim.state.split_log if cut.kind != "notch"])
     ways = np.diff(places, axis=0)
     assert len(places) > 6

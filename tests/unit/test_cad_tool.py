@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from damaged.mutations import mutated
 from shellcut import guillotine, read_tool
 from shellcut.command_line import main
 from shellcut.formats import cad_surface, own_process
 from shellcut.formats.errors import FileError
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import ToolError
-from test_mesh_files_damaged import mutated
 
 DATA = Path(__file__).parent / "data"
 # Of data/two_teeth_inch, as CadQuery prints them in make_cad_files.py.
@@ -362,7 +362,7 @@ def test_damaged_files_are_refused_or_whole(tmp_path, caplog):
     n_refused = 0
     for k in range(4):
         cut = content[: int(rng.integers(len(content)))]
-        path.write_bytes(mutated(rng, content) if k % 2 else cut)
+        path.write_bytes(mutated(rng, content, text=True)[0] if k % 2 else cut)
         caplog.clear()
         try:
             tool = read_tool(path)

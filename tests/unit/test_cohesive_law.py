@@ -125,14 +125,9 @@ def test_birth_energy_is_repaid():
     ("changes", "words"),
     [
         ({"plateau": 20.0}, ["must decrease", "plateau 20.0 MPa", "strength 18.0"]),
-        ({"plateau": 0.0}, ["plateau must be positive"]),
         ({"opening_a": 3.5}, ["must decrease", "opening_a <= opening_p", "3.5, 3.0, 4.0"]),
         ({"opening_p": 4.0}, ["opening_p < opening_u"]),
-        ({"opening_u": np.inf}, ["opening_u"]),
-        ({"strength": -1.0}, ["strength must be positive, got -1.0 MPa"]),
-        ({"plateau": np.nan}, ["plateau", "nan"]),
         ({"onset": 0.5}, ["onset must be small beside opening_u = 4.0 mm, got 0.5"]),
-        ({"unloading": "plastic"}, ["'secant' or 'elastic'", "'plastic'"]),
         (
             {"unloading": "elastic", "unloading_stiffness": 10.0},
             ["unloading_stiffness must exceed", "12.0 MPa/mm", "got 10.0"],

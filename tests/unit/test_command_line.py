@@ -61,7 +61,6 @@ def test_the_module_is_the_command():
 
 SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
 SHORT += ["--set", "travel=1.5", "--set", "output.rows=40", "--frames", "4"]
-WITH_PICTURES = [*SHORT, "--set", "output.snapshots=1"]
 SHORT += ["--no-pictures", "--set", "output.curves=false"]
 
 
@@ -206,38 +205,6 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
     assert {path.name: path.stat().st_mtime_ns for path in out.iterdir()} == before
 
 
-def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, monkeypatch):
-    first = [*WITH_PICTURES, "--set", "name=former"]
-    assert main(["run", "guillotine", "-o", str(tmp_path), *first]) == 0
-    written = {path.name for path in tmp_path.iterdir()}
-    assert {"former.vtkhdf", "snapshot_01.png", "force.png"} <= written
-    mine = {"force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "notes.txt"}
-    for name in mine:
-        (tmp_path / name).write_text("mine")
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-    assert main(["run", "guillotine", "-o", str(tmp_path), "--overwrite", *SHORT]) == 0
-    left = {path.name for path in tmp_path.iterdir()}
-    assert left - mine == {
-        *("used.toml", "run.log", "run.files", "history.csv", "guillotine.vtkhdf", "checkpoint.h5"),
-        *("summary.json", "splits.csv"),
-    }
-    assert {(tmp_path / name).read_text() for name in mine} == {"mine"}
-    assert "former" not in (tmp_path / "run.log").read_text()
-    # Of two result files it is known which one is the run's.
-    assert shellcut.read(tmp_path).name == "guillotine"
-    capsys.readouterr()
-
-
-def test_what_no_run_wrote_is_not_replaced(tmp_path, capsys):
-    (tmp_path / "energy.png").write_text("mine")
-    assert main(["run", "guillotine", "-o", str(tmp_path), "--overwrite", *SHORT]) == 2
-    assert (
-        "has energy.png, which this run would replace although no run wrote it"
-        in capsys.readouterr().err
-    )
-    assert [path.name for path in tmp_path.iterdir()] == ["energy.png"]
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -326,30 +293,6 @@ def test_ctrl_c_in_any_command_ends_with_130(capsys, monkeypatch):
     monkeypatch.setattr(module, "warmup", interrupted)
     assert main(["warmup"]) == 130
     assert "interrupted" in capsys.readouterr().err
-
-
-def test_resume_builds_the_same_model_and_asks_to_go_on(out, tmp_path, capsys):
-    # As if killed at its end, before it was summed up.
-    again = tmp_path / "again"
-    shutil.copytree(out, again)
-    (again / "summary.json").unlink()
-    log = (again / "run.log").read_text()
-    assert main(["resume", str(again)]) == 0
-    assert (again / "run.log").read_text().startswith(log + f"resuming {again}\n")
-    assert (again / "history.csv").read_bytes() == (out / "history.csv").read_bytes()
-    assert shellcut.read(again).summary["n_step"] == shellcut.read(out).summary["n_step"]
-    capsys.readouterr()
-
-
-def test_a_run_that_has_ended_is_left_as_it_is(out, capsys):
-    before = {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in out.iterdir()}
-    assert main(["resume", str(out)]) == 0
-    said = capsys.readouterr().err
-    # It has ended with the step that went past 1.5 mm.
-    assert re.search(r"has already ended, at path 1\.5(0\d)? mm; nothing was changed", said)
-    assert before == {
-        path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in out.iterdir()
-    }
 
 
 def test_a_closed_pipe_is_ignored(tmp_path, monkeypatch):
@@ -499,16 +442,6 @@ def test_resume_refuses_what_has_changed(tmp_path, monkeypatch, capsys):
     said = capsys.readouterr().err
     assert "cap.stl is gone or has been changed since the run began" in said
     assert "used.toml has been changed since the run began" in said
-
-
-def test_preview_draws_and_runs_nothing(tmp_path, capsys):
-    pytest.importorskip("matplotlib")
-    picture = tmp_path / "model.png"
-    assert main(["preview", "opening", "--set", "mesh=quick", "-o", str(picture)]) == 0
-    said = capsys.readouterr().out
-    assert "612 quads" in said
-    assert "4 cutting edges" in said
-    assert picture.stat().st_size > 20_000
 
 
 def test_keys_are_found_by_words(capsys):

@@ -34,14 +34,14 @@ def on_one_side(beside):
     y = NODE[1] + beside * H
     sim.notch((-1.0, y, 0.0), (NODE[0], y, 0.0))
     sim.notch(NODE - 6.0 * WAY, NODE - 0.55 * WAY)
-    assert len(sim.cracks.free.tips) == 2
+    assert len(sim.cracks.tips) == 2
     assert pieces_of(sim) == 1
     return sim
 
 
 def advance(sim):
     """Advance the crack that comes last to the node."""
-    free, tip = sim.cracks.free, sim.cracks.free.tips[-1]
+    free, tip = sim.cracks, sim.cracks.tips[-1]
     segment = free._path.segment_from(sim.state, tip, WAY, None, free.tips)
     free._advance(sim.state, tip, segment, "criterion", 1.0)
 
@@ -53,7 +53,7 @@ def test_two_that_end_on_one_side_tear_it_between_them(beside, joins):
     mass = sim.state.node.mass[: sim.state.n_node].sum()
     advance(sim)
     state = sim.state
-    assert len(sim.cracks.free.tips) == (0 if joins else 2)
+    assert len(sim.cracks.tips) == (0 if joins else 2)
     assert pieces_of(sim) == (2 if joins else 1)
     np.testing.assert_array_equal(state.node.x[: sim.mesh.n_node], x)
     assert state.node.mass[: state.n_node].sum() == pytest.approx(mass, rel=1e-12)
@@ -92,7 +92,7 @@ def test_a_torn_side_goes_on_from_a_checkpoint_and_keeps_the_ledger(tmp_path):
 
 def test_a_third_tip_at_a_joint_stays():
     sim = on_one_side(0.2)
-    free = sim.cracks.free
+    free = sim.cracks
     first = free.tips[0]
     third = Tip(first.ends, first.s, first.quad, np.array([0.6, 0.8, 0.0]), 0.0)
     free.tips.insert(0, third)
@@ -105,7 +105,7 @@ def test_a_third_tip_at_a_joint_stays():
 
 def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     sim = cut_strip(mesh=slanted_strip(), notched=False)
-    free, shell = sim.cracks.free, sim.shell
+    free, shell = sim.cracks, sim.shell
     middles = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     row = int(np.linalg.norm(middles - [2.6, 0.0, 0.0], axis=1).argmin())
     right = sim.mesh.nodes[sim.mesh.quads[row], 0].max()

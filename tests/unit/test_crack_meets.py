@@ -46,7 +46,7 @@ def at_side(sim, x, s):
 def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
     """The tip came from below; its ray leaves the quad above by less or more than a graze."""
     sim = cut_strip(mesh=aligned(), notched=False)
-    path, tip = sim.cracks.free._path, at_side(sim, start_of(sim) + 2.0, 0.6)
+    path, tip = sim.cracks._path, at_side(sim, start_of(sim) + 2.0, 0.6)
     segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
     assert (segment is not None) == passes
     if passes:
@@ -65,7 +65,7 @@ def test_a_crack_along_sides_is_closed_at_its_tip_whichever_corners_come_first()
         while sim.state.crack_length < 1.5:
             sim.step()
             if sim.state.crack_length > 0.0:
-                lengths |= {round(tip.length, 9) for tip in sim.cracks.free.tips}
+                lengths |= {round(tip.length, 9) for tip in sim.cracks.tips}
         runs.append((lengths, [(cut.kind, cut.reference) for cut in sim.state.split_log]))
     assert runs[0][0] == runs[1][0] == {0.4}
     assert [kind for kind, _ in runs[0][1]] == [kind for kind, _ in runs[1][1]]
@@ -78,16 +78,16 @@ def slit():
     sim = cut_strip(mesh=slanted_strip(), notched=False)
     x = start_of(sim) + 1.9
     sim.notch((x, -2.0, 0.0), (x, 1.0, 0.0))
-    sim.cracks.free.tips.clear()
+    sim.cracks.tips.clear()
     sim.notch((start_of(sim) - 1.0, 0.01, 0.0), (x + 0.01, 0.01, 0.0))
     return sim, x
 
 
 def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
     sim, x = slit()
-    free = sim.cracks.free
-    (tip,) = free.tips
-    assert free._path.reference_of(sim.state, tip)[0] > x
+    free = sim.cracks
+    ((there, *_),) = free.at_tips(sim.state.node.X)
+    assert there > x
     # The notch went on across the slit: everything to the left of the slit is another piece.
     flank = next(c for c in sim.state.split_log[::-1] if abs(c.reference[0] - x) < 1e-9)
     assert flank.kind == "notch"
@@ -95,7 +95,7 @@ def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
 
 def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
     sim, _ = slit()
-    free = sim.cracks.free
+    free = sim.cracks
     row, entry = free._path.rows_ahead(free.tips[0])[0]
     tip = Tip((-1, -1), 0.0, sim.cracks.cuts.topology.parent(row), FORWARD, 0.0, entry, (row,))
     free.tips = [tip]
@@ -107,22 +107,22 @@ def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
 
 def test_a_crack_that_passes_the_end_of_another_goes_on():
     sim = cut_strip(mesh=aligned(), notched=False)
-    free, x = sim.cracks.free, start_of(sim)
+    free, x = sim.cracks, start_of(sim)
     sim.notch((x + 2.03, -2.0, 0.0), (x + 2.03, -0.3, 0.0))
-    (end,) = (free._path.reference_of(sim.state, tip) for tip in free.tips)
+    (end,) = free.at_tips(sim.state.node.X)
     sim.notch((x - 1.0, end[1] + 0.06, 0.0), (x + 4.0, end[1] + 0.06, 0.0))
-    ends = np.array([free._path.reference_of(sim.state, tip) for tip in free.tips])
+    ends = free.at_tips(sim.state.node.X)
     assert ends[:, 0].max() > x + 3.5
 
 
 def test_two_that_come_towards_each_other_at_an_angle_end_where_they_meet():
     """The first would go on beside the second, whose flank leads 30 degrees off its way."""
     sim = cut_strip(mesh=slanted_strip(), notched=False)
-    free, x = sim.cracks.free, start_of(sim)
+    free, x = sim.cracks, start_of(sim)
     way = np.array([-np.sqrt(0.75), 0.5, 0.0])
     end = np.array([x + 1.4, 0.0, 0.0])
     sim.notch(end - 4.0 * way, end)
-    (there,) = (free._path.reference_of(sim.state, tip) for tip in free.tips)
+    (there,) = free.at_tips(sim.state.node.X)
     sim.notch((x - 1.0, there[1], 0.0), (x + 4.0, there[1], 0.0))
     assert not free.tips
 
@@ -130,13 +130,13 @@ def test_two_that_come_towards_each_other_at_an_angle_end_where_they_meet():
 def test_two_tips_at_one_place_on_a_slit_are_none_any_more():
     """The second crack comes from the other side to where the first waits on the far flank."""
     sim = cut_strip(mesh=slanted_strip(), notched=False)
-    free, x = sim.cracks.free, start_of(sim)
+    free, x = sim.cracks, start_of(sim)
     sim.notch((x + 1.9, -2.0, 0.0), (x + 1.9, 1.0, 0.0))
     free.tips.clear()
     sim.notch((x - 1.0, 0.01, 0.0), (x + 1.89, 0.01, 0.0))
     (waiting,) = free.tips
     assert waiting.flank is not None
-    there = free._path.reference_of(sim.state, waiting)
+    (there,) = free.at_tips(sim.state.node.X)
     sim.notch((x + 7.0, there[1], 0.0), (there[0] - 0.5, there[1], 0.0))
     assert not free.tips
 
@@ -182,7 +182,7 @@ def test_contact_holds_no_node_of_a_cut_stiffer_than_at_a_crack_along_edges():
 def test_a_crack_joins_one_that_ends_near_its_ray_and_both_are_one(beside, joins):
     """The other crack comes from the far end, beside the first by a part of an edge of 0.4 mm."""
     sim = cut_strip(mesh=slanted_strip(), notched=False)
-    free, x = sim.cracks.free, start_of(sim)
+    free, x = sim.cracks, start_of(sim)
     sim.notch((x + 7.0, 0.1 + 0.4 * beside, 0.0), (x + 1.3, 0.1 + 0.4 * beside, 0.0))
     assert len(free.tips) == 1
     sim.notch((x - 1.0, 0.1, 0.0), (x + 3.0, 0.1, 0.0))

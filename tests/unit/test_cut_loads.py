@@ -7,7 +7,7 @@ import shellcut as sc
 from naive.load import pressure_rows_of_part
 from shellcut.fracture.cuts import Cuts
 from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
-from shellcut.fracture.segment import Segment
+from shellcut.fracture.tip import Segment
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.structured import rectangle
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from opening_frame import RADIUS, disc, opening_frame
-from shellcut.fracture.quad_fans import open_edge_copies
+from shellcut.fracture.open_edges import crack_edges
 from shellcut.frame import Frame
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
@@ -38,7 +38,7 @@ def frame_of(mesh, points=None, held=()):
         quads=mesh.quads,
         quad_stress=still,
         quad_principal=still[:, :2],
-        crack_edges=open_edge_copies(initial_state(mesh)),
+        crack_edges=crack_edges(mesh.quads, initial_state(mesh).node.origin[: mesh.n_node]),
         held=np.isin(np.arange(mesh.n_node), held),
     )
 

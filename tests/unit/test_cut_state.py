@@ -6,7 +6,7 @@ import pytest
 import shellcut as sc
 from shellcut.fracture.cuts import Cuts
 from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
-from shellcut.fracture.segment import Segment
+from shellcut.fracture.tip import Segment
 from shellcut.mesh.structured import rectangle
 
 RNG = np.random.default_rng

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from damaged.mutations import mutated
 from shellcut import mesh_from_drawing, read_drawing, read_model
 from shellcut.formats import drawing, dxf, svg
 from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
-from test_mesh_files_damaged import mutated
 
 ezdxf = pytest.importorskip("ezdxf", reason="needs shellcut[outline]")
 pytest.importorskip("svgpathtools", reason="needs shellcut[outline]")
@@ -390,7 +390,7 @@ def test_damaged_files_are_refused_or_read(tmp_path):
         content = path.read_bytes()
         for k in range(n):
             cut = content[: int(rng.integers(len(content)))]
-            path.write_bytes(mutated(rng, content) if k % 4 else cut)
+            path.write_bytes(mutated(rng, content, text=True)[0] if k % 4 else cut)
             try:
                 assert read_drawing(path, layers=[layer]).area > 0.0
             except ValueError:

@@ -96,13 +96,13 @@ def test_crack_is_as_long_as_the_cuts(cut):
     assert len(quality.cracks) == 1
     assert len(quality.pieces) == 1
     line = quality.cracks[0]
-    ends = cut.cracks.free.at_tips(cut.mesh.nodes)
+    ends = cut.cracks.at_tips(cut.mesh.nodes)
     assert min(np.linalg.norm(line[i] - ends[0]) for i in (0, -1)) < 1e-12
 
 
 def test_a_film_cut_through_falls_in_two():
     sim = cut_strip()
-    sim.cracks.free.tips.clear()
+    sim.cracks.tips.clear()
     sim.notch((0.0, 1.0, 0.0), (6.0, 1.0, 0.0))
     quality = cut_quality(Exposure.of(sim, **WHERE).frame())
     assert len(quality.pieces) == 2

@@ -1,6 +1,5 @@
 """Places on edges of the film against the tool."""
 
-from dataclasses import asdict
 from itertools import pairwise
 
 import numpy as np
@@ -11,13 +10,11 @@ from free_strip import cut_strip
 from naive.edge_contact import depth_at, forces_on_ends
 from notched_strip import cutting
 from shellcut.contact.coulomb_friction import TANGENTIAL
-from shellcut.contact.film_edges import open_edges
-from shellcut.contact.film_outline import FilmOutline
-from shellcut.contact.settings import STEEPEST, Contact, node_stiffness
+from shellcut.contact.film_outline import FilmOutline, open_edges
+from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
-from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.recording.unfelt_penetration import UnfeltPenetration
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
@@ -99,7 +96,7 @@ def test_forces_and_energy_are_those_of_a_plain_twin():
     rng = np.random.default_rng(4)
     sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
     t, law = term(sim), sim.contact.law
-    k, pressed = node_stiffness(sim.state.node.contact_area[0], law), 0
+    k, pressed = float(law.of_nodes(sim.state.node.contact_area[0])), 0
     for corners in random_quads(rng, 60):
         place(sim, corners)
         force, _, (_, found) = evaluated(sim)
@@ -170,7 +167,7 @@ def test_edges_add_nothing_to_the_step_where_their_nodes_count():
     sim = one_quad(quad_with(np.array([-0.02, -0.4, 0.0]), np.array([-0.02, 0.6, 0.0])))
     evaluated(sim)
     nodes = sim.corners
-    k = STEEPEST * node_stiffness(sim.state.node.contact_area[0], sim.contact.law)
+    k = STEEPEST * float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
     added = term(sim).stiffness(sim.state, {"contact": (nodes, np.full(4, k))})
     assert added[0].size == 0
     # Where an end does not count, it has half of each of its two edges: all that a node has.
@@ -198,7 +195,7 @@ PATHS = {
 @pytest.mark.parametrize("name", PATHS)
 def test_the_force_does_not_jump(name):
     sim = one_quad(PATHS[name](0.0))
-    k = node_stiffness(sim.state.node.contact_area[0], sim.contact.law)
+    k = float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
     last, worst, most = None, 0.0, 0.0
     for s in np.linspace(0.0, 1.0, 400):
         corners = PATHS[name](s)
@@ -381,35 +378,6 @@ def test_friction_of_a_bar_dragged_along_a_rim_is_mu_times_what_presses():
     assert pulls[2] == pytest.approx(TANGENTIAL * k * ways[2], rel=1e-2)
     # What the way in has stretched across is not quite gone after 0.1 mm.
     assert pulls[-1] == pytest.approx(MU * normal, rel=1e-4)
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.2])
-def test_same_bits_over_threads_and_a_restart(friction, tmp_path):
-    """Teeth that enter a film and cut it; edges press, and rub, for some steps."""
-
-    def opening(**options):
-        contact = Contact(film_edges=True, friction=friction)
-        return opening_test("quick", contact=contact, **options).simulation
-
-    def go(sim, until):
-        while sim.state.step < until:
-            sim.step()
-        n = sim.state.node
-        return n.x[: n.count].copy(), asdict(sim.close_ledger()), sim.dt
-
-    first, rubs = opening(), []
-    while len(rubs) < 40:
-        first.step()
-        if term(first, "edge_friction" if friction else "edges").forces.stored > 0.0:
-            rubs.append(first.state.step)
-        if len(rubs) == 20:  # within a touch
-            save_checkpoint(first, tmp_path / "half.h5")
-    wanted = go(first, rubs[-1] + 100)
-    again = opening()
-    load_checkpoint(again, tmp_path / "half.h5")
-    for x, ledger, dt in (go(opening(threads=2), rubs[-1] + 100), go(again, rubs[-1] + 100)):
-        np.testing.assert_array_equal(x, wanted[0])
-        assert (ledger, dt) == wanted[1:]
 
 
 def ends_by_place(state, outline):

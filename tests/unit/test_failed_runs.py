@@ -7,12 +7,12 @@ import signal
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 import shellcut
 import shellcut.recording.recorder
 from notched_strip import cutting
+from same_run import assert_same_run
 from shellcut.command_line import main
 from shellcut.models import Case
 from shellcut.recording.recorder import Recorder, RunEnded
@@ -28,45 +28,23 @@ RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 0, "progress": False}
 END = 2e-5
 
 
-@pytest.fixture(autouse=True)
-def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+pytestmark = pytest.mark.usefixtures("no_pictures")
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def whole(no_pictures, tmp_path_factory):
     """The run by the command, undisturbed."""
     out = tmp_path_factory.mktemp("whole") / "out"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-        assert main(["run", *MODEL, "-o", str(out)]) == 0
+    assert main(["run", *MODEL, "-o", str(out)]) == 0
     return out
 
 
 @pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory):
+def uninterrupted(no_pictures, tmp_path_factory):
     """A run by Python, undisturbed."""
     out = tmp_path_factory.mktemp("uninterrupted")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-        Case("cut", cutting(), END).run(out, **RECORDS)
+    Case("cut", cutting(), END).run(out, **RECORDS)
     return out
-
-
-def assert_same_run(out, other):
-    """Compare all files; those whose bytes hold a time of day or a wall time, by what they tell."""
-    mine, theirs = ({p.name for p in one.iterdir()} for one in (out, other))
-    assert mine == theirs
-    for name in ("history.csv", "splits.csv", "run.files"):
-        assert (out / name).read_bytes() == (other / name).read_bytes(), name
-    a, b = shellcut.read(out), shellcut.read(other)
-    assert a.times.tolist() == b.times.tolist()
-    for one, two in zip(a.frames(), b.frames(), strict=True):
-        np.testing.assert_array_equal(one.points, two.points)
-        np.testing.assert_array_equal(one.quads, two.quads)
-    wall = ("wall_s", "ns_per_quad_step", "pictures_s")
-    figures = [{k: v for k, v in one.summary.items() if k not in wall} for one in (a, b)]
-    assert figures[0] == figures[1]
 
 
 # ------------------------------------------------------------------ disk full
@@ -268,7 +246,7 @@ Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0,
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-    monkeypatch.undo()
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: True)
     whole, part = tmp_path / "whole", tmp_path / "part"
     Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)
     script = KILLED.format(tests=os.path.dirname(__file__), folder=str(part), end=8e-6)

@@ -1,7 +1,5 @@
 """Coulomb friction on the tool's faces: the return mapping, works, restarts, settings."""
 
-from dataclasses import asdict
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,6 @@ from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
@@ -186,21 +183,6 @@ def test_the_ledger_closes_and_friction_takes_its_part(whole):
     on_nodes = whole.state.node.friction_force[: whole.state.n_node].sum(axis=0)
     on_tool = list(whole.terms)[1].forces.wrench[:, :3].sum(axis=0)
     np.testing.assert_allclose(on_nodes, -on_tool, atol=1e-12 * np.abs(on_nodes).max())
-
-
-def test_a_restart_goes_on_bit_for_bit(whole, tmp_path):
-    part = run(431)
-    assert part.state.node.friction_spring.any()
-    save_checkpoint(part, tmp_path / "checkpoint.h5")
-    again = cutting(contact=Contact(friction=0.2))
-    load_checkpoint(again, tmp_path / "checkpoint.h5")
-    while again.state.step < 700:
-        again.step()
-    assert asdict(again.close_ledger()) == asdict(whole.close_ledger())
-    for name in ("x", "friction_spring", "friction_force"):
-        np.testing.assert_array_equal(
-            getattr(again.state.node, name), getattr(whole.state.node, name)
-        )
 
 
 def test_a_split_node_takes_the_spring_along():

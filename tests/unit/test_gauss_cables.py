@@ -25,7 +25,7 @@ def segment_cut(places, rise=0.3):
     )
     rim, y = mesh.nodes[:, 0].min(), rise * SIZE
     sim.notch((rim - 1.0, y, 0.0), (rim + NOTCH, y, 0.0))
-    free = sim.cracks.free
+    free = sim.cracks
     (tip,) = free.tips
     segment = free._path.segment_from(sim.state, tip, tip.heading)
     free._advance(sim.state, tip, segment, "criterion", 1.0)
@@ -92,8 +92,8 @@ def test_what_is_behind_a_tip_has_its_cables():
     other, _ = segment_cut("ends")
     carried = []
     for one in (sim, other):
-        (tip,) = one.cracks.free.tips
-        carried.append(one.cracks.free._trial.behind(tip))
+        (tip,) = one.cracks.tips
+        carried.append(one.cracks._trial.behind(tip))
     assert carried == [0.0, pytest.approx(SIZE)]
 
 

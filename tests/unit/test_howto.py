@@ -30,12 +30,6 @@ def _without_doubts(caplog):
     assert [text for text in doubts if text.startswith("distrust")] == []
 
 
-@pytest.fixture
-def _no_pictures(monkeypatch):
-    """Runs draw no snapshots, which test_examples.py asks for."""
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-
-
 def blocks(page, language):
     return re.findall(rf"```{language}\n(.*?)```", (HOWTO / page).read_text(), re.S)
 
@@ -73,7 +67,7 @@ def test_trust(capsys):
     assert "stays=True" in said
 
 
-@pytest.mark.usefixtures("_no_pictures")
+@pytest.mark.usefixtures("no_pictures")
 def test_first_cut(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (code,) = blocks("../first-cut.md", "python")
@@ -166,7 +160,7 @@ def test_pictures(tmp_path, monkeypatch):
     assert "<h2>Measured curve</h2>" in Path("out/report.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.usefixtures("_no_pictures")
+@pytest.mark.usefixtures("no_pictures")
 def test_resume(tmp_path, monkeypatch):
     # As it stands, on a smaller model.
     def small(name):

@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-import shellcut.recording.recorder
 from notched_strip import cutting
 from shellcut.recording.checkpoint import load_checkpoint
 from shellcut.recording.recorder import Recorder
@@ -75,8 +74,7 @@ class FirstSplit:
         pass
 
 
-def test_strength_in_pascal_stops_within_a_hundred_steps_of_the_first_split(tmp_path, monkeypatch):
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+def test_strength_in_pascal_stops_within_a_hundred_steps_of_the_first_split(no_pictures, tmp_path):
     sim = cutting(strength=18e6)
     records = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
     # A check refuses it before the run, which somebody may force.

@@ -229,7 +229,7 @@ def test_free_fall_is_g(case):
     for _ in range(49):
         sim.step()
     s = sim.state
-    half = s.time + 0.5 * sim._dt
+    half = s.time + 0.5 * sim.dt
     fallen = s.node.velocity_half[: mesh.n_node] / (g * half)
     assert np.abs(fallen - 1.0).max() < 1e-12
     moved = s.node.x[: mesh.n_node] - mesh.nodes

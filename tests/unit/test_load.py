@@ -180,18 +180,3 @@ def test_corner_forces_of_a_set_of_quads_come_from_that_set_alone():
     force = np.zeros((4, 3))
     loads.add_corner_forces(state, quads, nodes, force)
     assert force.any(axis=1).tolist() == [True, False, False, True]
-
-
-@pytest.mark.parametrize(
-    ("load", "message"),
-    [
-        (Gravity((0, 1)), "acceleration must be three finite numbers"),
-        (NodalForce([0], (0, np.nan, 0)), "force must be three finite numbers"),
-        (EdgeTraction([0, 4], (1, 0, 0)), "boundary edges between its nodes, found none"),
-        (Pressure(1.0, quads="top"), "top"),
-        (NodalForce("nowhere", (1, 0, 0)), "nowhere"),
-    ],
-)
-def test_refusals(load, message):
-    with pytest.raises(ValueError, match=message):
-        LoadSet(rectangle(2.0, 1.0, n_x=2, n_y=1), [load])

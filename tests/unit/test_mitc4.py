@@ -17,7 +17,7 @@ from shellcut.mitc4.element import (
     products,
 )
 from shellcut.mitc4.section import flat_moduli, flat_stiffness, full_stiffness, strain_map
-from shellcut.mitc4.tangent import reference_products
+from shellcut.mitc4.tangent import quad_products
 from shellcut.numerics.jit import kernel
 
 EPS = np.finfo(float).eps
@@ -107,7 +107,7 @@ def test_resultants_are_the_gradient_of_the_quadratic_energy():
 def test_flat_and_full_stiffness_agree_on_a_flat_quad():
     mesh = cases.skewed_flat(1, 1, seed=4)
     X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
-    numbers = np.hstack([reference_products(X, T)[:, :6], flat_stiffness(X, T, cases.FILM)])
+    numbers = np.hstack([quad_products(X, T)[:, :6], flat_stiffness(X, T, cases.FILM)])
     table = np.repeat(numbers[:, :, None], 8, axis=2)
     s = np.random.default_rng(2).uniform(-1, 1, N_STRAIN)
     s[6:12] /= cases.FILM.thickness  # so that bending weighs as much as stretching

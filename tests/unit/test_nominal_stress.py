@@ -5,28 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from shellcut.cables.cohesive_law import CohesiveLaw
+import shellcut as sc
 from shellcut.checks.yielding import check_strength
-from shellcut.material import (
-    Elastic,
-    Hencky,
-    Layer,
-    Linear,
-    Orthotropic,
-    Plastic,
-    ShellMaterial,
-    Swift,
-    Table,
-)
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
 
 # So stiff that its elastic strain, 1e-5, is below the tolerances of the rigid closed forms.
-RIGID = Elastic(3e7, 0.3, 1e-9)
+RIGID = sc.Elastic(3e7, 0.3, 1e-9)
 FINE = 1e-4  # round-off of the search: strains are sampled, the maximum is flat
 
 
 def film(*materials, thickness=0.05):
-    return ShellMaterial([Layer(one, thickness) for one in materials])
+    return sc.ShellMaterial([sc.Layer(one, thickness) for one in materials])
 
 
 @pytest.mark.parametrize("n", [0.1, 0.3, 0.8])
@@ -40,7 +29,7 @@ def film(*materials, thickness=0.05):
 )
 def test_considere_for_a_power_law(n, pull, factor):
     # σ_y = K ε^n: largest at ε = n, K n^n exp(-n) times the factor of the state
-    most = largest_nominal_stress(film(Plastic(RIGID, Swift(300.0, 1e-9, n))), pull)
+    most = largest_nominal_stress(film(sc.Plastic(RIGID, sc.Swift(300.0, 1e-9, n))), pull)
     assert most.stress == pytest.approx(300.0 * n**n * math.exp(-n) * factor(n), rel=FINE)
     # the maximum is flat: its place is known to the root of its height
     assert math.log1p(most.strain) == pytest.approx(n, abs=0.01)
@@ -48,50 +37,56 @@ def test_considere_for_a_power_law(n, pull, factor):
 
 def test_linear_hardening_has_its_maximum_where_slope_is_stress():
     # σ = σ_0 + H p: at p = 1 - σ_0/H, H exp(-p)
-    most = largest_nominal_stress(film(Plastic(RIGID, Linear(20.0, 50.0))), "uniaxial")
+    most = largest_nominal_stress(film(sc.Plastic(RIGID, sc.Linear(20.0, 50.0))), "uniaxial")
     assert most.stress == pytest.approx(50.0 * math.exp(-0.6), rel=FINE)
     # kinematic hardening counts as much
-    split = Plastic(RIGID, Linear(20.0, 30.0), kinematic=20.0)
+    split = sc.Plastic(RIGID, sc.Linear(20.0, 30.0), kinematic=20.0)
     assert largest_nominal_stress(film(split), "uniaxial").stress == pytest.approx(
         most.stress, rel=1e-12
     )
 
 
 def test_without_hardening_it_is_the_yield_stress():
-    most = largest_nominal_stress(film(Plastic(RIGID, Linear(20.0))), "uniaxial")
+    most = largest_nominal_stress(film(sc.Plastic(RIGID, sc.Linear(20.0))), "uniaxial")
     assert most.stress == pytest.approx(20.0, rel=FINE)
 
 
 def test_hencky_carries_its_modulus_over_e():
-    most = largest_nominal_stress(film(Hencky(Elastic(100.0, 0.3, 1e-9))), "uniaxial")
+    most = largest_nominal_stress(film(sc.Hencky(sc.Elastic(100.0, 0.3, 1e-9))), "uniaxial")
     assert most.stress == pytest.approx(100.0 / math.e, rel=FINE)
 
 
 def test_hill_across_and_along():
     # METHOD2 9: σ_90/σ_0 for r = 0.8, 1.2, 1.6; nominal stress goes with its power n + 1
-    moduli = Orthotropic(3e7, 3e7, 0.3, 1e7, 1e-9)
-    sheet = film(Plastic(moduli, Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6)))
+    moduli = sc.Orthotropic(3e7, 3e7, 0.3, 1e7, 1e-9)
+    sheet = film(sc.Plastic(moduli, sc.Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6)))
     along = largest_nominal_stress(sheet, "uniaxial")
     across = largest_nominal_stress(sheet, "uniaxial", across=True)
     assert across.stress / along.stress == pytest.approx(1.17670**1.2, rel=FINE)
     # turned by 90° the two change places
-    turned = film(Plastic(moduli, Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6), angle_deg=90.0))
+    turned = film(sc.Plastic(moduli, sc.Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6), angle_deg=90.0))
     assert largest_nominal_stress(turned, "uniaxial").stress == pytest.approx(
         across.stress, rel=1e-12
     )
 
 
 def test_elastic_films_keep_their_modulus():
-    for material in (Elastic(1000.0, 0.3, 1e-9), Orthotropic(1000.0, 500.0, 0.3, 300.0, 1e-9)):
+    for material in (
+        sc.Elastic(1000.0, 0.3, 1e-9),
+        sc.Orthotropic(1000.0, 500.0, 0.3, 300.0, 1e-9),
+    ):
         strain, stress = nominal_curve(film(material))
         assert np.interp(1e-4, strain, stress) == pytest.approx(0.1, rel=1e-3)
-    strain, stress = nominal_curve(film(Elastic(1000.0, 0.3, 1e-9)), "plane strain")
+    strain, stress = nominal_curve(film(sc.Elastic(1000.0, 0.3, 1e-9)), "plane strain")
     assert np.interp(1e-4, strain, stress) == pytest.approx(0.1 / 0.91, rel=1e-3)
 
 
 def test_a_laminate_is_the_sum_of_its_layers():
-    soft, hard = Plastic(RIGID, Linear(10.0, 40.0)), Plastic(RIGID, Swift(160.0, 1e-9, 0.25))
-    laminate = ShellMaterial([Layer(soft, 0.06), Layer(hard, 0.02)])
+    soft, hard = (
+        sc.Plastic(RIGID, sc.Linear(10.0, 40.0)),
+        sc.Plastic(RIGID, sc.Swift(160.0, 1e-9, 0.25)),
+    )
+    laminate = sc.ShellMaterial([sc.Layer(soft, 0.06), sc.Layer(hard, 0.02)])
     strain = np.linspace(1e-3, 2.0, 200_001)
     p = np.log1p(strain)
     wanted = (0.75 * (10.0 + 40.0 * p) + 0.25 * 160.0 * p**0.25) / (1.0 + strain)
@@ -99,11 +94,11 @@ def test_a_laminate_is_the_sum_of_its_layers():
     assert most.stress == pytest.approx(wanted.max(), rel=FINE)
 
 
-LAW = CohesiveLaw()  # 18 MPa
+LAW = sc.CohesiveLaw()  # 18 MPa
 
 
 def test_a_film_that_cannot_reach_its_strength_is_doubted():
-    weak = film(Plastic(Elastic(200.0, 0.4, 1e-9), Linear(8.0, 20.0)))
+    weak = film(sc.Plastic(sc.Elastic(200.0, 0.4, 1e-9), sc.Linear(8.0, 20.0)))
     (finding,) = check_strength(weak, LAW)
     assert finding.severity == "doubt"
     most = largest_nominal_stress(weak, "plane strain")
@@ -113,7 +108,7 @@ def test_a_film_that_cannot_reach_its_strength_is_doubted():
 
 
 def test_a_film_that_yields_first_is_noted():
-    drawn = film(Plastic(Elastic(200.0, 0.4, 1e-9), Table((0.0, 1.2), (10.0, 90.0))))
+    drawn = film(sc.Plastic(sc.Elastic(200.0, 0.4, 1e-9), sc.Table((0.0, 1.2), (10.0, 90.0))))
     (finding,) = check_strength(drawn, LAW)
     assert finding.severity == "note"
     strain, stress = nominal_curve(drawn, "plane strain")
@@ -125,7 +120,7 @@ def test_a_film_that_cracks_when_stretched_both_ways_only():
     # equibiaxially 2^n of uniaxial, plane strain (2/√3)^(n+1): for n = 0.8 the first is 1.34 times
     n = 0.8
     between = 18.0 / (math.exp(-n) * n**n * 1.5)
-    sheet = film(Plastic(RIGID, Swift(between, 1e-9, n)))
+    sheet = film(sc.Plastic(RIGID, sc.Swift(between, 1e-9, n)))
     (finding,) = check_strength(sheet, LAW)
     assert finding.severity == "note"
     assert "stretched both ways" in finding.remedy
@@ -134,8 +129,8 @@ def test_a_film_that_cracks_when_stretched_both_ways_only():
 @pytest.mark.parametrize(
     "sheet",
     [
-        ShellMaterial.homogeneous(),  # linear: as before
-        film(Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(60.0, 100.0))),  # yields far above
+        sc.ShellMaterial.homogeneous(),  # linear: as before
+        film(sc.Plastic(sc.Elastic(1678.0, 0.3, 1e-9), sc.Linear(60.0, 100.0))),  # yields far above
     ],
 )
 def test_others_are_left_in_peace(sheet):

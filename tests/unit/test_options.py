@@ -1,6 +1,7 @@
 """Options are declared once: what is out of bounds, not finite or no choice is refused by name."""
 
 import inspect
+import re
 from dataclasses import is_dataclass
 from typing import Literal, get_args, get_origin
 
@@ -35,6 +36,9 @@ def wrong_values(kind, option):
     return [*bad, np.nan, np.inf] if first is float else bad
 
 
+NO_NUMBERS = (True, "1678", 1.0 + 0.0j, [1.0], np.ones(2), np.ma.masked)
+
+
 def cases():
     for owner in OWNERS:
         for name, (kind, option, _) in declared(owner).items():
@@ -54,8 +58,19 @@ def needed(owner):
 
 @pytest.mark.parametrize(("owner", "name", "value"), list(cases()))
 def test_what_cannot_be_is_refused_by_name(owner, name, value):
-    with pytest.raises(ValueError, match=rf"\b{name} must be .*got .*{value}"):
+    kind, option, _ = declared(owner)[name]
+    unit = re.escape(option.unit) if kind is float else ""
+    with pytest.raises(ValueError, match=rf"\b{name} must be .*got .*{value}.*{unit}"):
         owner(**{**needed(owner), name: value})
+
+
+@pytest.mark.parametrize("owner", OWNERS, ids=lambda owner: owner.__qualname__)
+def test_what_is_no_number_is_refused_by_name(owner):
+    for name, (kind, _, _) in declared(owner).items():
+        more = {float: (), float | None: (), int: (2.5,), int | None: (2.5,)}.get(kind)
+        for given in () if more is None else (*NO_NUMBERS, *more):
+            with pytest.raises(ValueError, match=rf"\b{name}\b"):
+                owner(**{**needed(owner), name: given})
 
 
 @pytest.mark.parametrize("owner", OWNERS, ids=lambda owner: owner.__qualname__)

@@ -72,7 +72,7 @@ def test_the_crack_runs_ahead_of_the_bar(coarse):
     assert np.abs(path[path[:, 0] < 14.0, 1]).min() < 1.3  # 0.07 to 1.1
     assert np.abs(path[path[:, 0] > 14.0, 1]).max() < 3.5  # 0.3 to 3.2; half the bar is 3
     assert (np.diff(path[:, 0]) > -0.75).all()  # half an edge; 0.5 at most
-    assert len(sim.cracks.free.tips) == 1
+    assert len(sim.cracks.tips) == 1
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 0.01
 
 

@@ -2,25 +2,21 @@
 
 import pytest
 
-from shellcut.cables.cohesive_law import CohesiveLaw
+import shellcut as sc
 from shellcut.checks.plausible import check_numbers
 from shellcut.checks.steps import check_steps
-from shellcut.material.hardening import Linear
-from shellcut.material.plastic import Plastic
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
-from shellcut.tool.tool_file import read_tool
 
 MESH = rectangle(20.0, 8.0, size=0.4)
-FILM = ShellMaterial.homogeneous()
+FILM = sc.ShellMaterial.homogeneous()
 BLADE = straight_blade()
 
 
 def found(film=FILM, law=None, tool=BLADE, **numbers):
     if numbers:
-        film = ShellMaterial.homogeneous(**numbers)
-    return [(f.severity, str(f)) for f in check_numbers(MESH, film, law or CohesiveLaw(), tool)]
+        film = sc.ShellMaterial.homogeneous(**numbers)
+    return [(f.severity, str(f)) for f in check_numbers(MESH, film, law or sc.CohesiveLaw(), tool)]
 
 
 def test_the_film_of_the_paper_is_plausible():
@@ -55,8 +51,8 @@ def test_a_film_in_another_unit(numbers, severity, said):
     ],
 )
 def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
-    material = Plastic(Elastic(1000.0, 0.3, 1e-9), Linear(first, 1.0), r_values)
-    ((level, text),) = found(ShellMaterial((Layer(material, 0.05),)))
+    material = sc.Plastic(sc.Elastic(1000.0, 0.3, 1e-9), sc.Linear(first, 1.0), r_values)
+    ((level, text),) = found(sc.ShellMaterial((sc.Layer(material, 0.05),)))
     assert level == severity
     assert said in text
 
@@ -71,31 +67,31 @@ def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
     ],
 )
 def test_a_law_in_another_unit(law, severity, said):
-    ((level, text),) = found(law=CohesiveLaw(**law))
+    ((level, text),) = found(law=sc.CohesiveLaw(**law))
     assert level == severity
     assert said in text
 
 
 def test_all_in_pascal_is_told_by_the_speed_of_waves():
-    law = CohesiveLaw(strength=18e6, plateau=12e6)
+    law = sc.CohesiveLaw(strength=18e6, plateau=12e6)
     said = [text for _, text in found(law=law, young=1678e6)]
     assert any("1.295e+06 m/s" in text for text in said), said
 
 
 def test_what_is_wrong_in_one_layer_of_several_is_told_once():
-    polymer, foil = Elastic(800.0, 0.4, 0.92e-9), Elastic(69e9, 0.33, 2.7e-9)
-    film = ShellMaterial([Layer(foil, 0.005), Layer(polymer, 0.06), Layer(foil, 0.005)])
+    polymer, foil = sc.Elastic(800.0, 0.4, 0.92e-9), sc.Elastic(69e9, 0.33, 2.7e-9)
+    film = sc.ShellMaterial([sc.Layer(foil, 0.005), sc.Layer(polymer, 0.06), sc.Layer(foil, 0.005)])
     said = [text for _, text in found(film, tool=None)]
     assert sum("a modulus should lie" in text for text in said) == 1
 
 
 def test_a_tool_of_another_scale(tmp_path):
     BLADE.write(tmp_path / "blade.stl")
-    small = read_tool(tmp_path / "blade.stl", unit="um")
+    small = sc.read_tool(tmp_path / "blade.stl", unit="um")
     ((level, text),) = found(tool=small)
     assert level == "doubt"
     assert "between them nothing resists the tooth" in text
-    large = read_tool(tmp_path / "blade.stl", unit="m")
+    large = sc.read_tool(tmp_path / "blade.stl", unit="m")
     ((level, text),) = found(tool=large)
     assert level == "doubt"
     assert "of similar size, got a tool of 67" in text

@@ -5,7 +5,6 @@ import time
 
 import pytest
 
-from shellcut.view import progress
 from shellcut.view.progress import Progress
 
 UNITS = {"angle": "deg", "torque": "N*mm", "imbalance": "%"}
@@ -109,8 +108,14 @@ def test_an_update_that_is_not_due_costs_nothing():
     assert each < 50e-6  # measured 0.4e-6 s
 
 
-def test_durations():
-    assert progress._duration(7.4) == "7 s"
-    assert progress._duration(61) == "1 min 01 s"
-    assert progress._duration(3 * 3600 + 125) == "3 h 02 min"
-    assert progress._duration(-1.0) == "0 s"
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [(7.4, "7 s"), (61.0, "1 min 01 s"), (3 * 3600 + 125, "3 h 02 min"), (-1.0, "0 s")],
+)
+def test_the_time_that_is_left_is_told_in_two_units(left, said):
+    stream, clock = io.StringIO(), Clock()
+    with Progress("opening", stream=stream, clock=clock) as shown:
+        shown.update(0.0, step=0)
+        clock.now = 100.0
+        shown.update(100.0 / (100.0 + left), step=10)
+    assert stream.getvalue().endswith(f", {said} left\n")

@@ -181,12 +181,6 @@ def test_a_step_leaves_the_processor_as_it_was(material):
     assert [_setting() & 0x8040, there & 0x8040] == [before, before]
 
 
-def test_number_of_threads_is_checked():
-    for wrong in (0, -1, 1.5):
-        with pytest.raises(ValueError, match="threads must be"):
-            Simulation(rectangle(1.0, 1.0, n_x=1, n_y=1), cases.FILM, threads=wrong)
-
-
 _ELSEWHERE = """
 import sys
 import numpy as np

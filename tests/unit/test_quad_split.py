@@ -7,8 +7,6 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.mesh.triangles_to_quads import split_in_quads
 
-NONE = np.empty((0, 3), np.int64)
-
 
 @pytest.fixture
 def mixed():

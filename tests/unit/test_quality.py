@@ -3,26 +3,22 @@
 import numpy as np
 import pytest
 
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.mesh import Mesh
+import shellcut as sc
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.mitc4.mesh_quality import mesh_quality
-from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
 
 
 def test_the_step_is_that_of_the_run():
     mesh = opening_disc("quick")
-    run = Simulation(mesh, ShellMaterial.homogeneous(), stepping=Stepping(safety=1.0))
+    run = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), stepping=sc.Stepping(safety=1.0))
     # the same arithmetic: round-off
-    assert mesh_quality(mesh).stable_step == pytest.approx(run.dt, rel=1e-12)
+    assert sc.mesh_quality(mesh).stable_step == pytest.approx(run.dt, rel=1e-12)
 
 
 def test_a_short_quad_is_the_worst_and_its_cost_is_told():
     mesh = rectangle(10.0, 4.0, n_x=10, n_y=4)
     nodes = mesh.nodes.copy()
     nodes[nodes[:, 0] == 5.0, 0] = 4.25  # column 4 is 0.25 wide, column 5 1.75
-    quality = mesh_quality(Mesh.from_arrays(nodes, mesh.quads))
+    quality = sc.mesh_quality(sc.Mesh.from_arrays(nodes, mesh.quads))
     assert set(quality.worst[:4]) == {4, 14, 24, 34}
     assert quality.shortest_edge[4] == 0.25
     assert quality.aspect[4] == 4.0
@@ -38,12 +34,12 @@ def test_a_short_quad_is_the_worst_and_its_cost_is_told():
 
 def test_damping_shortens_the_step():
     mesh = rectangle(4.0, 4.0, size=1.0)
-    free = mesh_quality(mesh, damping_beta=0.0)
-    damped = mesh_quality(mesh, damping_beta=2e-7)
+    free = sc.mesh_quality(mesh, damping_beta=0.0)
+    damped = sc.mesh_quality(mesh, damping_beta=2e-7)
     assert (damped.step < free.step).all()
 
 
 def test_few_quads_are_all_listed():
-    quality = mesh_quality(rectangle(2.0, 1.0, n_x=2, n_y=1))
+    quality = sc.mesh_quality(rectangle(2.0, 1.0, n_x=2, n_y=1))
     assert sorted(quality.worst) == [0, 1]
     assert np.isclose(quality.step_cost, 1.0)

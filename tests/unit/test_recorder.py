@@ -41,9 +41,7 @@ RECORDS = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
 END = 4e-6
 
 
-@pytest.fixture(autouse=True)
-def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+pytestmark = pytest.mark.usefixtures("no_pictures")
 
 
 def contents(folder):
@@ -60,13 +58,11 @@ def strict_json(path):
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def whole(no_pictures, tmp_path_factory):
     """Return a run with straight, jointed and broken cables, and its folder."""
     folder = tmp_path_factory.mktemp("whole")
     case = Case("cut", cutting(), 8e-5)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-        case.run(folder, **RECORDS)
+    case.run(folder, **RECORDS)
     return case, read(folder)
 
 
@@ -291,9 +287,7 @@ def test_a_cutting_edge_ahead_of_a_tip_is_not_unfelt(monkeypatch):
     )
     sim = cutting()
     UnfeltPenetration(sim).now()
-    assert (
-        left_out == [sim.cracks.free.tip_nodes(sim.state).tolist()] != [[]]
-    )  # no point presses yet
+    assert left_out == [sim.cracks.tip_nodes(sim.state).tolist()] != [[]]  # no point presses yet
 
 
 def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):

@@ -68,38 +68,14 @@ def test_nodes_by_name_or_ids():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Support([0], "xw"), "translation must be made of the letters x, y, z, got 'xw'"),
         (lambda: Support([0], rotation="q"), "rotation must be made of"),
         (lambda: Support.symmetry([0], "xy"), "normal must be one of x, y and z, got 'xy'"),
-        (
-            lambda: Support([0], "xy", velocity={"z": np.cos}),
-            r"prescribed along \['z'\].*'xy' does not hold",
-        ),
-        (lambda: SupportSet(MESH, [Support([6])]), r"0\.\.5, got \[6\]"),
-        (lambda: SupportSet(MESH, [Support([-1])]), r"got \[-1\]"),
-        (lambda: SupportSet(MESH, [Support([])]), "name of a node set or a list of node ids"),
         (lambda: SupportSet(MESH, [Support([0.5])]), "list of node ids"),
-        (lambda: SupportSet(MESH, [Support("lft")]), "did you mean 'left'"),
-        (
-            lambda: SupportSet(
-                MESH,
-                [
-                    Support("left", velocity={"x": np.cos}),
-                    Support([3], velocity={"x": np.sin}),
-                ],
-            ),
-            r"two supports prescribe the velocity along x of nodes \[3\]",
-        ),
     ],
 )
 def test_refusals(make, message):
     with pytest.raises(ValueError, match=message):
         make()
-
-
-def test_same_motion_twice_is_no_clash():
-    both = {"x": np.cos}
-    SupportSet(MESH, [Support("left", velocity=both), Support([0], velocity=both)])
 
 
 def test_a_prescribed_spin_turns_the_director():

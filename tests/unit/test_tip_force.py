@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from damaging_film import Damaging
 from naive import cases
 from shellcut.fracture.tip_domain import TipDomain
 from shellcut.fracture.tip_force import TipForce
@@ -19,9 +18,9 @@ from shellcut.mitc4.section import (
 )
 from shellcut.mitc4.sliding_energy import SlidingEnergy
 from shellcut.mitc4.sliding_points import SlidingPoints
-from shellcut.mitc4.tangent import reference_products
+from shellcut.mitc4.tangent import quad_products
 from shellcut.mitc4.thickness_points import build_rule
-from tip_domains import BASE, domain_in, force_on
+from tip_domains import BASE, at_tip, domain_in, force_on
 
 YOUNG, POISSON, THICKNESS = 1678.0, 0.3, 0.1
 FILM = sc.ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, density=1e-9, thickness=THICKNESS)
@@ -31,7 +30,7 @@ def energies(X, T, x, t):
     """½ sᵀ H s of quads."""
     H, (i, j) = np.zeros((len(X), N_STRAIN, N_STRAIN)), np.triu_indices(N_STRAIN)
     H[:, i, j] = H[:, j, i] = full_stiffness(X, T, FILM)
-    s = reference_products(x, t) - reference_products(X, T)
+    s = quad_products(x, t) - quad_products(X, T)
     return 0.5 * np.einsum("ei,eij,ej->e", s, H, s)
 
 
@@ -182,27 +181,6 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
     assert np.abs(at_zero - never).max() > 0.1 * np.abs(never).max()
 
 
-def test_a_piece_that_has_gone_gives_nothing_back():
-    shell, state = cases.set_up(uneven_mesh(), layered(PLASTIC))
-    drawn(state, np.diag([1.15, 0.9, 1.0]))
-    flowed(state, shell, UNEVEN)
-    at = np.array([3.0, 0.2, 0.0])
-    whole = TipForce(state, shell, domain_in(state, shell, at, 2.0), BASE)
-    middle = shell.reference.x[shell.reference.quads].mean(axis=1)
-    gone = np.flatnonzero(middle[:, 0] > 3.2)
-    state.quad.dropped[gone] = True
-    force = TipForce(state, shell, domain_in(state, shell, at, 2.0), BASE)
-    assert np.intersect1d(whole._rows, gone).size > 0
-    assert np.intersect1d(force._rows, gone).size == 0
-    assert np.isfinite(force.of(state, BASE)).all()
-
-
-def test_a_law_whose_history_cannot_be_frozen_is_refused():
-    shell, state = cases.set_up(rectangle(2.0, 2.0, size=1.0), layered(Damaging()))
-    with pytest.raises(ValueError, match="without history, or with a frozen law, got damaging"):
-        TipForce(state, shell, domain_in(state, shell, [1.0, 0.0, 0.0], 2.0), BASE)
-
-
 def strip_at_rest(pull, notch=8.0, height=4.0, film=FILM, slit=None):
     """A long notched strip whose upper and lower sides are moved apart by ``pull`` [mm]."""
     mesh = rectangle(16.0, height, size=0.25)
@@ -272,14 +250,6 @@ def pressed_strip(load, beside=0.0, pull=0.0, length=12.0, height=4.0):
     return sim
 
 
-def in_space(sim):
-    """Row ahead of the only tip, and what the base has become there."""
-    path, (tip,) = sim.cracks.free._path, sim.cracks.free.tips
-    row, entry = path.rows_ahead(tip)[0]
-    x = sim.state.node.x[sim.state.quads[row]]
-    return tip, np.array([path.carried_on(row, entry, way) @ x for way in BASE])
-
-
 def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
     sim = sc.Simulation(
         uneven_mesh(), FILM, law=sc.CohesiveLaw(strength=1e3), fracture=sc.Fracture(path="free")
@@ -287,9 +257,8 @@ def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
     low, left = sim.mesh.nodes[:, 1].min(), sim.mesh.nodes[:, 0].min()
     way = [(left - 1.0, low + 2.9), (left + 2.6, low + 2.9), (left + 3.4, low + 3.9)]
     sim.notch(*((*point, 0.0) for point in way))
-    (tip,) = sim.cracks.free.tips
-    place = sim.cracks.free._path.reference_of(sim.state, tip)
-    topology = sim.cracks.free._cuts.topology
+    (place,) = sim.cracks.at_tips(sim.state.node.X)
+    topology = sim.cracks.cuts.topology
     bent = domain_in(sim.state, sim.shell, place, 1.6, topology)
     assert bent.room == pytest.approx(1.6)  # nothing is nearer than the reach
     X = sim.shell.reference.x[sim.shell.reference.quads[bent.rows]]
@@ -316,8 +285,7 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
     """Ahead a beam with clamped ends, behind two cantilevers: -E + W = ½ p ∫ w dy in each."""
     height, beside = 4.0, 0.1
     sim = pressed_strip(load, beside=beside)
-    tip, moved = in_space(sim)
-    place = sim.cracks.free._path.reference_of(sim.state, tip)
+    place, moved = at_tip(sim)
     ahead = height**5 / 720.0
     behind = sum((0.5 * height + s * beside) ** 5 / 20.0 for s in (1.0, -1.0))
     D = YOUNG * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))
@@ -331,6 +299,6 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
 def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     # What the load does in the sliding is larger than what is released: without it, 16° aside.
     sim = pressed_strip(sc.Pressure(PRESSURE))
-    tip, _ = in_space(sim)
-    way = next(sim.cracks.free._direction.ways(sim.state, tip))
+    (tip,) = sim.cracks.tips
+    way = next(sim.cracks._direction.ways(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load

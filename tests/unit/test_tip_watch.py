@@ -33,12 +33,13 @@ class Rules:
 
     def plain(self, tip, tips):
         """Return segment and measure of a tip, None without, and whether the edge has passed."""
-        state, motion, at = self.sim.state, self.sim.motion, self.path.place_of(self.sim.state, tip)
+        state, motion = self.sim.state, self.sim.motion
+        at, heading = crack_path.place_of(self.path, state, tip)
         edge, passed = blade_drive.nearest_edge(self.edges, at.x, at.size, self.sim.pose)
         if edge < 0:
             return None, None, passed
         off, then = blade_drive.beyond(self.edges, motion, at.x, at.size, edge, state.time)
-        ways, lean = blade_drive.directions(self.edges, edge, off, at, then)
+        ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
         measure = segment and trial_cut.measure(self.trial, state, tip, segment)
@@ -86,7 +87,7 @@ def jittered(seed):
 )
 def test_same_segments_and_measures_as_the_rules(mesh):
     sim = cut_strip(mesh=mesh)
-    rules, free, kinds = Rules(sim), sim.cracks.free, []
+    rules, free, kinds = Rules(sim), sim.cracks, []
     while len(sim.state.split_log) < 16 and sim.state.step < 4000:
         sim.step()
         if sim.state.step % 25 == 4:
@@ -100,7 +101,7 @@ def test_same_beside_other_cracks():
     kinds = []
     for turn in range(6):
         sim = cut_strip(mesh=jittered(10 + turn))
-        free = sim.cracks.free
+        free = sim.cracks
         for x in rng.uniform(1.0, 1.8, 3):
             slant = rng.uniform(-0.4, 0.4)
             sim.notch((x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))

@@ -1,6 +1,5 @@
 """Tools from files: the default tooth out and back, in every disguise; chains; refusals."""
 
-import meshio
 import numpy as np
 import pytest
 
@@ -10,9 +9,6 @@ from shellcut.formats.stl import write_stl
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import ToolError
 from shellcut.tool.tool_file import read_tool
-from test_mesh_files_damaged import mutated
-from test_surface_files import BOX, CORNERS
-from test_tool import joined, wedge
 
 RING = tooth_ring()
 SINGLE = 2e-6  # mm; single precision of 10 mm is 5e-7, some operations on it
@@ -197,13 +193,6 @@ class TestChains:
 
 
 class TestRefusals:
-    def test_no_sharp_edge(self, tmp_path):
-        path = tmp_path / "box.stl"
-        write_stl(path, CORNERS, BOX, header="box")
-        with pytest.raises(ToolError, match="none turns by sharp_angle_deg = 100"):
-            read_tool(path, unit="mm")
-        assert read_tool(path, unit="mm", sharp_angle_deg=80.0).n_edge == 12
-
     @pytest.mark.parametrize(
         ("options", "words"),
         [
@@ -232,40 +221,3 @@ class TestRefusals:
             write_stl(cap, vertices, RING.triangles, header="nan")
         with pytest.raises(FileError, match="coordinates must be finite"):
             read_tool(cap, unit="mm")
-
-
-def two_wedges(folder):
-    """The same two bodies in every format."""
-    vertices, triangles = joined(wedge(), wedge(at=(5.0, 0.0, 0.0)))
-    mesh = meshio.Mesh(vertices, {"triangle": triangles.astype(np.int32)})
-    write_stl(folder / "binary.stl", vertices, triangles, header="two wedges")
-    meshio.stl.write(folder / "text.stl", mesh, binary=False)
-    meshio.ply.write(folder / "text.ply", mesh, binary=False)
-    meshio.ply.write(folder / "binary.ply", mesh, binary=True)
-    lines = ["v {!r} {!r} {!r}".format(*c) for c in vertices.tolist()]
-    lines += ["f {} {} {}".format(*(t + 1)) for t in triangles]
-    (folder / "text.obj").write_text("\n".join(lines) + "\n")
-    return sorted(folder.iterdir())
-
-
-def test_damaged_files_are_refused_or_whole(tmp_path, caplog):
-    """Nothing but the package's errors comes, and no smaller tool without a word."""
-    rng = np.random.default_rng(8)
-    n_read = n_refused = 0
-    for path in two_wedges(tmp_path):
-        content = path.read_bytes()
-        for k in range(50):
-            cut = content[: int(rng.integers(len(content)))]
-            path.write_bytes(mutated(rng, content) if k % 4 else cut)
-            caplog.clear()
-            try:
-                tool = read_tool(path, unit="mm")
-            except ValueError:
-                n_refused += 1
-                continue
-            n_read += 1
-            assert tool.n_triangle == 16 or any(
-                words in caplog.text for words in ("removed", "cut short")
-            ), (path.name, k)
-    assert n_refused > 100
-    assert n_read > 20  # damaged names, normals, digits

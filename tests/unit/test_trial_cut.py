@@ -25,7 +25,7 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
     sim = sc.Simulation(mesh, film, law=law, fracture=sc.Fracture(path="free"))
     rim, y = mesh.nodes[:, 0].min(), rise * SIZE
     sim.notch((rim - 1.0, y, 0.0), (rim + 2.2, y, 0.0))
-    n, free = sim.state.node, sim.cracks.free
+    n, free = sim.state.node, sim.cracks
     n.x[: n.count, 1] = (1.0 + STRETCH) * n.X[: n.count, 1]  # the notch's flanks stay closed
     (tip,) = free.tips
     tip.length = SIZE  # of the notch behind the tip, which opens with the segment ahead
@@ -48,7 +48,7 @@ def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what
     )
     rim = mesh.nodes[:, 0].min()
     sim.notch((rim - 1.0, 0.1, 0.0), (rim + 2.2, 0.1, 0.0))
-    n, free = sim.state.node, sim.cracks.free
+    n, free = sim.state.node, sim.cracks
     (tip,) = free.tips
     tip.length = SIZE
     segment = free._path.segment_from(sim.state, tip, tip.heading)

@@ -12,7 +12,6 @@ from notched_strip import cutting
 from shellcut import read_model
 from shellcut.command_line import main
 from shellcut.files.folder_lock import FolderInUse
-from shellcut.models import Case
 from shellcut.recording.recorder import Recorder
 
 SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
@@ -39,9 +38,7 @@ main(sys.argv[1:])
 """
 
 
-@pytest.fixture(autouse=True)
-def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+pytestmark = pytest.mark.usefixtures("no_pictures")
 
 
 @pytest.fixture(scope="module")
@@ -83,18 +80,6 @@ def test_the_command_refuses(going, capsys, arguments):
     assert f"{out} is being written by process {process.pid} on " in said
     assert " since 20" in said
     assert "Traceback" not in said
-    assert contents(out) == before
-
-
-@pytest.mark.parametrize("resume", [False, True], ids=["anew", "resumed"])
-def test_python_refuses(going, resume):
-    out, process = going
-    before = contents(out)
-    with pytest.raises(FolderInUse, match=f"process {process.pid} on"):
-        case_of(out).run(out, resume=resume, progress=False)
-    sim = cutting()
-    with pytest.raises(FolderInUse):
-        Recorder(sim, out, until=1e-5, name="cut", resume=resume, progress=False)
     assert contents(out) == before
 
 
@@ -152,13 +137,3 @@ def test_two_recorders_in_one_process(tmp_path):
     with pytest.raises(ValueError, match="name must be the stem of a file"):
         Recorder(cutting(), tmp_path, **options | {"name": "a/b"})
     Recorder(cutting(), tmp_path, **options).close()
-
-
-def test_a_hook_that_fails_gives_the_folder_back(tmp_path):
-    def fail(_):
-        raise RuntimeError("no log")
-
-    with pytest.raises(RuntimeError, match="no log"):
-        Case("cut", cutting(), 4e-6).run(tmp_path, log=fail, n_row=10, n_frame=2)
-    assert not (tmp_path / "run.lock").exists()
-    Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)

@@ -30,12 +30,3 @@ def test_of_two_that_disagree_the_first_stays():
         False,
         True,
     ]
-
-
-def test_a_moebius_strip_has_one_side():
-    n = 12
-    low, high = np.arange(n), n + np.arange(n)
-    ends = np.roll(low, -1).copy(), np.roll(high, -1).copy()
-    ends[0][-1], ends[1][-1] = high[0], low[0]
-    quads = np.stack([low, ends[0], ends[1], high], axis=1)
-    assert common_winding(quads, 2 * n).one_sided.tolist() == list(range(n))

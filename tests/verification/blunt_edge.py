@@ -1,19 +1,20 @@
-"""Cutting force over the edge's radius: python tests/verification/blunt_edge.py [FILE.csv].
+"""Cutting force over the edge's radius: python tests/verification/blunt_edge.py [--csv FILE].
 
 A strip of the film of 2010 is cut along its middle by a blade (half-angle 10°, half thickness
 0.3 mm) whose edge has a radius, with cables that adhere and with cables that slip with friction.
-Prints a table and writes it as CSV, ready to be plotted. Beside the friction stands what it would
+Prints a table; ``--csv`` writes it, ready to be plotted. Beside the friction stands what it would
 be if the film lay on the blade (:func:`on_the_blade`).
 """
 
+import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from shellcut import CohesiveLaw, guillotine
 from shellcut.tool.shapes import straight_blade
+from steady_cut_works import steady_works
 
 THICKNESS = 0.074  # mm
 HALF_ANGLE = np.radians(10.0)
@@ -32,18 +33,9 @@ def cut(radius, **joint):
     law = CohesiveLaw(**joint)
     blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)
     case = guillotine(SIZE, length=LENGTH, law=law, tool=blade)
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        book, path = sim.ledger, sim.motion.coordinate(sim.state.time)
-        parts = (book.tool_work, book.cohesive_work, book.joint_friction, book.damping)
-        rows.append((path, *parts, book.imbalance))
-    path, *parts, imbalance = np.array(rows).T
-    n = int((path[-1] - 8.0) / SIZE)
-    ends = np.array([8.0, 8.0 + n * SIZE])
-    whole = law.fracture_energy * THICKNESS * n * SIZE
-    means = [float(np.diff(np.interp(ends, path, part))[0] / whole) for part in parts]
-    return (*means, float(np.abs(imbalance).max() / parts[0].max()))
+    names = "tool_work", "cohesive_work", "joint_friction", "damping"
+    means, worst, _ = steady_works(case, SIZE, 8.0, *names)
+    return (*(mean / (law.fracture_energy * THICKNESS) for mean in means), worst)
 
 
 def on_the_blade(radius, friction, law=None):
@@ -79,14 +71,17 @@ def table(radii=RADII):
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--csv", type=Path, help="write the table to this file, too")
+    target = parser.parse_args().csv
     print(" ".join(f"{name:>12.12}" for name in COLUMNS))
     rows = []
     for row in table():
         rows.append(row)
         said = (v if isinstance(v, str) else f"{v:.5g}" for v in row.values())
         print(" ".join(f"{value:>12}" for value in said), flush=True)
-    if len(sys.argv) > 1:
-        with Path(sys.argv[1]).open("w", newline="") as file:
+    if target is not None:
+        with target.open("w", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS)
             writer.writeheader()
             writer.writerows(rows)

@@ -20,7 +20,15 @@ ENERGY = 0.003
 
 
 def plate(
-    length=100.0, width=40.0, size=40.0 / 81, *, pull=1.0, strength=5.0, moved=0.0, **options
+    length=100.0,
+    width=40.0,
+    size=40.0 / 81,
+    *,
+    pull=1.0,
+    strength=5.0,
+    moved=0.0,
+    threads=None,
+    **options,
 ):
     """Return the plate before it is pulled, its crack along the middle.
 
@@ -56,6 +64,7 @@ def plate(
         ),
         fracture=sc.Fracture(path="free", check_every=2, cable_places="gauss", **options),
         damping_beta=1e-9,
+        threads=threads,
     )
     sim.notch((-1.0, 0.0, 0.0), (0.5 * length, 0.0, 0.0))
     return sim
@@ -93,7 +102,7 @@ def main() -> None:
         pull=chosen.pull,
         branching=True,
     )
-    while sim.state.time < 100e-6 and sim.cracks.free.tips:
+    while sim.state.time < 100e-6 and sim.cracks.tips:
         sim.step()
     places, times = cuts(sim)
     where, when = branchings(sim)
@@ -105,7 +114,7 @@ def main() -> None:
     at_end = times[places[:, 0] > 100.0 - 2.0 * chosen.size]
     print(f"at the far side at {1e6 * at_end[0]:.1f} us" if len(at_end) else "not at the far side")
     book = sim.ledger
-    print(f"crack {sim.state.crack_length:.1f} mm, {len(sim.cracks.free.tips)} tips left")
+    print(f"crack {sim.state.crack_length:.1f} mm, {len(sim.cracks.tips)} tips left")
     print(f"cables {book.cohesive_work / (ENERGY * sim.state.crack_length):.3f} G h")
     print(f"imbalance {book.relative(book.imbalance):.1e} of the work of the loads")
     if chosen.picture is not None:

@@ -67,7 +67,7 @@ def grown(turns, path, diameter):
 def run(case, until):
     """Run to the end; return rows of way, crack and works: tool, cables, damping, imbalance."""
     sim, rows, began = case.simulation, [], time.time()
-    while sim.state.time < case.duration and sim.cracks.free.tips:
+    while sim.state.time < case.duration and sim.cracks.tips:
         sim.step()
         if sim.state.step % 200 == 0:
             book = sim.ledger

@@ -88,9 +88,12 @@ def test_no_film_is_lost_where_cracks_branch(torn):
 
 def test_a_run_goes_on_with_the_same_bits_between_branchings(tmp_path):
     def between(sim):
-        return len(branchings(sim)[0]) == 1 and any(len(t.pace) > 2 for t in sim.cracks.free.tips)
+        return len(branchings(sim)[0]) == 1 and any(len(t.pace) > 2 for t in sim.cracks.tips)
 
-    check_goes_on(lambda: small(branching=True), between, tmp_path / "c.h5", n_step=120)
+    def build(**options):
+        return small(branching=True, **options)
+
+    check_goes_on(build, between, tmp_path / "c.h5", 120)
 
 
 @pytest.mark.parametrize("poisson", [-0.9, 0.0, 0.49])
@@ -144,8 +147,6 @@ def test_what_does_not_go_with_branching_is_refused():
     drawn = sc.ShellMaterial([Layer(Orthotropic(4000.0, 1500.0, 0.3, 700.0, 1e-9), 0.1)])
     with pytest.raises(ValueError, match=r"alike in all directions, got one with axes"):
         Branching(drawn, sc.CohesiveLaw(), sc.Fracture(path="free"))
-    with pytest.raises(ValueError, match=r"lets none run so fast: leave out one of them"):
-        small(branching=True, largest_speed=1e5)
     glass = sc.ShellMaterial.homogeneous(poisson=POISSON, **GLASS)
     rare = Branching(glass, sc.CohesiveLaw(), sc.Fracture(path="free", check_every=10))
     with pytest.raises(ValueError, match=r"set check_every to 9 or less"):

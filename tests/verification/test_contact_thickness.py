@@ -11,7 +11,7 @@ own side up to s = 0.1 edges (``_UNDECIDED`` of the contact), so that this part 
 and which lip lies how far over is chance: any change of the round-off changes it.
 """
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import pytest
 
@@ -49,28 +49,17 @@ class Depths:
     def close(self) -> None: ...
 
 
-@dataclass(frozen=True)
-class Shares:
-    """What contact came to: over the tool's work, its thickness, and the edges of the film."""
-
-    held: float
-    absorbed: float
-    imbalance: float
-    depth: float
-    pressed: float
-    aside: float
-
-
-def shares(sim: Simulation, depths: Depths) -> Shares:
+def shares(sim: Simulation, depths: Depths) -> SimpleNamespace:
+    """Return what contact came to: over the tool's work, its thickness, and edges of the film."""
     ledger = sim.close_ledger()
     assert sim.tool is not None
-    return Shares(
-        ledger.relative(ledger.contact_work),
-        ledger.relative(ledger.contact_absorbed),
-        ledger.relative(ledger.imbalance),
-        sim.contact.deepest / sim.tool.half_thickness(),
-        depths.pressed / sim.tool.half_thickness(),
-        depths.aside,
+    return SimpleNamespace(
+        held=ledger.relative(ledger.contact_work),
+        absorbed=ledger.relative(ledger.contact_absorbed),
+        imbalance=ledger.relative(ledger.imbalance),
+        depth=sim.contact.deepest / sim.tool.half_thickness(),
+        pressed=depths.pressed / sim.tool.half_thickness(),
+        aside=depths.aside,
     )
 
 

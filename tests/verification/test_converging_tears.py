@@ -90,7 +90,7 @@ def test_two_tears_that_converge_pinch_the_strip_off():
     # By the closed form 2.2 mm from the notches, where tears of quads of 0.5 mm are an edge apart;
     # measured 2.0 and 2.5. With film from across the other tear in the domain they never meet.
     assert max(upper[-1, 0], lower[-1, 0]) < 4.0 + 2.2 + 0.5
-    assert len(sim.cracks.free.tips) < 2
+    assert len(sim.cracks.tips) < 2
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-3
 
 
@@ -148,11 +148,7 @@ def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0):
 
 def force_on_a_tip(sim, reach):
     """Return the force on the tip on the left [N], along the notch and inward."""
-    place = next(
-        at
-        for tip in sim.cracks.free.tips
-        if (at := sim.cracks.free._path.reference_of(sim.state, tip))[1] > 0.0
-    )
+    place = next(at for at in sim.cracks.at_tips(sim.state.node.X) if at[1] > 0.0)
     along, aside = force_on(sim, place, reach).of(sim.state, BASE)
     return along, -aside
 
@@ -171,9 +167,9 @@ def test_the_force_on_the_tips_of_a_fold_is_what_their_energy_gives():
 def test_a_tear_beside_a_fold_goes_where_energy_is_released():
     """The fold pulls along the tears: with that stress counted as the sheet's the lean is 0.7°."""
     sim, _, _ = fold_at_rest(0.5, 6.0)
-    free = sim.cracks.free
+    free = sim.cracks
     tip = next(one for one in free.tips if free._path.reference_of(sim.state, one)[1] > 0.0)
-    direction = FreeDirection(sim.shell, free._cuts.topology, free._path, SHORT)
+    direction = FreeDirection(sim.shell, free.cuts.topology, free._path, SHORT)
     x, y, z = next(direction.ways(sim.state, tip))
     along, inward = force_on_a_tip(sim, 2.0)
     # The sheet is lifted at the tip, and its base with it: a degree; measured 6.6 and 7.5.

@@ -105,7 +105,7 @@ def test_a_cut_runs_out_through_the_rim(angle):
     sim, roll, per = guillotine(strip, angle)
     _, tool, cables, imbalance = courses(sim, 11.5, per)
     # The film is in two parts: no tip, no cable, and all of the new crack has taken its G h.
-    assert sim.cracks.free.tips == []
+    assert sim.cracks.tips == []
     assert sim.cables.n_broken == sim.state.n_cable
     notch = max(cut.reference[0] for cut in sim.state.split_log if cut.kind == "notch")
     assert sim.state.crack_length == pytest.approx(8.0 - NOTCH, abs=SIZE)
@@ -127,7 +127,7 @@ def test_a_cut_crosses_a_hole():
     # It ended at one rim of the hole, 5.6 mm from the start, and the blade pierced the other.
     assert not ((u > 5.7) & (u < 8.7)).any()
     assert u.max() > 11.0
-    assert len(sim.cracks.free.tips) == 1
+    assert len(sim.cracks.tips) == 1
     assert worst(tool, imbalance) < 1e-3
 
 
@@ -141,7 +141,7 @@ def test_a_clamped_edge_holds_its_film():
     held = sim.mesh.node_set("right")
     start = sim.state.node.x[held]
     way, tool, cables, imbalance = courses(sim, 9.0, per)
-    assert sim.cracks.free.tips == []
+    assert sim.cracks.tips == []
     np.testing.assert_array_equal(sim.state.node.x[held], start)
     assert off_path(sim, roll)[1].max() > 8.0 - 1.5 * SIZE
     assert worst(tool, imbalance) < 1e-3
@@ -186,7 +186,7 @@ def blade_across(mesh, y, low, start):
 def test_a_blade_pierces_a_surface_of_revolution_and_cuts_across(film, shape):
     kind, tilt, y, low, start, way = SHAPES[shape]
     sim = blade_across(film(kind, tilt), y, low, start)
-    free, known, off, rows = sim.cracks.free, [], [], []
+    free, known, off, rows = sim.cracks, [], [], []
     while sim.motion.coordinate(sim.state.time) < way:
         n_split = len(sim.state.split_log)
         sim.step()
@@ -251,7 +251,7 @@ def test_a_blade_parts_a_tube():
     motion = sc.StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=RAMP)
     sim = simulation(mesh, blade, motion, ["bottom", "top"])
     _, tool, _, imbalance = courses(sim, 2.0 * radius + 1.0)
-    assert sim.cracks.free.tips == []
+    assert sim.cracks.tips == []
     around = 2.0 * n_around * radius * np.sin(np.pi / n_around)
     # Its corners that are met lie a little off the circle: discretisation.
     assert sim.state.crack_length == pytest.approx(around, rel=2e-3)
@@ -284,7 +284,7 @@ def torn(radius):
     )
     (start, end), _ = roll.onto([8.0, 9.5], [-4.0, -2.5])
     sim.notch(start - 0.2 * (end - start), end)
-    while sim.state.time < 6e-4 and sim.cracks.free.tips:
+    while sim.state.time < 6e-4 and sim.cracks.tips:
         sim.step()
     book = sim.close_ledger()
     assert abs(book.relative(book.imbalance)) < 1e-3

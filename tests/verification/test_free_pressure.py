@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from curved_films import moved
 from naive import trial_cut
 from shellcut.mesh.structured import cylinder, rectangle
-from shellcut.models.guillotine import blade_before
-from tip_domains import force_on
+from tip_domains import at_tip, force_on
 
 RADIUS, PRESSURE, N_AROUND = 6.0, 0.1, 32
 SHORT_LAW = {"strength": 18.0, "plateau": 12.0}
@@ -44,7 +44,7 @@ def slit_cylinder(notch, rise, **options):
 def test_a_trial_cut_finds_the_hoop_tension(rise, error):
     load = sc.Pressure(PRESSURE, following=True)
     sim = slit_cylinder(3.2, rise, loads=[load], damping_beta=0.0)
-    n, free, size = sim.state.node, sim.cracks.free, 1.0
+    n, free, size = sim.state.node, sim.cracks, 1.0
     (tip,) = free.tips
     segment = free._path.segment_from(sim.state, tip, tip.heading)
     tip.length = size  # of the notch behind the tip, which opens with the segment ahead
@@ -92,14 +92,10 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
         load.follow(sim.state)
         done = (load.force[:count] * (n.x[:count] - n.X[:count])).sum()
         potential[end] = sim.ledger.initial - done
-        path, (tip,) = sim.cracks.free._path, sim.cracks.free.tips
-        row, entry = path.rows_ahead(tip)[0]
-        base, x = np.eye(3)[:2], n.x[sim.state.quads[row]]
-        moved = np.array([path.carried_on(row, entry, way) @ x for way in base])
-        place = path.reference_of(sim.state, tip)
+        place, moved_base = at_tip(sim)
         for reach in (1.0, 1.8):
-            force = force_on(sim, place, reach, base)
-            J[end, reach] = force.of(sim.state, moved)
+            force = force_on(sim, place, reach)
+            J[end, reach] = force.of(sim.state, moved_base)
     released = 0.5 * (potential[5.0] - potential[7.0])
     assert n.x[:count, 2].max() > 0.5
     for reach in (1.0, 1.8):
@@ -110,29 +106,22 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
 
 def test_a_blade_cuts_a_strip_under_pressure():
     length, size = 8.0, 0.8
-    mesh, law = rectangle(length, 6.4, size=size), sc.CohesiveLaw(**SHORT_LAW | BLADE)
-    X, inside = mesh.nodes.copy(), np.ones(mesh.n_node, bool)
-    inside[mesh.boundary_nodes()] = False
-    X[inside, :2] += np.random.default_rng(4).uniform(-0.2, 0.2, (inside.sum(), 2)) * size
-    mesh = sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
-    blade, motion, _ = blade_before(mesh, None, travel=length, speed=12000.0, law=law)
+    mesh = moved(rectangle(length, 6.4, size=size), "random", 0.2, size, seed=4)
+    law = sc.CohesiveLaw(**SHORT_LAW | BLADE)
     ramp = {"factor": lambda time: min(time / 2e-4, 1.0)}
-    sim = sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+    sim = sc.guillotine(
+        mesh=mesh,
+        notch=1.6,
+        travel=length,
+        speed=12000.0,
+        law=law,
         loads=[
             sc.Pressure(0.001, following=True, **ramp),
             sc.Pressure(0.001, **ramp),
             sc.EdgeTraction("right", (0.002, 0.0, 0.001), **ramp),
         ],
-        tool=blade,
-        motion=motion,
-        law=law,
         fracture=sc.Fracture(path="free"),
-    )
-    start = mesh.nodes[:, 0].min()
-    sim.notch((start - 1.0, 1e-7, 0.0), (start + 1.6, 1e-7, 0.0))
+    ).simulation
     worst = 0.0
     while sim.state.time < (length + 3.0) / 12000.0:
         sim.step()
@@ -141,7 +130,7 @@ def test_a_blade_cuts_a_strip_under_pressure():
             if book.tool_work > 0.3:
                 worst = max(worst, abs(book.imbalance) / book.tool_work)
     book, cables = sim.close_ledger(), sim.state.cable
-    assert not sim.cracks.free.tips
+    assert not sim.cracks.tips
     assert sim.cables.n_broken == cables.count
     tearing = law.fracture_energy * sim.material.thickness * sim.state.crack_length
     assert book.cohesive_work == pytest.approx(tearing, rel=3e-3)  # measured 0.9997
@@ -154,13 +143,13 @@ def test_a_pressurised_cylinder_bursts():
     step = sc.Stepping(safety=0.45)
     sim = slit_cylinder(3.2, 0.37, loads=[load], damping_alpha=3000.0, stepping=step)
     worst = 0.0
-    while sim.cracks.free.tips and sim.state.time < 4e-4:
+    while sim.cracks.tips and sim.state.time < 4e-4:
         sim.step()
         if sim.state.step % 20 == 0:
             book = sim.close_ledger()
             if book.load_work > 0.5:
                 worst = max(worst, abs(book.imbalance) / book.load_work)
-    assert not sim.cracks.free.tips
+    assert not sim.cracks.tips
     while sim.cables.n_broken < sim.state.n_cable and sim.state.time < 5e-4:
         sim.step()
     book = sim.close_ledger()

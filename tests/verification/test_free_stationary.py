@@ -16,7 +16,7 @@ import scipy
 
 import shellcut as sc
 from shellcut.fracture.quad_polygon import CORNERS, on_side
-from shellcut.fracture.segment import Segment
+from shellcut.fracture.tip import Segment
 from shellcut.mesh.structured import rectangle
 from shellcut.state import NOTCH
 from tip_domains import BASE, force_on

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from curved_films import moved
 from shellcut.mesh.structured import rectangle
 
 LENGTH, WIDTH, SPEED, RISE = 16.0, 8.0, 400.0, 2e-4
@@ -20,20 +21,11 @@ LEAN = np.array([-0.002, -0.047, -0.093, -0.128])
 """Of the path on 0.2 mm quads moved at random, at these heights, from its start [mm]."""
 
 
-def torn(size, moved):
+def torn(size, amount):
     """Pull a strip until its crack has gone through; return the simulation."""
-    mesh = rectangle(LENGTH, WIDTH, size=size)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
-    inside = np.ones(mesh.n_node, bool)
-    inside[mesh.boundary_nodes()] = False
-    X[inside, :2] += np.random.default_rng(1).uniform(-moved, moved, (inside.sum(), 2)) * size
-    ends = {
-        name: np.flatnonzero(np.abs(X[:, 0] - x) < 1e-9)
-        for name, x in (("left", 0.0), ("right", LENGTH))
-    }
     pull = {"x": lambda time: SPEED * min(1.0, time / RISE)}
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads, node_sets=ends),
+        moved(rectangle(LENGTH, WIDTH, size=size), "random", amount, size, seed=1),
         sc.ShellMaterial.homogeneous(),
         supports=[
             sc.Support("left", translation="xyz", rotation="xyz"),
@@ -45,21 +37,21 @@ def torn(size, moved):
     )
     middle, rim = LENGTH / 2, -WIDTH / 2
     sim.notch((middle - 0.3, rim - 0.3, 0.0), (middle + 1.5, rim + 1.5, 0.0))
-    while sim.state.time < 6e-4 and sim.cracks.free.tips:
+    while sim.state.time < 6e-4 and sim.cracks.tips:
         sim.step()
     return sim
 
 
-@pytest.mark.parametrize(("size", "moved"), [(0.4, 0.0), (0.4, 0.2), (0.8, 0.2)])
-def test_a_crack_turns_across_the_pull(size, moved):
-    sim = torn(size, moved)
+@pytest.mark.parametrize(("size", "amount"), [(0.4, 0.0), (0.4, 0.2), (0.8, 0.2)])
+def test_a_crack_turns_across_the_pull(size, amount):
+    sim = torn(size, amount)
     cuts = [cut.reference for cut in sim.state.split_log if cut.kind != "notch"]
     x, y = np.array(cuts)[:, 0] - LENGTH / 2, np.array(cuts)[:, 1]
     order = np.argsort(y)
     start = x[order][0]
     path = np.interp(HEIGHTS, y[order], x[order]) - start
     # A line of nodes within a twentieth of an edge holds a crack (SNAP of crack_path).
-    expected = LEAN if moved else 0.0
+    expected = LEAN if amount else 0.0
     # Discretisation: places on sides of the mesh; measured within 0.1 edges.
     assert np.abs(path - expected).max() < 0.25 * size
     assert 1.4 < start < 1.5 + size
@@ -68,16 +60,12 @@ def test_a_crack_turns_across_the_pull(size, moved):
     assert abs(book.relative(book.imbalance)) < 1e-3
 
 
-def passing(size, moved, half=4.0, apart=1.5):
+def passing(size, amount, half=4.0, apart=1.5):
     """A square pulled across two notches, from its left below y = 0 and from its right above."""
-    mesh = rectangle(2.0 * half, 2.0 * half, size=size)
-    X = mesh.nodes - mesh.nodes.mean(axis=0)
-    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
-    shift = np.random.default_rng(1).uniform(-moved, moved, (inside.size, 2))
-    X[inside, :2] += shift * size
+    mesh = moved(rectangle(2.0 * half, 2.0 * half, size=size), "random", amount, size, seed=1)
     pull = {"y": lambda time: 600.0 * min(1.0, time / RISE)}
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
+        sc.Mesh.from_arrays(mesh.nodes - [half, 0, 0], mesh.quads, node_sets=mesh.node_sets),
         sc.ShellMaterial.homogeneous(),
         supports=[sc.Support.clamped("bottom"), sc.Support("top", velocity=pull)],
         law=LAW,
@@ -103,23 +91,23 @@ def ways_of(sim, apart=1.5):
 
 
 @pytest.mark.parametrize(
-    ("size", "moved"),
+    ("size", "amount"),
     [
         (0.5, 0.2),
         pytest.param(0.5, 0.0, marks=pytest.mark.slow),
         pytest.param(0.25, 0.2, marks=pytest.mark.slow),
     ],
 )
-def test_cracks_that_pass_turn_to_each_others_flanks(size, moved):
+def test_cracks_that_pass_turn_to_each_others_flanks(size, amount):
     """They shun each other's ends a little and hook behind them ([Fender2010])."""
-    sim = passing(size, moved)
+    sim = passing(size, amount)
     # On rectangles of 0.5 mm one tip waits 0.75 mm before the other's flank at 1.5 ms, and comes to
     # it as the pull goes on.
-    while sim.state.time < 2.5e-3 and len(sim.cracks.free.tips) == 2:
+    while sim.state.time < 2.5e-3 and len(sim.cracks.tips) == 2:
         sim.step()
     left, right = ways_of(sim)
-    tips = [sim.cracks.free._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.free.tips]
-    others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.free.tips]
+    tips = sim.cracks.at_tips(sim.state.node.X)[:, :2]
+    others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.tips]
     gaps = [abs(np.interp(x, *way.T) - y) for (x, y), way in zip(tips, others, strict=True)]
     # One that has come to a flank has no tip any more; then the sheet is in two parts.
     assert len(tips) < 2 or max(gaps) < size

@@ -7,55 +7,40 @@ from outside: with them the balance is that of momentum.
 """
 
 import copy
-import dataclasses
 
 import numpy as np
 import pytest
 
-from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.simulation.simulation import Simulation
+import shellcut as sc
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
-from shellcut.tool.motion import ScrewMotion, StraightMotion
-from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import straight_blade
 
 # Round-off: some thousand terms are summed; relative to the sum of their sizes. Measured 6e-16.
 ROUND_OFF = 1e-13
 
 
-def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False) -> Simulation:
-    mesh = rectangle(8.0, 8.0, size=0.8)
-    notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 1.7))
-    mesh = mesh.cut(notch[np.argsort(mesh.nodes[notch, 0])])
-    blade = straight_blade(edge_angle_deg=edge_angle_deg, length=4.0, height=3.0)
-    # The edge meets the sheet 0.05 mm before its rim.
-    blade = dataclasses.replace(blade, vertices=blade.vertices + np.array([-0.05, 0.0, 0.0]))
-    return Simulation(
-        mesh,
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped("top"), Support.clamped("bottom")],
-        tool=blade,
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
-        law=CohesiveLaw(),
-        fracture=Fracture(path="edges", equilibrium_start=equilibrium_start),
+def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False) -> sc.Simulation:
+    return sc.guillotine(
+        0.8,
+        length=8.0,
+        speed=12000.0,
+        tool=straight_blade(edge_angle_deg=edge_angle_deg, length=4.0, height=3.0),
+        fracture=sc.Fracture(path="edges", equilibrium_start=equilibrium_start),
         damping_alpha=0.0,
-    )
+    ).simulation
 
 
 def _turned(x: np.ndarray, force: np.ndarray) -> np.ndarray:
     return np.cross(x, force).sum(axis=0)
 
 
-def _about_origin(sim: Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _about_origin(sim: sc.Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return force and moment about the origin of space from wrenches of the teeth."""
     force, moment = wrench.sum(axis=0)[:3], wrench.sum(axis=0)[3:]
     return force, moment + np.cross(sim.pose.translation, force)
 
 
-def _check_shell(sim: Simulation) -> None:
+def _check_shell(sim: sc.Simulation) -> None:
     s = copy.deepcopy(sim.state)  # the evaluation writes the strains of the last one
     s.node.force[:] = s.node.director_force[:] = 0.0
     sim.shell.add_forces(s)
@@ -67,7 +52,7 @@ def _check_shell(sim: Simulation) -> None:
     assert np.abs(_turned(x, f) + directors.sum(axis=0)).max() <= ROUND_OFF * moments
 
 
-def _check_contact(sim: Simulation) -> None:
+def _check_contact(sim: sc.Simulation) -> None:
     n = sim.state.n_node
     x, f = sim.state.node.x[:n], sim.state.node.contact_force[:n]
     force, moment = _about_origin(sim, sim.contact.forces.wrench)
@@ -76,7 +61,7 @@ def _check_contact(sim: Simulation) -> None:
     assert np.abs(_turned(x, f) + moment).max() <= ROUND_OFF * scale
 
 
-def _check_cables(sim: Simulation) -> None:
+def _check_cables(sim: sc.Simulation) -> None:
     c = sim.state.cable
     live = c.status[: c.count] != BROKEN
     x = sim.state.node.x[c.ends[: c.count][live].ravel()]
@@ -92,7 +77,7 @@ def _check_cables(sim: Simulation) -> None:
     assert np.linalg.norm(sim.cables.forces.couple) <= most + 1e-12
 
 
-def _check_all(sim: Simulation) -> None:
+def _check_all(sim: sc.Simulation) -> None:
     s, n = sim.state, sim.state.n_node
     x, f = s.node.x[:n], s.node.force[:n]
     directors = np.cross(s.node.t[:n], s.node.director_force[:n]).sum(axis=0)
@@ -152,7 +137,7 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
         sim.step()
         force, _ = _about_origin(sim, sim.tooth_wrenches)
         held = node.reaction[: sim.state.n_node, :3].sum(axis=0)
-        dt = 0.5 * (sim.state.dt + sim._dt)
+        dt = 0.5 * (sim.state.dt + sim.dt)
         step = dt * (held - force)
         # Round-off, relative to the impulse of all nodal forces, splits included.
         scale = dt * np.abs(node.force[: sim.state.n_node]).sum() + np.abs(before).max()
@@ -164,15 +149,9 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
 
 
 def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
-    motion = ScrewMotion.over(angle_deg=95.0, duration=1.5e-3, pitch=12.0)
-    sim = Simulation(
-        opening_disc("quick"),
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped("rim")],
-        tool=tooth_ring(),
-        motion=motion,
-        law=CohesiveLaw(),
-    )
+    through = sc.Fracture(path="free")
+    sim = sc.opening_test("quick", duration=1.5e-3, fracture=through).simulation
+    motion = sim.motion
     axis = np.array([0.0, 0.0, 1.0])
     torque, power = [], []
     while sim.motion.coordinate(sim.state.time) < np.radians(12.0):

@@ -59,6 +59,28 @@ def deepest_unfelt(sim, n_step):
     return deepest
 
 
+@pytest.mark.parametrize("felt", [True, False])
+def test_a_spike_between_nodes_is_deep_within_a_quad_where_nothing_feels_it(felt):
+    spike = [[0.0, 0.0, 0.0], [0.5, 0.0, 2.0], [-0.3, 0.4, 2.0], [-0.3, -0.4, 2.0]]
+    faces = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]
+    tool = sc.Tool.from_triangles(spike, faces, edges=np.zeros((0, 2), int))
+    film = rectangle(4.0, 4.0, n_x=4, n_y=4)
+    sim = sc.Simulation(
+        film,
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped(film.boundary_nodes())],
+        tool=tool.translated((2.37, 0.21, 0.01)),
+        motion=StraightMotion((0.0, 0.0, -1.0), 2000.0, ramp=2e-5),
+        contact=Contact(tool_points=felt),
+    )
+    unfelt = UnfeltPenetration(sim)
+    sim.run(6e-5)  # 0.1 mm, in which none of its faces comes to a node
+    within, _ = unfelt.now()
+    way = sim.motion.coordinate(sim.state.time) - 0.01
+    # Felt, the film gives way; else the gauge says how far the tip has gone through it.
+    assert within < 0.5 * sim.material.thickness if felt else within == pytest.approx(way, rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHORT)
 def test_nothing_deeper_than_about_half_the_thickness_is_unfelt(name):

@@ -14,13 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shellcut import CohesiveLaw, Contact, ShellMaterial, Simulation, Statics
+import shellcut as sc
 from shellcut.contact.unfelt_depth import ToolWires, missed_penetration
-from shellcut.loads.loads import Pressure
-from shellcut.loads.supports import Support
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.models.opening import opening_test
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
@@ -30,8 +26,8 @@ REFERENCE = Factors()
 # Of stresses a power of four: square roots of an odd power of two round otherwise.
 POWERS_OF_TWO = (Factors(1024.0, 512.0, 64.0), Factors(1 / 16, 1 / 32, 256.0))
 OTHERS = (Factors(1000.0, 700.0, 100.0), Factors(0.05, 0.03, 100.0))
-FILM = ShellMaterial.homogeneous()
-LAW = CohesiveLaw()
+FILM = sc.ShellMaterial.homogeneous()
+LAW = sc.CohesiveLaw()
 
 
 def options(f):
@@ -39,7 +35,7 @@ def options(f):
     return {
         "material": f.material(FILM),
         "law": f.law(LAW),
-        "contact": Contact(penalty=1e4 * f.stress / f.length),
+        "contact": sc.Contact(penalty=1e4 * f.stress / f.length),
         "damping_alpha": 0.1 / f.time,
         "damping_beta": 5e-8 * f.time,
     }
@@ -82,7 +78,7 @@ def opening(f, until=0.7e-3):
         height=5.0 * f.length,
         tip_clearance=0.02 * f.length,
     )
-    case = opening_test(
+    case = sc.opening_test(
         f.mesh(opening_disc("quick")),
         tool=ring,
         pitch=12.0 * f.length,
@@ -101,11 +97,11 @@ def guillotine(f, until=0.9e-3):
         half_thickness=0.3 * f.length, length=8.0 * f.length, height=3.0 * f.length
     ).translated((-0.05 * f.length, 0.0, 0.0))
     speed = 6000.0 * f.length / f.time
-    sim = Simulation(
+    sim = sc.Simulation(
         strip,
-        supports=[Support.clamped("bottom"), Support.clamped("top")],
+        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
         tool=blade,
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=1e-4 * f.time),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=1e-4 * f.time),
         **options(f),
     )
     return curve(sim, f, until)
@@ -141,11 +137,11 @@ def test_the_guillotine_has_no_scale_of_its_own():
 def test_a_static_solution_has_no_scale_of_its_own(f):
     def solution(f):
         mesh = f.mesh(rectangle(4.0, 3.0, size=0.5))
-        model = Statics(
+        model = sc.Statics(
             mesh,
             f.material(FILM),
-            supports=[Support.clamped(side) for side in ("left", "right", "bottom", "top")],
-            loads=[Pressure(0.05 * f.stress)],
+            supports=[sc.Support.clamped(side) for side in ("left", "right", "bottom", "top")],
+            loads=[sc.Pressure(0.05 * f.stress)],
         )
         return model.load_steps([0.2, 0.5, 1.0])[-1].displacement[:, :3] / f.length
 

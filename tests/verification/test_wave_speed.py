@@ -49,7 +49,7 @@ def _measure(kind: str, size: float) -> tuple[float, float]:
         damping_beta=0.0,
     )
     sim.run(until=0.5 * LENGTH / SPEED[kind])
-    time = sim.state.time + 0.5 * sim._dt  # velocities live at half steps
+    time = sim.state.time + 0.5 * sim.dt  # velocities live at half steps
     middle = np.arange(n_x + 1) + (n_x + 1)
     right = middle[mesh.nodes[middle, 0] > 0.5 * LENGTH]
     x, v = mesh.nodes[right, 0], sim.state.node.velocity_half[right, along]

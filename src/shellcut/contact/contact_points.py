@@ -13,14 +13,14 @@ film.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
-
 import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
+
+from .contact_tables import ToolPoints
 
 LEAST_TURN = np.radians(10.0)
 """Convex edges push that turn by more than this; flatter ones are lines between facets."""
@@ -39,20 +39,7 @@ _SAME_WAY = 0.5
 _PEAKED = 1e-4
 
 
-class ContactPoints(NamedTuple):
-    """Points of the tool in its body frame, for kernels."""
-
-    place: Annotated[Floats, "(n_point, 3)"]
-    """[mm]"""
-    outward: Annotated[Floats, "(n_point, 3)"]
-    """Mean unit normal of the surface there."""
-    body: Annotated[Ints, "(n_point,)"]
-    """Tooth of each."""
-    share: Annotated[Floats, "(n_point,)"]
-    """Stiffness of each over that of a node of the film, less the more of them press together."""
-
-
-def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
+def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     """Return the points of a tool that push a film.
 
     Parameters
@@ -72,7 +59,7 @@ def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
     outward = np.concatenate([at_vertex[vertex], normal])
     bodies = np.concatenate([body_of[vertex], body])
     kept = _spread(place, np.concatenate([sharpness, turn]), CLOSEST * edge_length)
-    return ContactPoints(
+    return ToolPoints(
         place=np.ascontiguousarray(place[kept]),
         outward=np.ascontiguousarray(outward[kept]),
         body=np.ascontiguousarray(bodies[kept]),

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, product
 
 from .abaqus_deck import DataLine
-from .budget import Budget
+from .deck import Deck
 from .errors import FileError, named
 from .file_mesh import LINE, QUAD, TRIANGLE, CellBlock, FileMesh
 from .losses import gap_note
@@ -105,18 +104,12 @@ class Model:
 
     Parameters
     ----------
-    path : Path
-        Named in messages.
-    notes : list of str
-        Receives signs of lost data.
-    budget : Budget
-        Counts ids of sets of sets.
+    deck : Deck
+        Whose path messages name; it counts ids of sets of sets.
     """
 
-    def __init__(self, path: Path, notes: list[str], budget: Budget):
-        self.path = path
-        self.notes = notes
-        self.budget = budget
+    def __init__(self, deck: Deck):
+        self.path, self.notes, self.budget = deck.path, deck.notes, deck.budget
         self._known: dict[tuple[str, str, str], Ints] = {}  # members of sets
         self.positions: list[Floats] = []
         self.node_labels: list[str] = []

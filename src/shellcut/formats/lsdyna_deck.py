@@ -9,31 +9,30 @@ and, for one keyword, by a mark after its name (``-`` standard, ``%`` i10, ``+``
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from . import numerals
-from .budget import Budget
-from .errors import FileError, read_lines
+from .deck import Block, Deck, Line, attached
+from .errors import FileError
 from .losses import comment_note, is_numbers
 
 Layout = Literal["standard", "i10", "long"]
 _MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
+_CHOSEN: dict[str, Layout] = {"LONG=Y": "long", "LONG=S": "standard", "I10=Y": "i10"}
 _DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
 
 
 @dataclass
-class Card:
+class Card(Line):
     """A line of data."""
 
-    path: Path
-    line: int
     text: str
 
-    def error(self, problem: str) -> FileError:
-        """Return the error that names this line."""
-        return FileError(self.path, problem, line=self.line)
+    @property
+    def shown(self) -> str:
+        """Its text."""
+        return self.text
 
     def fields(self, widths: list[int]) -> list[str]:
         """Return the entries without outer blanks: one per width, empty if missing."""
@@ -56,49 +55,22 @@ class Card:
 
     def integer(self, entry: str, what: str) -> int:
         """Return an entry as a whole number, 0 if it is empty."""
-        try:
-            return numerals.whole(entry) if entry else 0
-        except ValueError:
-            raise self.error(f"{what} must be a whole number, got {entry!r}") from None
-
-    def number(self, entry: str, what: str) -> float:
-        """Return an entry as a number, 0 if it is empty."""
-        try:
-            return numerals.number(entry.upper().replace("D", "E")) if entry else 0.0
-        except ValueError:
-            raise self.error(f"{what} must be a number, got {entry!r}") from None
+        return self.whole(entry, what) if entry else 0
 
 
 @dataclass
-class Block:
-    """A keyword with its cards."""
+class CardBlock(Block):
+    """A keyword, with its options in the name, and its cards."""
 
-    path: Path
-    line: int
-    name: str
-    """In upper case, without the star, with its options."""
     layout: Layout
-    cards: list[Card] = field(default_factory=list)
-
-    def error(self, problem: str) -> FileError:
-        """Return the error that names this line."""
-        return FileError(self.path, f"*{self.name}: {problem}", line=self.line)
 
 
-def read_deck(path: Path, notes: list[str], budget: Budget) -> tuple[list[Block], bool]:
-    """Return the keyword blocks of a file, with its includes inserted.
-
-    Parameters
-    ----------
-    path : Path
-    notes : list of str
-        Receives signs of lost data: data in comments.
-    budget : Budget
-        Counts files and lines.
+def read_deck(deck: Deck) -> tuple[list[CardBlock], bool]:
+    """Return the keywords of a file, with its includes inserted.
 
     Returns
     -------
-    blocks : list of Block
+    blocks : list of CardBlock
     ended : bool
         Whether the main file has an ``*END``.
 
@@ -107,94 +79,67 @@ def read_deck(path: Path, notes: list[str], budget: Budget) -> tuple[list[Block]
     FileError
         For a file that is no keyword file and for missing includes.
     """
-    folders = [path.parent]
-    blocks: list[Block] = []
-    ended = False
-    for block in _blocks(path, folders, "standard", [], notes, budget):
-        ended |= block.name == "END" and block.path == path
-        blocks.append(block)
+    blocks = list(_blocks(deck, deck.path, "standard"))
     if not blocks:
-        raise FileError(path, "an LS-DYNA file must hold *KEYWORD lines, got none")
+        raise FileError(deck.path, "an LS-DYNA file must hold *KEYWORD lines, got none")
+    ended = any(block.name == "END" and block.path == deck.path for block in blocks)
     return [block for block in blocks if block.name != "END"], ended
 
 
-def _blocks(
-    path: Path,
-    folders: list[Path],
-    layout: Layout,
-    above: list[Path],
-    notes: list[str],
-    budget: Budget,
-) -> Iterator[Block]:
-    if path.resolve() in above:
-        raise FileError(path, "a file must not include itself")
-    budget.descend("includes", len(above))
-    here = [*above, path.resolve()]
-    for block in _plain_blocks(path, layout, notes, budget):
-        if block.name == "KEYWORD" or block.name.startswith("KEYWORD "):
-            layout = block.layout
-        elif block.name == "INCLUDE_PATH" or block.name == "INCLUDE_PATH_RELATIVE":
-            folders += [path.parent / name for name in _file_names(block)]
-        elif block.name == "INCLUDE":
-            for name in _file_names(block):
-                found = _find(block, name, folders)
-                yield from _blocks(found, folders, layout, here, notes, budget)
-        elif block.name.startswith("INCLUDE"):
-            raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
-        else:
-            yield block
+def _blocks(deck: Deck, path: Path, layout: Layout) -> Iterator[CardBlock]:
+    with deck.reading(path) as lines:
+        for block in attached(_parts(deck, path, lines, layout)):
+            assert isinstance(block, CardBlock)
+            if block.name == "KEYWORD":
+                layout = block.layout
+            elif block.name in ("INCLUDE_PATH", "INCLUDE_PATH_RELATIVE"):
+                deck.folders += [path.parent / name for name in _file_names(block)]
+            elif block.name == "INCLUDE":
+                for name in _file_names(block):
+                    yield from _blocks(deck, deck.included(block, name), layout)
+            elif block.name.startswith("INCLUDE"):
+                raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
+            else:
+                yield block
 
 
-def _plain_blocks(path: Path, layout: Layout, notes: list[str], budget: Budget) -> Iterator[Block]:
-    current: Block | None = None
+def _parts(deck: Deck, path: Path, lines: list[str], layout: Layout) -> Iterator[CardBlock | Card]:
+    # without comments and blank lines at the beginning; below a keyword a blank line is a card
     off: list[int] = []  # comments that look like data
-    lines = read_lines(path)
-    budget.take("files with those included")
-    budget.take("lines with those of included files", len(lines))
+    begun = False
     for number, line in enumerate(lines, start=1):
         text = line.rstrip()
-        if text.startswith("$") or (not text and current is None):
+        if text.startswith("$") or (not text and not begun):
             if is_numbers(text[1:]) or text[1:].startswith(_DATA):
                 off.append(number)
             continue
         if not text.startswith("*"):
-            if current is None:
-                raise FileError(path, f"a keyword must come first, got {text[:30]!r}", line=number)
-            current.cards.append(Card(path, number, text.expandtabs(8)))
+            yield Card(path, number, text.expandtabs(8))
             continue
-        if current is not None:
-            yield current
-        current = _keyword(path, number, text, layout)
-        if current.name.startswith("KEYWORD"):
-            layout = current.layout
-        if current.name == "END":
+        begun, block = True, _keyword(path, number, text, layout)
+        yield block
+        if block.name == "KEYWORD":
+            layout = block.layout
+        if block.name == "END":
             break
-    notes += comment_note(off)
-    if current is not None:
-        yield current
+    deck.notes += comment_note(off)
 
 
-def _keyword(path: Path, number: int, text: str, layout: Layout) -> Block:
+def _keyword(path: Path, number: int, text: str, layout: Layout) -> CardBlock:
     name = text[1:].strip().upper()
     if name.startswith("KEYWORD"):
         options = name[len("KEYWORD") :].replace(" ", "")
-        for key, chosen in (("LONG=Y", "long"), ("LONG=S", "standard"), ("I10=Y", "i10")):
-            if key in options:
-                return Block(path, number, "KEYWORD", _layout(chosen))
-        return Block(path, number, "KEYWORD", layout)
+        chosen = next((_CHOSEN[key] for key in _CHOSEN if key in options), layout)
+        return CardBlock(path, number, "KEYWORD", chosen)
     if name[-1:] in _MARKS:
-        return Block(path, number, name[:-1].strip(), _MARKS[name[-1]])
-    return Block(path, number, name, layout)
+        return CardBlock(path, number, name[:-1].strip(), _MARKS[name[-1]])
+    return CardBlock(path, number, name, layout)
 
 
-def _layout(name: str) -> Layout:
-    return "long" if name == "long" else "i10" if name == "i10" else "standard"
-
-
-def _file_names(block: Block) -> list[str]:
+def _file_names(block: CardBlock) -> list[str]:
     # one per line; a line that ends in " +" continues in the next
     names, pending = [], ""
-    for card in block.cards:
+    for card in block.data:
         text = card.text.strip()
         if text.endswith(" +"):
             pending += text[:-2].strip()
@@ -204,10 +149,3 @@ def _file_names(block: Block) -> list[str]:
     if pending or not names:
         raise block.error("must name a file: is this one cut short?")
     return names
-
-
-def _find(block: Block, name: str, folders: list[Path]) -> Path:
-    for folder in (block.path.parent, *folders):
-        if (found := folder / name).is_file():
-            return found
-    raise block.error(f"the file {name!r} must lie beside {block.path}, but is not there")

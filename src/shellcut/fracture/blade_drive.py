@@ -69,7 +69,11 @@ class Driven(NamedTuple):
     passed: Annotated[Bools, "(n_tip,)"]
     """Whether the edge has passed the tip already."""
     rotation: Annotated[Floats, "(n_tip, 3, 3)"]
-    """Of the tool then."""
+    """Of the tool then, at the pose that was tried last ..."""
+    translation: Annotated[Floats, "(n_tip, 3)"]
+    spin: Annotated[Floats, "(n_tip, 3)"]
+    velocity: Annotated[Floats, "(n_tip, 3)"]
+    """... with its twist."""
     time: Annotated[Floats, "(n_tip,)"]
     """Of the pose that is to be tried next [s]."""
     seeking: Annotated[Bools, "(n_tip,)"]
@@ -78,15 +82,6 @@ class Driven(NamedTuple):
     """Unit directions in space in which the edge drives the tip, the best one first."""
     lean: Annotated[Floats, "(n_tip, 3)"]
     """Of the plane of the segment from the director."""
-
-
-class _Tried(NamedTuple):
-    """Poses and twists of the tool at the times tried."""
-
-    rotation: Annotated[Floats, "(n_tip, 3, 3)"]
-    translation: Annotated[Floats, "(n_tip, 3)"]
-    spin: Annotated[Floats, "(n_tip, 3)"]
-    velocity: Annotated[Floats, "(n_tip, 3)"]
 
 
 class BladeDrive:
@@ -111,13 +106,13 @@ class BladeDrive:
             off=np.zeros(n),
             passed=np.zeros(n, np.bool_),
             rotation=np.zeros((n, 3, 3)),
+            translation=np.zeros((n, 3)),
+            spin=np.zeros((n, 3)),
+            velocity=np.zeros((n, 3)),
             time=np.zeros(n),
             seeking=np.zeros(n, np.bool_),
             ways=np.zeros((n, len(LOOK_AHEAD) + 1, 3)),
             lean=np.zeros((n, 3)),
-        )
-        self._tried = _Tried(
-            np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
         )
 
     def find(
@@ -148,22 +143,22 @@ class BladeDrive:
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
-        found, tried, motion, pose_at = self.driven, self._tried, self._motion, self._pose_at
-        tried.rotation[:], tried.translation[:] = pose_at(time)
-        tried.spin[:], tried.velocity[:] = motion.twist(time)
+        found, motion, pose_at = self.driven, self._motion, self._pose_at
+        found.rotation[:], found.translation[:] = pose_at(time)
+        found.spin[:], found.velocity[:] = motion.twist(time)
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
-        count = self._try_poses(x, size, self.edges, tried, found, reach, edge < 0, True)
+        count = self._try_poses(x, size, self.edges, found, reach, edge < 0, True)
         for k in range(TURNS):
             if not count:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    tried.rotation[i], tried.translation[i] = pose_at(later)
-                    tried.spin[i], tried.velocity[i] = motion.twist(later)
+                    found.rotation[i], found.translation[i] = pose_at(later)
+                    found.spin[i], found.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
-            count = self._try_poses(x, size, self.edges, tried, found, reach, False, more)
+            count = self._try_poses(x, size, self.edges, found, reach, False, more)
         return found
 
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
@@ -187,7 +182,6 @@ def _try_poses(
     x: Floats,
     size: Floats,
     edges: CuttingEdges,
-    tried: _Tried,
     found: Driven,
     reach: float,
     seek: bool,
@@ -198,14 +192,14 @@ def _try_poses(
     x : (n_tip, 3), [mm].  size : (n_tip,), [mm].  reach : see :meth:`BladeDrive.find`.  seek :
     whether the edges are to be found, at poses of now.  more : whether another time may be tried.
     """
-    edges, tried, found = borrowed(edges), borrowed(tried), borrowed(found)
+    edges, found = borrowed(edges), borrowed(found)
     count = 0
     for i in range(size.shape[0]):
         if not found.seeking[i]:
             continue
         found.seeking[i] = False
-        here, R = load(x, i), tried.rotation
-        gap = sub(here, load(tried.translation, i))
+        R = found.rotation
+        gap = sub(load(x, i), load(found.translation, i))
         p = (
             R[i, 0, 0] * gap[0] + R[i, 1, 0] * gap[1] + R[i, 2, 0] * gap[2],
             R[i, 0, 1] * gap[0] + R[i, 1, 1] * gap[1] + R[i, 2, 1] * gap[2],
@@ -223,14 +217,11 @@ def _try_poses(
         if not seek:
             d = sub(p, segment_part(edges.segments, edge, START))
             found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
-        for a in range(3):
-            for b in range(3):
-                found.rotation[i, a, b] = R[i, a, b]
         left = reach * size[i] - depth
         if not more or abs(left) <= NEAR * size[i]:
             continue
-        turning = cross(load(tried.spin, i), gap)
-        v = load(tried.velocity, i)
+        turning = cross(load(found.spin, i), gap)
+        v = load(found.velocity, i)
         speed = 0.0
         for a in range(3):
             back = R[i, a, 0] * k[0] + R[i, a, 1] * k[1] + R[i, a, 2] * k[2]

@@ -55,12 +55,12 @@ class Branching:
     law : CohesiveLaw
         Of the cables.
     fracture : Fracture
-        How often is looked, and the largest speed.
+        How often is looked.
 
     Raises
     ------
     ValueError
-        If the film has axes, or the largest speed is below that at which a crack branches.
+        If the film has axes.
     """
 
     def __init__(self, material: ShellMaterial, law: CohesiveLaw, fracture: Fracture) -> None:
@@ -74,11 +74,6 @@ class Branching:
         self._check_every = fracture.check_every
         self.speed = SHARE * rayleigh_speed(material)
         """From which a crack may branch [mm/s]."""
-        if fracture.largest_speed is not None and fracture.largest_speed < self.speed:
-            raise ValueError(
-                f"a crack in this film branches from {self.speed:.4g} mm/s on, and largest_speed = "
-                f"{fracture.largest_speed:.4g} mm/s lets none run so fast: leave out one of them"
-            )
 
     def require_checks(self, step: float, size: float) -> None:
         """Refuse checks so rare that no crack runs as fast as one that branches.

@@ -1,39 +1,64 @@
-"""The cracks of a film: along the sides of the mesh or through its quads."""
+"""Cracks of a film: who is due, and how a crack advances by one quad or side.
+
+Read :meth:`Cracks.cut_due` first. Each part has its file: where a crack goes (:mod:`.crack_path`),
+when it is due (:mod:`.trial_cut`), which tips a blade drives (:mod:`.blade_drive`, all at once
+:mod:`.tip_watch`), where the others run (:mod:`.free_direction`, along sides only
+:mod:`.side_tears`), where a cut begins (:mod:`.pierce`), and the cut itself (:mod:`.cuts`).
+"""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import State
+from shellcut.state import NOTCH, KnownTopology, State
+from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .cuts import Cuts
-from .free_cracks import FreeCracks
+from .blade_drive import BladeDrive
+from .branching import Branching, ways
+from .crack_path import ONCOMING, CrackPath
+from .cuts import Cut, Cuts
+from .free_direction import FreeDirection
+from .notch_line import NotchLine, row_at
 from .options import Fracture
+from .pierce import Pierce
+from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
+from .ray_ahead import JOIN
+from .side_tears import Due, LargestStress, SideTears
+from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
+from .tip_watch import TipWatch
+from .trial_cut import TrialCut, TrialSums
+
+_SAME_PLACE = 1e-6
+"""Of the local edge length: tips that are no farther from each other are at one place."""
 
 
 class Cracks:
-    """All cracks of a film, notches included.
+    """All cracks of a film, notches included: through its quads, or along its sides only.
 
     Parameters
     ----------
     state : State
         Before the first cut.
     fracture : Fracture
-        How cracks start and run.
+        How they start and run.
     law : CohesiveLaw
         Of the cables that join the two sides of a cut.
     shell, loads : MITC4Shell, LoadSet
         Give the forces that hold a film together.
-    tool : Tool, optional
-        Whose edges cut.
-    motion : Motion, optional
-        Of the tool, for cracks through quads.
+    tool, motion : Tool, Motion, optional
+        Whose edges cut, and how they move.
     """
 
     def __init__(
@@ -43,25 +68,44 @@ class Cracks:
         law: CohesiveLaw,
         shell: MITC4Shell,
         loads: LoadSet,
-        tool: Tool | None,
+        tool: Tool | None = None,
         motion: Motion | None = None,
     ) -> None:
-        if tool is not None and not tool.n_edge:
-            tool = None  # a blunt tool cuts nothing: it only pushes
-        self._check_every = fracture.check_every
-        self.cuts = Cuts(
-            state,
-            shell,
-            law,
-            fracture.anisotropy,
-            loads=loads,
-            at_gauss_points=fracture.cable_places == "gauss",
-        )
+        film, gauss = fracture.anisotropy, fracture.cable_places == "gauss"
+        self.cuts = Cuts(state, shell, law, film, loads=loads, at_gauss_points=gauss)
         """Carries them out."""
-        self.free = FreeCracks(state, self.cuts, fracture, law, shell, loads, tool, motion)
+        self.tips = tips_of_notches(state)
+        self._check_every = fracture.check_every
+        self._shell = shell
+        self._known = KnownTopology()
+        self._checked = False
+        self._branching: Branching | None = None
+        if fracture.branching:
+            self._branching = Branching(shell.material, law, fracture)
+        topology = self.cuts.topology
+        self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
+        self._exactly = fracture.equilibrium_start
+        self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
+        self._sums = TrialSums(self._trial)
+        self._sides: SideTears | None = None
+        self.stress: LargestStress | None = None
+        """Decides when cracks run, instead of the nodal force."""
+        if self._path.sides_only:
+            self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
+            self.stress = self._sides.stress
+        self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
+        self._pierce: Pierce | None = None
+        # A blunt tool cuts nothing: it only pushes.
+        if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
+            drive = BladeDrive(CuttingEdges.of(tool), motion)
+            self._watch = TipWatch(self._path, self._trial, drive, self.stress)
+            size = float(np.sqrt(shell.area.max()))
+            self._pierce = Pierce(state, self._path, drive, size)
 
     def cut_due(self, state: State, pose: Pose) -> None:
-        """Cut what must be cut now, in every ``check_every``-th step.
+        """Advance every crack that is due, and begin cuts where blades enter.
+
+        In every ``check_every``-th step.
 
         Parameters
         ----------
@@ -72,17 +116,323 @@ class Cracks:
         """
         if state.step % self._check_every:
             return
-        self.free.run(state, pose)
+        if self._pierce is None:
+            self._advance_free(state)
+            return
+        while self._advance_driven(state):
+            pass
+        self._begin_cuts(state, pose)
 
-    def forget(self, state: State) -> None:
-        """Give up the tips in film that has been taken out."""
-        self.free.forget(state)
+    def _advance_free(self, state: State) -> None:
+        """Advance the cracks that no blade drives and that are due, by one quad at most.
+
+        A crack then runs no faster than an edge length in ``check_every`` steps.
+        """
+        self._require_checks(state)
+        for tip in list(self.tips):
+            if not self._known.is_of(state):
+                self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
+                self._known.take(state)
+            if tip not in self.tips:
+                continue  # another crack has just joined it
+            if tip.branch and self._branching is not None:
+                tip.branch = not self._branching.is_alone(*self._apart(state, tip))
+            find = self._through_quads if self._sides is None else self._sides.best
+            due = find(state, tip, self.tips)
+            if due is None or due.measure < 1.0 or self._is_held(state, due.segment):
+                continue
+            if not self._branch(state, tip, due.segment):
+                self._advance(state, tip, due.segment, "criterion", due.measure, due.force)
+
+    def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
+        """Return along which segment a crack would run that no blade drives."""
+        ways = self._direction.ways(state, tip, tips, alone=not tip.branch)
+        found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
+        segment = next((one for one in found if one is not None), None)
+        if segment is None:
+            return None
+        return Due(segment, self._sums.of_tear(state, tip, segment))
+
+    def _is_held(self, state: State, segment: Segment) -> bool:
+        """Whether moving supports hold the film together through which a segment would go."""
+        nodes = state.quads[segment.row]
+        if self._path.sides_only:
+            nodes = nodes[[corner_at(segment.entry)]]
+        return bool(state.node.support_rate[nodes].any())
+
+    def _require_checks(self, state: State) -> None:
+        """Refuse checks that are too rare for cracks that may branch, when tips are first seen."""
+        if self._branching is None or self._checked or not self.tips:
+            return
+        self._checked = True
+        ahead = [self._path.rows_ahead(tip) for tip in self.tips]
+        sizes = [self._path.size(rows[0][0]) for rows in ahead if rows]
+        if sizes:
+            self._branching.require_checks(state.dt, min(sizes))
+
+    def _apart(self, state: State, tip: Tip) -> tuple[float, float]:
+        """Return the edge length at a tip, and how near the nearest other tip is [mm]."""
+        row, _ = self._path.rows_ahead(tip)[0]
+        return self._path.size(row), self._path.nearest(state, tip, self.tips)
+
+    def _branch(self, state: State, tip: Tip, segment: Segment) -> bool:
+        """Run a crack on along two segments, if it may branch; return whether it did.
+
+        segment : along which it runs if it does not branch.
+        """
+        if self._branching is None:
+            return False
+        if not self._branching.may_branch(tip, state.time, *self._apart(state, tip)):
+            return False
+        place = self._path.place_in(state, segment.row, segment.entry)
+        way = self._path.way_of(state, segment)
+        both = []
+        for one in ways(way, place.t):
+            found = self._path.segment_from(state, tip, one, others=self.tips)
+            if found is None or self._is_held(state, found):
+                return False
+            if (measure := self._sums.of_tear(state, tip, found)) < 1.0:
+                return False
+            both.append((found, measure))
+        (left, measure), (right, other_measure) = both
+        if (left.row, left.exit) == (right.row, right.exit):
+            return False  # a corner or a crossing has drawn both to it
+        # What lies to the right of the first cut keeps its row, where the second one goes.
+        self._advance(state, tip, left, "criterion", measure, branch=True)
+        again = self._path.segment(state, right.row, right.entry, ways(way, place.t)[1])
+        if again is not None:
+            cut = self._cut(state, again, "criterion", other_measure)
+            self._end_at(state, again, cut, 1, tip.heading, branch=True)
+            self.cuts.wake(state)
+        return True
+
+    def notch(self, state: State, points: Floats) -> None:
+        """Cut the film along a line through points, see :meth:`.Simulation.notch`.
+
+        points : (n, 3) [mm].
+        """
+        line, before = NotchLine(points), len(state.split_log)
+        tip = self._slit(state, line)
+        for start, stop in itertools.pairwise(points):
+            # The line may have more than its first point before the rim.
+            tip = tip or self._path.rim_tip(state, start, stop)
+            if tip is not None or row_at(state, stop) is not None:
+                break
+        if tip is None:
+            raise ValueError(
+                f"a notch must begin at the rim of the film or within it: {points[0].tolist()} mm "
+                f"lies outside, and no side of the rim between it and {stop.tolist()} mm is "
+                "nearer to that line than it is long"
+            )
+        while tip is not None and (ahead := self._path.rows_ahead(tip)):
+            at = self._path.place_in(state, *ahead[0])
+            way, lean = line.direction(self._path.reference_of(state, tip), at)
+            segment = self._path.segment_from(state, tip, way, lean, self.tips)
+            if segment is None and len(state.split_log) == before:
+                raise ValueError(
+                    f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
+                    "leaves it there: move its first point into the film, off the sides of quads"
+                )
+            if segment is None:
+                return
+            cut = self._cut(state, segment, NOTCH, 0.0)
+            tip = self._tip_after(state, segment, cut, 1, tip.heading)
+            if tip is not None and line.ends(self._path.reference_of(state, tip), cut.length):
+                self.tips.append(replace(tip, length=0.0))
+                return
+
+    def _slit(self, state: State, line: NotchLine) -> Tip | None:
+        """Cut the quad in which a notch within the film begins; return the tip where it goes on."""
+        found = row_at(state, line.start)
+        if found is None or self.cuts.topology.polygon(found[0]) != WHOLE:
+            return None
+        row, place = found
+        way, lean = line.direction(line.start, self._path.place_in(state, row, place))
+        back, ahead = (self._path.segment(state, row, place, w, lean) for w in (-way, way))
+        if back is None or ahead is None:
+            return None
+        cut = self._through(state, back, ahead, NOTCH)
+        if cut is None:
+            return None
+        behind = self._tip_after(state, back, cut, 0, -cut.heading)
+        if behind is not None:
+            self.tips.append(replace(behind, length=0.0))
+        return self._tip_after(state, ahead, cut, 1, cut.heading)
+
+    def _through(self, state: State, back: Segment, ahead: Segment, kind: str) -> Cut | None:
+        """Cut a whole quad from where one ray from within leaves it to where the other does.
+
+        If these are the ends of one side, that is broken.
+        """
+        row, start, stop, end = ahead.row, back.exit, ahead.exit, ahead.corner
+        side = common_side(WHOLE, start, stop)
+        if side is None:
+            chord = Segment(row, start, stop, ahead.side, end)
+        elif min(back.corner, end) < 0 or not self._path.may_break(row, back.corner, end):
+            return None
+        else:
+            chord = Segment(row, start, stop, side, end, along_side=True)
+        return self._cut(state, chord, kind, 0.0)
+
+    def _advance_driven(self, state: State) -> bool:
+        """Advance the cracks that a blade drives and that are due; return whether there are any."""
+        watch, went_on = self._watch, False
+        self.tips = watch.alive(state, self.tips)
+        due = watch.due(state, self.tips)
+        for i, tip in [one for one in enumerate(self.tips) if due[one[0]]]:
+            if went_on:  # a cut may change what the next one has ahead
+                there = watch.alive(state, [tip]) if tip in self.tips else []
+                i, due = 0, watch.due(state, there, self.tips)
+            if due[i:].any() and (segment := watch.segment(i)):
+                measure = float(watch.weighed.measure[i])
+                kind = "criterion" if measure >= 1.0 else "blade"
+                self._advance(state, tip, segment, kind, measure, watch.weighed.force[i])
+                went_on = True
+        return went_on
+
+    def _cut(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
+        """Cut along a segment; tips that lie on it keep what is behind them."""
+        cut = self.cuts.along(state, segment, kind, measure)
+        for tip in self.tips:
+            if segment.row in tip.behind and not segment.along_side:
+                tip.behind = (*tip.behind, cut.rows[1])
+        return cut
+
+    def _advance(
+        self,
+        state: State,
+        tip: Tip,
+        segment: Segment,
+        kind: str,
+        measure: float,
+        force: Floats | None = None,
+        *,
+        branch: bool = False,
+    ) -> None:
+        """Run a crack on along a segment, which may be one of two branches.
+
+        force : F_c of a crack along a side, which its first cables take over.
+        """
+        n_cable, forces = state.n_cable, [] if force is None else [force.copy()]
+        if self._exactly:
+            forces.append(-self._sums.at_start(state, segment.reversed()))
+        self.tips.remove(tip)
+        cut = self._cut(state, segment, kind, measure)
+        pace: Pace = ()
+        if not branch and self._branching is not None:
+            size = self._path.size(segment.row)
+            pace = self._branching.pace_after(tip, state.time, cut.length, size)
+        self._end_at(state, segment, cut, 1, tip.heading, pace, branch=branch or tip.branch)
+        self.cuts.wake(state)
+        if segment.along_side:
+            self.cuts.hand_over(state, cut, forces, n_cable, exactly=self._exactly)
+
+    def _end_at(
+        self,
+        state: State,
+        segment: Segment,
+        cut: Cut,
+        end: int,
+        came: Floats,
+        pace: Pace = (),
+        *,
+        branch: bool = False,
+    ) -> None:
+        """Put a tip where the crack goes on from an end of what has been cut."""
+        tip = self._tip_after(state, segment, cut, end, came)
+        if tip is not None:
+            tip.pace, tip.branch = pace, branch
+            self.tips.append(tip)
+
+    def _tip_after(
+        self, state: State, segment: Segment, cut: Cut, end: int, came: Floats
+    ) -> Tip | None:
+        """Return the tip at an end of what has been cut, None at a rim.
+
+        Where the crack is open there it has come to a rim or to another crack, whose tip there is
+        one no more: it goes on from the other flank, unless that crack has come towards it; the two
+        are one then. Tips of other cracks at that place stay.
+
+        segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.  came : (3,),
+        heading before the cut.
+        """
+        heading = cut.heading if end else -cut.heading
+        if segment.side != FLANK and not cut.is_open(state, end):
+            tip = self._path.tip_at(segment, heading, cut.length)
+            return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
+        here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
+        near = _SAME_PLACE * self._path.size(segment.row)
+        gaps = [norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
+        there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
+        joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
+        if joined is not None and product(joined.heading, came) < ONCOMING:
+            self.tips.remove(joined)
+            return None
+        if cut.kind != NOTCH and self._pierce is None:
+            return None  # a tear begins at no edge of the film
+        self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
+        return self._path.tip_across(state, segment, heading)
+
+    def _joins_along_a_side(self, state: State, tip: Tip, kind: str) -> bool:
+        """Tear a side from a new tip to an oncoming crack that ends on it; return whether one does.
+
+        kind : of the cut.
+        """
+        here = self._path.reference_of(state, tip)
+        for other in self.tips:
+            between = self._path.between(tip, other)
+            if between is None or product(other.heading, tip.heading) > ONCOMING:
+                continue
+            gap = self._path.reference_of(state, other) - here
+            across = norm(gap - product(gap, tip.heading) * tip.heading)
+            if across < JOIN * self._path.size(tip.quad):
+                self.cuts.along(state, between, kind, 0.0)
+                self.tips.remove(other)
+                return True
+        return False
+
+    def _begin_cuts(self, state: State, pose: Pose) -> None:
+        """Cut the film that an edge goes through away from the tips that it drives."""
+        assert self._pierce is not None
+        driven = self._watch.driven_places()
+        for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
+            whole = self.cuts.topology.polygon(row)
+            # The edge runs between the flanks of its own cut, which has halved nodes or quads.
+            if state.node.halved[state.quads[row]].any() or whole != WHOLE:
+                continue
+            for back, ahead in self._pierce.ways(state, row, place, edge, self.tips):
+                cut = self._through(state, back, ahead, "blade")
+                if cut is not None:
+                    break
+            else:
+                continue
+            self._end_at(state, back, cut, 0, -cut.heading)
+            self._end_at(state, ahead, cut, 1, cut.heading)
+            self.cuts.wake(state)
+
+    def tip_nodes(self, state: State) -> Ints:
+        """Return the nodes where cracks along sides end."""
+        return self._path.nodes_of(state, self.tips)
+
+    def at_tips(self, rows: Floats) -> Floats:
+        """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
+        at = [self._path.at_tip(tip, rows) for tip in self.tips]
+        return np.array(at).reshape(-1, rows.shape[1])
 
     def saved(self) -> dict[str, Any]:
-        """Return what has been cut, and where the cracks end."""
-        return {"cuts": self.cuts.saved(), "free": self.free.saved()}
+        """Return what has been cut, the tips, the list of film near the edges, and a count."""
+        return {
+            "cuts": self.cuts.saved(),
+            "tips": saved_tips(self.tips),
+            "near": {} if self._pierce is None else self._pierce.saved(),
+            "n_borrowed": 0 if self.stress is None else self.stress.n_borrowed,
+        }
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`; ``state`` is restored already."""
         self.cuts.restore(saved["cuts"])
-        self.free.restore(state, saved["free"])
+        self.tips = restored_tips(saved["tips"])
+        if self._pierce is not None:
+            self._pierce.restore(state, saved["near"])
+        if self.stress is not None:
+            self.stress.n_borrowed = saved["n_borrowed"]

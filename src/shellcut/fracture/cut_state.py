@@ -29,7 +29,7 @@ from .quad_polygon import (
     CORNERS,
     UNUSED,
     Point,
-    corner_at,
+    along_side,
     density,
     film_beside,
     on_side,
@@ -37,7 +37,7 @@ from .quad_polygon import (
     share_of,
     span,
 )
-from .segment import Segment
+from .tip import Segment
 
 LEAST_MASS = 0.05
 """Of a quad or copy that is cut, the mass that either part gets at least."""
@@ -68,50 +68,31 @@ def cut_row(state: State, shell: MITC4Shell, topology: CutTopology, segment: Seg
     return new
 
 
-def sides_of(
-    topology: CutTopology, shell: MITC4Shell, segment: Segment
-) -> tuple[int, int, list[int], list[tuple[Point, Point]]]:
-    """Return what lies along a segment that runs along a side of the mesh.
+def side_under(shell: MITC4Shell, segment: Segment) -> tuple[tuple[int, int], tuple[float, float]]:
+    """Return the side of the mesh along which a segment runs, and which part of it.
 
-    Its two nodes of the mesh, the rows to its right and left, and its ends in the quad of each; -1
-    for a row where the side is a rim.
+    The nodes of the side in the direction of the segment, and fractions of it from the first.
     """
     ring = shell.mesh_quads[segment.row].tolist()
-    a, b = ring[corner_at(segment.entry)], ring[corner_at(segment.exit)]
-    rows, chords = [-1, -1], [(segment.entry, segment.exit)] * 2
-    for row, corner in topology.corners_at(a):
-        around = shell.mesh_quads[row].tolist()
-        if b not in around:
-            continue
-        other = around.index(b)
-        left = other == (corner + 1) % 4  # counter-clockwise: its film lies to the left
-        if span(topology.polygon(row), corner if left else other) is not None:
-            rows[left], chords[left] = row, (CORNERS[corner], CORNERS[other])
-    return a, b, rows, chords
+    a, b = ring[segment.side], ring[(segment.side + 1) % 4]
+    start, stop = (along_side(segment.side, place) for place in (segment.entry, segment.exit))
+    return ((a, b), (start, stop)) if start < stop else ((b, a), (1.0 - start, 1.0 - stop))
 
 
-def part_of_side(
-    topology: CutTopology, shell: MITC4Shell, side: tuple[int, int], start: float, stop: float
+def rows_along(
+    topology: CutTopology, side: tuple[int, int], part: tuple[float, float]
 ) -> tuple[list[int], list[tuple[Point, Point]]]:
-    """Return what lies along a part of a side of the mesh: rows to the right and left, and chords.
+    """Return the rows to the right and left of a part of a side, and its ends in the quad of each.
 
-    As :func:`sides_of`.
-
-    side : nodes of the mesh.  start, stop : fractions of it from the first of them.
+    side, part : as of :func:`side_under`.
     """
-    a, b = side
-    rows, chords = [-1, -1], [(CORNERS[0], CORNERS[0])] * 2
-    for row, corner in topology.corners_at(a):
-        ring = shell.mesh_quads[row].tolist()
-        if b not in ring:
-            continue
-        up = ring[(corner + 1) % 4] == b
-        k = corner if up else (corner - 1) % 4
+    (start, stop), rows, chords = part, [-1, -1], [(CORNERS[0], CORNERS[0])] * 2
+    for row, k, up in topology.rows_beside(*side):
         first, last = (start, stop) if up else (1.0 - start, 1.0 - stop)
         held = span(topology.polygon(row), k)
         if held is not None and held[0] < 0.5 * (first + last) < held[1]:
-            left = up == (stop > start)  # counter-clockwise: its film lies to the left
-            rows[left], chords[left] = row, (on_side(k, first), on_side(k, last))
+            # A quad's sides run counter-clockwise: its film lies to their left.
+            rows[up], chords[up] = row, (on_side(k, first), on_side(k, last))
     return rows, chords
 
 
@@ -129,8 +110,6 @@ def renew_nodes(
         of_node: dict[int, list[list[Corner]]] = {}
         for members in topology.classes(mesh_node):
             row, corner = members[0]
-            if state.quad.dropped[row]:
-                continue  # its piece has been taken out of the run
             of_node.setdefault(int(state.quads[row, corner]), []).append(members)
         for node, groups in of_node.items():
             groups.sort(key=lambda members: (not topology.is_real(members), members))

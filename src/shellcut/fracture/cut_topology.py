@@ -16,7 +16,7 @@ all follow from it:
   nodes of that side, and the crack is closed there;
 * a crack along a side of the mesh breaks that side, and cuts no quad. The node at its far end
   holds on: its other sides keep its quads together until one of these breaks, too;
-* a part of a side between two cracks that end on it may be torn: no polygons overlap there.
+* so does a part of a side between two cracks that end on it: no polygons overlap there.
 
 Nothing else records the crack. A cut only ever divides classes, it never joins them.
 """
@@ -59,8 +59,8 @@ class CutTopology:
         self._rows: dict[int, list[int]] = {}
         self._polygons: dict[int, Polygon] = {}
         self._parents: list[int] = []
-        self._broken: set[tuple[int, int]] = set()
-        self._torn: dict[tuple[int, int], list[tuple[float, float]]] = {}
+        # Of sides by their nodes, ascending: from where to where they are broken.
+        self._broken: dict[tuple[int, int], list[tuple[float, float]]] = {}
 
     @property
     def n_row(self) -> int:
@@ -85,8 +85,8 @@ class CutTopology:
         return sorted(self._polygons)
 
     def opened_rows(self) -> list[int]:
-        """Return the rows that are cut or touch a broken or torn side, ascending."""
-        nodes = {node for side in (*self._broken, *self._torn) for node in side}
+        """Return the rows that are cut or touch a broken side, ascending."""
+        nodes = {node for side in self._broken for node in side}
         rows = {row for node in nodes for row, _ in self.corners_at(node)}
         return sorted(rows.union(self._polygons))
 
@@ -116,15 +116,9 @@ class CutTopology:
     def crossings(self, a: int, b: int) -> list[float]:
         """Return where cracks cross the side between two nodes of the mesh, as fractions of it."""
         found = set()
-        for row, corner in self.corners_at(a):
-            if row not in self._polygons:
-                continue  # a whole quad lies on all of its sides
-            ring = self._quads[self.parent(row)].tolist()
-            if b not in ring:
-                continue
-            up = ring[(corner + 1) % 4] == b
-            held = span(self.polygon(row), corner if up else (corner - 1) % 4)
-            if held is not None:
+        for row, side, up in self.rows_beside(a, b):
+            # A whole quad lies on all of its sides.
+            if row in self._polygons and (held := span(self.polygon(row), side)) is not None:
                 found |= {s if up else 1.0 - s for s in held}
         return sorted(s for s in found if _OVERLAP < s < 1.0 - _OVERLAP)
 
@@ -137,42 +131,49 @@ class CutTopology:
         if polygon == WHOLE:
             del self._polygons[row], self._rows[quad]
 
-    def break_side(self, a: int, b: int) -> None:
-        """Break the side between two nodes of the mesh."""
-        self._broken |= {(a, b), (b, a)}
+    def break_side(self, a: int, b: int, start: float = 0.0, stop: float = 1.0) -> None:
+        """Break the side between two nodes of the mesh, or a part of it between two cracks' ends.
+
+        start < stop : fractions of it from a.
+        """
+        if a > b:
+            a, b, start, stop = b, a, 1.0 - stop, 1.0 - start
+        self._broken.setdefault((a, b), []).append((start, stop))
 
     def mend_side(self, a: int, b: int) -> None:
-        """Undo :meth:`break_side`."""
-        self._broken -= {(a, b), (b, a)}
+        """Undo the last :meth:`break_side` of a side."""
+        side = min(a, b), max(a, b)
+        self._broken[side].pop()
+        if not self._broken[side]:
+            del self._broken[side]
 
-    def tear(self, a: int, b: int, start: float, stop: float) -> None:
-        """Tear the side between two nodes of the mesh, a < b, between two fractions of it from a.
-
-        Both are places on it where cracks end.
-        """
-        self._torn.setdefault((a, b), []).append((min(start, stop), max(start, stop)))
+    def broken_parts(self, a: int, b: int) -> list[tuple[float, float]]:
+        """Return from where to where the side between two nodes is broken, as fractions from a."""
+        parts = self._broken.get((min(a, b), max(a, b)), [])
+        return parts if a < b else [(1.0 - stop, 1.0 - start) for start, stop in parts]
 
     def is_broken(self, a: int, b: int) -> bool:
-        """Return whether the side between two nodes of the mesh is broken."""
-        return (a, b) in self._broken
-
-    def open_parts(self, row: int, side: int) -> list[tuple[float, float]]:
-        """Return from where to where a side of a row is broken or torn, as fractions of it."""
-        ring = self._quads[self.parent(row)].tolist()
-        a, b = ring[side], ring[(side + 1) % 4]
-        if self.is_broken(a, b):
-            return [(0.0, 1.0)]
-        parts = self._torn.get((min(a, b), max(a, b)), ())
-        return [part if a < b else (1.0 - part[1], 1.0 - part[0]) for part in parts]
+        """Return whether the whole side between two nodes of the mesh is broken."""
+        return (0.0, 1.0) in self._broken.get((min(a, b), max(a, b)), ())
 
     def corners_at(self, node: int) -> list[Corner]:
         """Return all copies around a node of the mesh with their corner there, by quad and row."""
         around = self._quads_around(node)
         return [(row, ring.index(node)) for quad, ring in around for row in self.rows_of(quad)]
 
-    def beside(self, a: int, b: int) -> list[int]:
-        """Return the quads of the mesh on the side between two of its nodes."""
-        return [quad for quad, ring in self._quads_around(a) if b in ring]
+    def rows_beside(self, a: int, b: int) -> list[tuple[int, int, bool]]:
+        """Return all copies on the side between two nodes of the mesh, by quad and row.
+
+        With each which of its sides that is, and whether it leads from a to b.
+        """
+        found = []
+        for quad, ring in self._quads_around(a):
+            if b in ring:
+                corner = ring.index(a)
+                up = ring[(corner + 1) % 4] == b
+                side = corner if up else (corner - 1) % 4
+                found += [(row, side, up) for row in self.rows_of(quad)]
+        return found
 
     def _found_around(self, node: int) -> list[tuple[int, list[int]]]:
         """Return the quads of the mesh at a node of it, and the nodes of each."""
@@ -225,17 +226,15 @@ class CutTopology:
         # Both quads are counter-clockwise: what one goes up the other goes down.
         low, high = max(one[0], 1.0 - other[1]), min(one[1], 1.0 - other[0])
         overlap = high - low
-        if self._torn and overlap > _OVERLAP:
+        if self._broken and overlap > _OVERLAP:
             ring = self._quads[self.parent(row)].tolist()
-            a, b = ring[side], ring[(side + 1) % 4]
-            for start, stop in self._torn.get((min(a, b), max(a, b)), ()):
-                first, last = (start, stop) if a < b else (1.0 - stop, 1.0 - start)
-                overlap -= max(0.0, min(high, last) - max(low, first))
+            for start, stop in self.broken_parts(ring[side], ring[(side + 1) % 4]):
+                overlap -= max(0.0, min(high, stop) - max(low, start))
         return overlap > _OVERLAP
 
     def saved(self) -> dict[str, Any]:
-        """Return polygons, parents, broken and torn sides as arrays."""
-        torn = [(side, part) for side, parts in sorted(self._torn.items()) for part in parts]
+        """Return polygons, parents and broken sides as arrays."""
+        broken = [(*side, *part) for side, parts in sorted(self._broken.items()) for part in parts]
         rows = sorted(self._polygons)
         polygons = [self._polygons[row] for row in rows]
         return {
@@ -244,18 +243,16 @@ class CutTopology:
             "n_point": np.array([len(p.points) for p in polygons], np.int64),
             "points": np.array([q for p in polygons for q in p.points]).reshape(-1, 2),
             "sides": np.array([side for p in polygons for side in p.sides], np.int64),
-            "broken": np.array(sorted(self._broken), np.int64).reshape(-1, 2),
-            "torn_sides": np.array([side for side, _ in torn], np.int64).reshape(-1, 2),
-            "torn_parts": np.array([part for _, part in torn], float).reshape(-1, 2),
+            "broken_sides": np.array([one[:2] for one in broken], np.int64).reshape(-1, 2),
+            "broken_parts": np.array([one[2:] for one in broken], float).reshape(-1, 2),
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._parents = saved["parents"].tolist()
-        self._broken = {(a, b) for a, b in saved["broken"].tolist()}
-        self._torn = {}
-        for (a, b), part in zip(saved["torn_sides"].tolist(), saved["torn_parts"], strict=True):
-            self.tear(a, b, *part.tolist())
+        self._broken = {}
+        for side, part in zip(saved["broken_sides"], saved["broken_parts"], strict=True):
+            self.break_side(*side.tolist(), *part.tolist())
         self._rows, self._polygons = {}, {}
         n = len(self._quads)
         for i, quad in enumerate(self._parents):

@@ -2,7 +2,7 @@
 
 A cut along a segment divides a quad or breaks a side, gives the flanks nodes of their own where
 they part (:mod:`.cut_state`), lays cables across it (:mod:`.segment_cables`) and writes it down.
-Where a crack goes, and when, is asked elsewhere: :mod:`.free_cracks`.
+Where a crack goes, and when, is asked elsewhere: :mod:`.cracks`.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, product, unit
+from shellcut.arrays import Floats, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
-from .cut_state import cut_row, nodes_at, part_of_side, renew_nodes, sides_of
+from .cut_state import cut_row, nodes_at, renew_nodes, rows_along, side_under
 from .cut_topology import CutTopology
-from .quad_polygon import Point, film_moments, shape_functions, spans
-from .segment import Segment
+from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
 from .segment_cables import SegmentCables
+from .tip import Segment
 
 
 class Cut(NamedTuple):
@@ -48,16 +48,6 @@ class Cut(NamedTuple):
             for row, chord in zip(self.rows, self.chords, strict=True)
         )
         return minus != plus
-
-    def way(self, state: State, heading: Floats) -> Floats:
-        """Return its unit direction in space, the way that ``heading`` points, shape (3,)."""
-        row, (start, stop) = next(
-            (row, chord) for row, chord in zip(self.rows, self.chords, strict=True) if row >= 0
-        )
-        along = np.array(shape_functions(stop)) - np.array(shape_functions(start))
-        way = product(along, state.node.x[state.quads[row]])
-        sign = np.copysign(1.0, product(self.heading, heading))
-        return np.asarray(sign * unit(way))
 
 
 class Cuts:
@@ -103,7 +93,9 @@ class Cuts:
         return not self.topology.cut_rows()
 
     def along(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
-        """Cut a row along a segment, or break a side; its cables sleep until :meth:`wake`.
+        """Cut a row along a segment, or break a side or a part of it.
+
+        Its cables sleep until :meth:`wake`.
 
         Parameters
         ----------
@@ -118,9 +110,10 @@ class Cuts:
         """
         topology, shell, length = self.topology, self._shell, _length(state, segment)
         if segment.along_side:
-            a, b, rows, chords = sides_of(topology, shell, segment)
-            topology.break_side(a, b)
-            corners = [a, b]
+            side, part = side_under(shell, segment)
+            rows, chords = rows_along(topology, side, part)
+            topology.break_side(*side, *part)
+            corners = [*side]
         else:
             rows = [segment.row, cut_row(state, shell, topology, segment)]
             self._share_loads(rows)
@@ -139,34 +132,6 @@ class Cuts:
         way = np.array(shape_functions(segment.exit)) - entry
         return Cut(rows, chords, product(way, state.node.X[nodes]) / length, length, kind)
 
-    def tear(
-        self, state: State, side: tuple[int, int], start: float, stop: float, kind: str
-    ) -> None:
-        """Cut the part of a side of the mesh between two cracks that end on it.
-
-        Parameters
-        ----------
-        state : State
-            Written.
-        side : tuple of int
-            Nodes of the mesh at its ends, ascending.
-        start, stop : float
-            Where the cracks end, as fractions of it from the first of these.
-        kind : str
-            As in :class:`shellcut.state.SplitRecord`; a notch has no cables.
-        """
-        n = state.node
-        rows, chords = part_of_side(self.topology, self._shell, side, start, stop)
-        self.topology.tear(*side, start, stop)
-        places = [x[side[0]] + start * (x[side[1]] - x[side[0]]) for x in (n.x, n.X)]
-        way = n.X[side[1]] - n.X[side[0]]
-        length = abs(stop - start) * float(norm(way))
-        _write_down(state, (places[0], places[1]), rows, kind, 0.0)
-        renew_nodes(state, self._shell, self.topology, side)
-        if kind != NOTCH:
-            self._cables.lay(rows, chords, length)
-            state.crack_length += length
-
     def wake(self, state: State) -> None:
         """Make the cables of segments that have come to be open at one of their ends."""
         self._cables.wake(state, self._shell.area)
@@ -178,7 +143,7 @@ class Cuts:
         minus, plus = (
             nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
         )
-        if minus != plus:
+        if minus != plus and corner_at(chords[0][0]) >= 0:
             node, twin = sorted(minus | plus)
             state.split_log[-1] = replace(state.split_log[-1], node=node, twin=twin)
 

@@ -21,10 +21,21 @@ from shellcut.arrays import Bools, Floats, Ints, product
 from shellcut.state import State
 
 from .cut_topology import CutTopology
-from .quad_fans import flanks_among
-from .quad_polygon import FLANK, Point, along_side, corner_at, on_side, shape_functions, side_at
+from .open_edges import crack_edges
+from .quad_polygon import (
+    FLANK,
+    Point,
+    along_side,
+    corner_at,
+    edges,
+    fraction_between,
+    on_side,
+    shape_functions,
+    side_at,
+)
 
-# Places on one side, or in one quad, closer than this are one, in its parametric length.
+# Places on one side, or in one quad, that agree so far in its parametric length are one.
+_DIGITS = 6
 _SAME = 1e-6
 
 
@@ -37,10 +48,9 @@ class DrawnFilm(NamedTuple):
     """And their weights; a node that is drawn itself has the weight 1, shape (n_point, 4)."""
     polygons: Ints
     """Points of every row, counter-clockwise, shape (n_row, n_corner), n_corner >= 4; one with
-    fewer corners repeats its last point. Of rows that have been taken out they mean nothing."""
+    fewer corners repeats its last point."""
     crack_edges: Ints
-    """Points of both flanks of every crack edge, shape (n, 2, 2), as
-    :func:`shellcut.fracture.quad_fans.open_edge_copies`."""
+    """Points of both flanks of every crack edge, shape (n, 2, 2)."""
 
     @classmethod
     def of(cls, state: State, topology: CutTopology) -> DrawnFilm:
@@ -57,39 +67,23 @@ class DrawnFilm(NamedTuple):
         return np.asarray((flags[self.nodes] | (self.weight == 0.0)).all(axis=1))
 
 
-class _Places:
-    """Numbers places, those within ``_SAME`` of each other alike."""
-
-    def __init__(self, first: int) -> None:
-        self.count = first
-        self._known: dict[tuple[int, ...], list[tuple[tuple[float, ...], int]]] = {}
-
-    def number(self, owner: tuple[int, ...], place: tuple[float, ...]) -> int:
-        """Return the number of a place of an owner, a new one at first."""
-        known = self._known.setdefault(owner, [])
-        for other, number in known:
-            if max(abs(a - b) for a, b in zip(place, other, strict=True)) < _SAME:
-                return number
-        known.append((place, self.count))
-        self.count += 1
-        return self.count - 1
-
-
 class _Outlines:
     """Builds a :class:`DrawnFilm`."""
 
     def __init__(self, state: State, topology: CutTopology) -> None:
         self._state, self._topology = state, topology
-        n, flank = state.n_node, state.flank
-        drawn = state.node.real[:n].copy()
+        flank = state.flank
+        drawn = state.node.real[: state.n_node].copy()
         drawn[flank.node[: flank.count]] = False
         self._drawn = np.flatnonzero(drawn)
         self._id = np.cumsum(drawn) - 1
         self._nodes: list[list[int]] = []
         self._weight: list[tuple[float, ...]] = []
         self._reference: list[int] = []
-        self._points = _Places(self._drawn.size)
-        self._references = _Places(n)
+        # Points by where they are: in a quad, or on a side between two nodes; and by where they
+        # were in the film before it was cut.
+        self._points: dict[tuple[float, ...], int] = {}
+        self._references: dict[tuple[float, ...], int] = {}
         # Places on sides of the mesh, as fractions of the way from the lower origin of its nodes.
         self._on: dict[tuple[int, int], list[float]] = {}
         self._in_quad: dict[int, list[Point]] = {}
@@ -97,8 +91,7 @@ class _Outlines:
     def film(self) -> DrawnFilm:
         """Return it."""
         state, topology = self._state, self._topology
-        gone = state.quad.dropped
-        cut = [row for row in topology.cut_rows() if not gone[row]]
+        cut = topology.cut_rows()
         for row in cut:
             for place in topology.polygon(row).points:
                 self._point(row, place)
@@ -118,7 +111,7 @@ class _Outlines:
             np.concatenate(nodes),
             np.concatenate(weight),
             polygons,
-            flanks_among(polygons[~gone[: state.n_quad]], reference),
+            crack_edges(polygons, reference),
         )
 
     def _touched(self) -> set[int]:
@@ -128,20 +121,17 @@ class _Outlines:
         sides = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=2), axis=2)
         keys = [i * n + j for i, j in self._on]
         touched = np.isin(product(sides, np.array([n, 1])), keys).any(axis=1)
-        there = ~self._state.quad.dropped[: self._state.n_quad]
-        return set(np.flatnonzero(touched & there).tolist())
+        return set(np.flatnonzero(touched).tolist())
 
     def _outline(self, row: int) -> list[int]:
         """Return the points around a row, those that its neighbours have on its sides too."""
         polygon, ring = self._topology.polygon(row), self._state.quads[row].tolist()
         outline = []
-        ends = (*polygon.points[1:], polygon.points[0])
-        for start, end, side in zip(polygon.points, ends, polygon.sides, strict=True):
+        for start, end, side in edges(polygon):
             between: list[tuple[float, int]] = []
             if side == FLANK:
                 for place in self._in_quad.get(self._topology.parent(row), ()):
-                    s = _between(start, end, place)
-                    if s is not None:
+                    if (s := fraction_between(start, end, place)) is not None:
                         between.append((s, self._point(row, place)))
             else:
                 a, b = (int(self._state.node.origin[ring[k % 4]]) for k in (side, side + 1))
@@ -161,10 +151,10 @@ class _Outlines:
             return int(self._id[ring[corner]])
         side = side_at(place)
         if side < 0:
+            at = tuple(round(one, _DIGITS) for one in place)
             parent = self._topology.parent(row)
-            return self._numbered(
-                (row, -1), place, ring, shape_functions(place), (parent, -1), place
-            )
+            weight = shape_functions(place)
+            return self._numbered((row, *at), ring, weight, (parent, *at))
         a, b = ring[side], ring[(side + 1) % 4]
         s = along_side(side, place)
         if a > b:
@@ -173,35 +163,24 @@ class _Outlines:
         i, j, of_reference = int(origin[a]), int(origin[b]), s
         if i > j:
             i, j, of_reference = j, i, 1.0 - s
-        weights = (1.0 - s, s, 0.0, 0.0)
-        n_reference = self._references.count
-        point = self._numbered((a, b), (s,), [a, b, a, a], weights, (i, j), (of_reference,))
-        if self._references.count > n_reference:
+        reference = i, j, -1, round(of_reference, _DIGITS)
+        if reference not in self._references:
             self._on.setdefault((i, j), []).append(of_reference)
-        return point
+        at_side = a, b, -1, round(s, _DIGITS)
+        return self._numbered(at_side, [a, b, a, a], (1.0 - s, s, 0.0, 0.0), reference)
 
     def _numbered(
         self,
-        owner: tuple[int, int],
         place: tuple[float, ...],
         nodes: list[int],
         weight: tuple[float, ...],
-        reference_owner: tuple[int, int],
-        reference_place: tuple[float, ...],
+        reference: tuple[float, ...],
     ) -> int:
-        point = self._points.number(owner, place)
-        if point == self._drawn.size + len(self._nodes):
+        """Return the point at a place, a new one at first."""
+        if place not in self._points:
+            self._points[place] = self._drawn.size + len(self._nodes)
             self._nodes.append(nodes)
             self._weight.append(weight)
-            self._reference.append(self._references.number(reference_owner, reference_place))
-        return point
-
-
-def _between(start: Point, end: Point, place: Point) -> float | None:
-    """Return where a place lies between two others, as a fraction of the way; None if elsewhere."""
-    way = end[0] - start[0], end[1] - start[1]
-    gap = place[0] - start[0], place[1] - start[1]
-    length = np.hypot(*way)
-    off = abs(way[0] * gap[1] - way[1] * gap[0]) / length
-    along = (way[0] * gap[0] + way[1] * gap[1]) / length
-    return along / length if off < _SAME and _SAME < along < length - _SAME else None
+            new = self._state.n_node + len(self._references)
+            self._reference.append(self._references.setdefault(reference, new))
+        return self._points[place]

@@ -1,4 +1,4 @@
-"""The edges of a film that is cut: rims, flanks of cracks, and sides that are broken or torn.
+"""The edges of a film that is cut: rims, flanks of cracks, and sides that are broken.
 
 From a tip the crack's own flanks lead back (:meth:`FilmEdges.way_back`), as far as no other edge of
 the film touches them: not the rim at which it began, nor the other branch, nor its own way where it
@@ -16,7 +16,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
 from .cut_topology import CutTopology
-from .quad_polygon import CORNERS, FLANK, Point, beyond, on_side
+from .quad_polygon import CORNERS, FLANK, Point, beyond, edges, on_side
 
 SAME = 1e-5
 """Of a length of several edges: ends of edges that are nearer are one place, far above
@@ -54,7 +54,7 @@ class FilmEdges:
 
     def find(self) -> None:
         """Find the edges of the film as it is cut now."""
-        topology, film = self._topology, self._shell.reference
+        topology, film, mesh = self._topology, self._shell.reference, self._shell.mesh_quads
         looked_at = topology.opened_rows()
         whole = self._rim.copy()
         whole[[row for row in looked_at if row < len(whole)]] = False
@@ -64,13 +64,13 @@ class FilmEdges:
         places: list[tuple[Point, Point]] = []
         outside: list[list[int]] = []
         for cut in looked_at:
-            polygon, rim = topology.polygon(cut), self._rim[topology.parent(cut)]
-            points = polygon.points
-            for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
+            quad = topology.parent(cut)
+            polygon, rim, ring = topology.polygon(cut), self._rim[quad], mesh[quad].tolist()
+            for a, b, side in edges(polygon):
                 parts = [(a, b)]
                 if side != FLANK and not rim[side]:
-                    opened = topology.open_parts(cut, side)
-                    parts = [(on_side(side, start), on_side(side, stop)) for start, stop in opened]
+                    broken = topology.broken_parts(ring[side], ring[(side + 1) % 4])
+                    parts = [(on_side(side, start), on_side(side, stop)) for start, stop in broken]
                 rows += [cut] * len(parts)
                 places += parts
                 outside += [beyond(*part) if side == FLANK else [] for part in parts]

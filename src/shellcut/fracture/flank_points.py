@@ -83,21 +83,10 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     inward : Point
         A place a little further along the flank.
     """
-    node = state.node.append_copy(int(state.quads[row, 0]))
-    n = state.node
-    k = state.flank.append_blank()
-    f = state.flank
+    n, f = state.node, state.flank
+    node, k = n.append_blank(), f.append_blank()
     f.node[k], f.place[k], f.inward[k] = node, place, inward
     f.weight[k] = shape_functions(place)
-    n.mass[node] = n.inertia[node] = 0.0
-    n.push[node] = 0.0
-    n.spin_half[node] = 0.0
-    n.supported[node] = False
-    n.support[node] = False
-    n.support_rate[node] = n.reaction[node] = n.load_force[node] = n.force_rows[node] = 0.0
-    n.contact_side[node] = 0
-    n.contact_depth[node] = n.contact_offset[node] = n.contact_work[node] = 0.0
-    n.contact_force[node] = n.friction_spring[node] = n.friction_force[node] = 0.0
     n.origin[node] = node
     n.halved[node] = n.real[node] = True
     f.row[k], f.nodes[k] = row, state.quads[row]
@@ -142,7 +131,7 @@ def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: I
     touched = np.flatnonzero(~np.isin(node, untouched))
     seen, (first, other) = _seen_by_contact(f.nodes[touched], f.weight[touched])
     n.real[node] = False
-    n.real[node[touched]] = seen & ~state.quad.dropped[row[touched]]
+    n.real[node[touched]] = seen
     first, other = touched[first], touched[other]
     first, other = first[anew[first]], other[anew[first]]
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2

@@ -3,11 +3,11 @@
 When a crack at its tip runs, by two measures that reach 1:
 
 ``"force"`` (default)
-    The nodal force of a trial cut (:mod:`.trial_sums`). The new cables take over this very force,
+    The nodal force of a trial cut (:mod:`.trial_cut`). The new cables take over this very force,
     so a crack starts near equilibrium.
 ``"stress"``
     sigma_I / sigma_F with the stress recovered at the mid-surface, the paper's
-    (:mod:`.largest_stress`).
+    (:mod:`.side_tears`).
 
 Cracks run from their tips and from where a cutting edge goes through whole film. [Frangi2010] says
 any node, which would also part nodes beside the cut.
@@ -32,10 +32,9 @@ from .anisotropy import Anisotropy
 Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
-DropLoose: TypeAlias = Literal["never", "clear"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places"
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -107,20 +106,7 @@ class Fracture:
             "where the force of a cut ripples less",
         ),
     ] = "ends"
-    largest_speed: Annotated[
-        float | None,
-        Option(
-            "mm/s",
-            "of cracks through quads that no blade drives",
-            above=0,
-            unset="one quad in check_every steps, mostly below the film's Rayleigh speed",
-        ),
-    ] = None
     branching: bool = False
-    drop_loose: Annotated[
-        DropLoose,
-        Option("", "take pieces that nothing holds out of the run once clear of film and tool"),
-    ] = "never"
 
     def __post_init__(self) -> None:
         if problems := list(self._contradictions()):

@@ -36,8 +36,7 @@ from .crack_path import CrackPath
 from .quad_polygon import AWAY, Point, shape_functions
 from .ray_ahead import AT_POINT, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
-from .segment import Segment
-from .tip import Tip
+from .tip import Segment, Tip
 
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0

@@ -12,6 +12,7 @@ space; on a warped one it is the area seen along n. The shares of all copies sum
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import hypot
 from typing import NamedTuple, TypeAlias
 
@@ -78,16 +79,16 @@ def along_side(side: int, point: Point) -> float:
     return 0.5 * (1.0 + (c if (start[0] + start[1] < end[0] + end[1]) else -c))
 
 
+def edges(polygon: Polygon) -> Iterator[tuple[Point, Point, int]]:
+    """Yield the edges of a polygon: two points, and the side of the quad, or FLANK."""
+    points = polygon.points
+    return zip(points, (*points[1:], points[0]), polygon.sides, strict=True)
+
+
 def span(polygon: Polygon, side: int) -> tuple[float, float] | None:
     """Return from where to where a polygon lies on a side, as fractions of it; None if nowhere."""
-    points = polygon.points
-    for i, lies_on in enumerate(polygon.sides):
-        if lies_on == side:
-            return (
-                along_side(side, points[i]),
-                along_side(side, points[(i + 1) % len(points)]),
-            )
-    return None
+    ends = ((a, b) for a, b, lies_on in edges(polygon) if lies_on == side)
+    return next(((along_side(side, a), along_side(side, b)) for a, b in ends), None)
 
 
 def has_corner(polygon: Polygon, corner: int) -> bool:
@@ -109,7 +110,7 @@ def side_at(point: Point) -> int:
 
 def side_of(polygon: Polygon, point: Point) -> int | None:
     """Return the side on which a point of a polygon's boundary lies, FLANK or None."""
-    for a, b, side in zip(polygon.points, _turned(polygon), polygon.sides, strict=True):
+    for a, b, side in edges(polygon):
         along = (point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])
         length = _distance(a, b)
         near = abs(_cross(a, b, point)) < _SAME * length
@@ -120,24 +121,21 @@ def side_of(polygon: Polygon, point: Point) -> int | None:
 
 def holds(polygon: Polygon, point: Point) -> bool:
     """Return whether a point lies in a polygon or on its boundary."""
-    return all(
-        _cross(a, b, point) > -_SAME for a, b in zip(polygon.points, _turned(polygon), strict=True)
-    )
+    return all(_cross(a, b, point) > -_SAME for a, b, _ in edges(polygon))
 
 
 def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
     """Return on which side of the quad two points of a polygon lie, None if on no common edge."""
-    for a, b, side in zip(polygon.points, _turned(polygon), polygon.sides, strict=True):
-        if is_on(one, a, b) and is_on(other, a, b):
-            return side
-    return None
+    on = (side for a, b, side in edges(polygon) if is_on(one, a, b) and is_on(other, a, b))
+    return next(on, None)
 
 
-def is_between(point: Point, a: Point, b: Point) -> bool:
-    """Return whether a point lies on the way from a to b."""
-    d = b[0] - a[0], b[1] - a[1]
-    part = (point[0] - a[0]) * d[0] + (point[1] - a[1]) * d[1]
-    return is_on(point, a, b) and 0.0 < part < d[0] ** 2 + d[1] ** 2
+def fraction_between(a: Point, b: Point, point: Point) -> float | None:
+    """Return where a point lies between a and b, as a fraction of the way; None if elsewhere."""
+    d, gap = (b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1])
+    length = hypot(*d)
+    along = (d[0] * gap[0] + d[1] * gap[1]) / length
+    return along / length if is_on(point, a, b) and AWAY < along < length - AWAY else None
 
 
 def is_on(point: Point, a: Point, b: Point) -> bool:
@@ -152,32 +150,26 @@ def beyond(a: Point, b: Point) -> list[int]:
     return [c for c in range(4) if _cross(a, b, CORNERS[c]) < -_SAME]
 
 
-def centre_of(polygon: Polygon) -> Point:
-    """Return the mean of a polygon's points."""
-    x, y = (np.add.reduce(polygon.points) / len(polygon.points)).tolist()
-    return x, y
-
-
 def film_beside(polygon: Polygon) -> Point:
     """Return a place that shows on which side of its flanks the film of a polygon lies.
 
     The mean of its points, but at least ``_CLEAR`` of the parametric square from the flanks, beyond
     the polygon of a sliver.
     """
-    centre, points = centre_of(polygon), polygon.points
+    centre = np.add.reduce(polygon.points) / len(polygon.points)
     mid, inward, n = np.zeros(2), np.zeros(2), 0
-    for a, b, side in zip(points, _turned(polygon), polygon.sides, strict=True):
+    for a, b, side in edges(polygon):
         if side == FLANK:
             length = _distance(a, b)
             inward += (a[1] - b[1]) / length, (b[0] - a[0]) / length
             mid += 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
             n += 1
     size = float(np.hypot(*inward))
-    if size < _SAME:
-        return centre
-    off = float(product(centre - mid / n, inward)) / size
-    x, y = centre + max(0.0, _CLEAR - off) / size * inward
-    return float(x), float(y)
+    if size >= _SAME:
+        off = float(product(centre - mid / n, inward)) / size
+        centre = centre + max(0.0, _CLEAR - off) / size * inward
+    x, y = centre.tolist()
+    return x, y
 
 
 def divide(polygon: Polygon, start: Point, end: Point) -> tuple[Polygon, Polygon]:
@@ -281,13 +273,13 @@ def _with_point(polygon: Polygon, point: Point) -> tuple[Polygon, int]:
     for i, p in enumerate(polygon.points):
         if _distance(p, point) < _SAME:
             return polygon, i
-    for i, (a, b) in enumerate(zip(polygon.points, _turned(polygon), strict=True)):
+    for i, (a, b, side) in enumerate(edges(polygon)):
         length = _distance(a, b)
         along = ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length
         if abs(_cross(a, b, point)) < _SAME * length and 0.0 < along < length:
             points, sides = list(polygon.points), list(polygon.sides)
             points.insert(i + 1, point)
-            sides.insert(i + 1, sides[i])
+            sides.insert(i + 1, side)
             return Polygon(tuple(points), tuple(sides)), i + 1
     raise ValueError(f"the end of a cut must lie on the polygon {polygon.points}, got {point}")
 
@@ -296,10 +288,6 @@ def _loop(polygon: Polygon, which: list[int]) -> Polygon:
     """Return the polygon of some of the points, closed by a flank."""
     sides = [polygon.sides[i] for i in which[:-1]]
     return Polygon(tuple(polygon.points[i] for i in which), (*sides, FLANK))
-
-
-def _turned(polygon: Polygon) -> tuple[Point, ...]:
-    return (*polygon.points[1:], polygon.points[0])
 
 
 def _cross3(a: list[float], b: list[float]) -> list[float]:

@@ -22,8 +22,9 @@ the ray turns.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -31,9 +32,11 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
+from shellcut.state import State
 
 from .quad_polygon import AWAY, FLANK
-from .rows_ahead import AT_END_ON_FLANK, AT_END_POINT, NO_SIDE, RowsAhead
+from .rows_ahead import NO_SIDE, RowsAhead
+from .tip import Segment
 
 JOIN = 0.3
 """Ends of cracks that come towards a tip are met if nearer than this, in edge lengths across the
@@ -54,9 +57,13 @@ GRAZE = 0.2
 """Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
 side of it, runs along that side, and the segment passes the corner on the near side."""
 
-AT_POINT, ALONG_SIDE, AT_CROSSING, ON_SIDE, ON_FLANK = range(5)
-"""Where a segment ends: at a point of the polygon, the same along a side of the mesh, on a crossing
-of another crack, on a side between crossings, on a flank."""
+AT_POINT, ALONG_SIDE, AT_END, AT_CROSSING, ON_SIDE, ON_FLANK = range(6)
+"""Where a segment ends: at a point of the polygon, the same along a side of the mesh, where an
+oncoming crack does, on a crossing of another crack, on a side between crossings, on a flank."""
+
+
+Ray: TypeAlias = tuple[Vec3, Vec3, Vec3]
+"""Where a ray begins, the unit normal to its plane, and its unit direction."""
 
 
 class Aimed(NamedTuple):
@@ -64,8 +71,8 @@ class Aimed(NamedTuple):
 
     way: Annotated[Ints, "(n_tip, 4)"]
     """Which row ahead, -1 if the tip has none; where it ends (AT_POINT to ON_FLANK); at which point
-    or edge; on which side of the quad at a point, else at or after how many crossings of the edge
-    from the last one."""
+    or edge; on which side of the quad at a point or end, else at or after how many crossings of the
+    edge from the last one."""
     nodes: Annotated[Ints, "(n_tip, 4)"]
     """Of that row."""
     entry: Annotated[Floats, "(n_tip, 2)"]
@@ -78,6 +85,15 @@ class Aimed(NamedTuple):
         """Return the table of n tips without segments."""
         way, nodes = np.full((n, 4), -1), np.zeros((n, 4), np.int64)
         return cls(way, nodes, np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(n))
+
+    @classmethod
+    def along(cls, state: State, segments: Sequence[Segment]) -> Aimed:
+        """Return the table of some segments, whose ways are not asked for."""
+        found = cls.of(len(segments))
+        for i, one in enumerate(segments):
+            found.nodes[i], found.right[i] = state.quads[one.row], one.right
+            found.entry[i], found.exit[i] = one.entry, one.exit
+        return found
 
 
 @kernel
@@ -144,14 +160,14 @@ def through(
         return False
     normal = scale(1.0 / norm(normal), normal)
     if joining:
-        return _to_an_end(ahead, k, i, here, normal, way, x, aimed)
+        return _to_an_end(ahead, k, i, (here, normal, way), x, aimed)
     n, hit, along, best, first_is_nearer = ahead.n_point[k], -1, 0.0, np.inf, True
     for j in range(n):
         if ahead.on_edge[k, j]:
             continue
-        start = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        start = _gap(ahead, k, j, x, here)
         b = (j + 1) % n
-        stop = sub(at(ahead, k, ahead.point[k, b, 0], ahead.point[k, b, 1], x), here)
+        stop = _gap(ahead, k, b, x, here)
         off_a, off_b = dot(start, normal), dot(stop, normal)
         if off_a * off_b > 0.0 or off_a == off_b:
             continue
@@ -160,12 +176,12 @@ def through(
         if 0.0 < far < best:
             best, hit, along, first_is_nearer = far, j, s, abs(off_a) <= abs(off_b)
     if ahead.sides_only:
-        return hit >= 0 and _along_a_side(ahead, k, i, here, normal, way, x, aimed)
+        return hit >= 0 and _along_a_side(ahead, k, i, (here, normal, way), x, aimed)
     if hit < 0:
-        return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
+        return _past_a_corner(ahead, k, i, (here, normal, way), x, aimed)
     for end in range(2):
         j = (hit + (end if first_is_nearer else 1 - end)) % n
-        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = _gap(ahead, k, j, x, here)
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
@@ -182,22 +198,14 @@ def through(
 
 
 @inline
-def _along_a_side(
-    ahead: RowsAhead,
-    k: int,
-    i: int,
-    here: Vec3,
-    normal: Vec3,
-    way: Vec3,
-    x: Floats,
-    aimed: Aimed,
-) -> bool:
+def _along_a_side(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i along the side of row k at the least angle to the ray."""
+    here, normal, way = ray
     least, found = np.inf, False
     for j in range(ahead.n_point[k]):
         if not ahead.breaks[k, j]:
             continue
-        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = _gap(ahead, k, j, x, here)
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if far > 0.0 and off < least * far:
             least, found = off / far, True
@@ -208,47 +216,25 @@ def _along_a_side(
 
 
 @inline
-def _to_an_end(
-    ahead: RowsAhead,
-    k: int,
-    i: int,
-    here: Vec3,
-    normal: Vec3,
-    way: Vec3,
-    x: Floats,
-    aimed: Aimed,
-) -> bool:
+def _to_an_end(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i through row k to where an oncoming crack ends near the ray."""
+    here, normal, way = ray
     nearest, found = JOIN * ahead.size[k], False
     for c in range(ahead.first_end[k], ahead.first_end[k + 1]):
         gap = sub(at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
         off = abs(dot(gap, normal))
         if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
-            kind, edge, nth = AT_CROSSING, ahead.end_edge[c], ahead.end_nth[c]
-            if nth == AT_END_POINT:
-                kind, nth = AT_POINT, ahead.side[k, edge]
-                if nth == FLANK:
-                    nth = ahead.side[k, (edge + ahead.n_point[k] - 1) % ahead.n_point[k]]
-            elif nth == AT_END_ON_FLANK:
-                kind, nth = ON_FLANK, 0
-            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = kind, edge, nth
+            aimed.way[i, 1], aimed.way[i, 2] = AT_END, ahead.end_edge[c]
+            aimed.way[i, 3] = ahead.end_side[c]
             aimed.exit[i, 0], aimed.exit[i, 1] = ahead.end[c, 0], ahead.end[c, 1]
     return found
 
 
 @inline
-def _past_a_corner(
-    ahead: RowsAhead,
-    k: int,
-    i: int,
-    here: Vec3,
-    normal: Vec3,
-    way: Vec3,
-    x: Floats,
-    aimed: Aimed,
-) -> bool:
+def _past_a_corner(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i that passes a corner of row k along whose side the ray runs."""
+    here, normal, way = ray
     n, on, count = ahead.n_point[k], -1, 0
     for j in range(n):
         if ahead.on_edge[k, j]:
@@ -259,7 +245,7 @@ def _past_a_corner(
         j = on if end else (on + 1) % n
         edge = (on + n - 1) % n if end else j
         side = ahead.side[k, edge]
-        gap = sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        gap = _gap(ahead, k, j, x, here)
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
             continue
@@ -340,6 +326,12 @@ def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
         total += area * (ahead.J[k, 0] + slope / 3.0)
         j = after
     return total
+
+
+@inline
+def _gap(ahead: RowsAhead, k: int, j: int, x: Floats, here: Vec3) -> Vec3:
+    """Return the way from a place to point j of the polygon of row k."""
+    return sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
 
 
 @inline

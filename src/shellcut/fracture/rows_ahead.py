@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 from math import hypot
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
@@ -17,10 +17,10 @@ from .quad_polygon import (
     FLANK,
     Point,
     Polygon,
-    along_side,
     common_side,
     corner_at,
     density,
+    edges,
     holds,
     is_on,
     on_side,
@@ -28,13 +28,22 @@ from .quad_polygon import (
     share_of,
 )
 from .tip import Tip
-from .tip_places import End, TipPlaces
 
-AT_END_POINT, AT_END_ON_FLANK = -1, -2
-"""Of ``end_nth``: the other crack ends at a point of the polygon, or on a flank."""
+if TYPE_CHECKING:
+    from .crack_path import CrackPath
 
 NO_SIDE = -2
 """Of ``common``: two points of a polygon are on no common edge."""
+
+
+class End(NamedTuple):
+    """Where a crack ends at the boundary of a row."""
+
+    place: Point
+    edge: int
+    """Edge of the polygon on which it lies, or point at which it is."""
+    side: int
+    """Side of the quad on which it lies, FLANK if on none."""
 
 
 class Tips(NamedTuple):
@@ -91,15 +100,15 @@ class RowsAhead(NamedTuple):
     end: Annotated[Floats, "(n_end, 2)"]
     """Their places."""
     end_edge: Annotated[Ints, "(n_end,)"]
-    """Edge of the polygon on which one lies, or point at which it is ..."""
-    end_nth: Annotated[Ints, "(n_end,)"]
-    """... and which crossing of that edge it is, -1 at a point, -2 on a flank."""
+    """Edge of the polygon on which one lies, or point at which it is."""
+    end_side: Annotated[Ints, "(n_end,)"]
+    """Side of the quad on which it lies, or FLANK."""
     sides_only: bool
     """Whether cracks go along sides of the mesh only."""
 
 
 def tips_of(
-    state: State, places: TipPlaces, tips: Sequence[Tip], others: Sequence[Tip] = ()
+    state: State, places: CrackPath, tips: Sequence[Tip], others: Sequence[Tip] = ()
 ) -> tuple[Tips, RowsAhead]:
     """Return the tables of some tips, and of others that they may join.
 
@@ -127,7 +136,7 @@ def tips_of(
 
 def table_of(
     state: State,
-    places: TipPlaces,
+    places: CrackPath,
     every: Sequence[tuple[int, Point]],
     ends: Sequence[Sequence[End]],
 ) -> RowsAhead:
@@ -160,19 +169,12 @@ def table_of(
         first_end=np.cumsum([0, *map(len, ends)]),
         end=np.array([end.place for end in oncoming]).reshape(-1, 2),
         end_edge=np.array([end.edge for end in oncoming], np.int64),
-        end_nth=np.zeros(len(oncoming), np.int64),
+        end_side=np.array([end.side for end in oncoming], np.int64),
         sides_only=places.sides_only,
     )
     known: list[tuple[float, bool]] = []
     for k, (row, entry) in enumerate(every):
         _fill(found, k, polygons[k], places, row, entry, known)
-        for e, end in enumerate(ends[k], found.first_end[k]):
-            side = int(found.side[k, end.edge])
-            found.end_nth[e] = AT_END_POINT if end.at_point else AT_END_ON_FLANK
-            if side != FLANK and not end.at_point:
-                s = along_side(side, end.place)
-                crossings = known[slice(*found.crossing[k, end.edge])]
-                found.end_nth[e] = np.argmin([abs(one - s) for one, _ in crossings])
     return found._replace(
         known=np.array([s for s, _ in known]),
         can_meet=np.array([can for _, can in known], np.bool_),
@@ -189,7 +191,7 @@ def _fill(
     table: RowsAhead,
     k: int,
     polygon: Polygon,
-    places: TipPlaces,
+    places: CrackPath,
     row: int,
     entry: Point,
     known: list[tuple[float, bool]],
@@ -217,8 +219,8 @@ def _outline(polygon: Polygon, entry: Point) -> tuple[int, list[int], list[int],
     points, first = polygon.points, 0
     common = (common_side(polygon, entry, point) for point in points)
     on_edge = []
-    for j, after in enumerate((*points[1:], points[0]), 1):
-        on_edge.append(is_on(entry, points[j - 1], after))
+    for j, (before, after, _) in enumerate(edges(polygon), 1):
+        on_edge.append(is_on(entry, before, after))
         if on_edge[-1] and hypot(after[0] - entry[0], after[1] - entry[1]) > AWAY:
             first = j % len(points)
     sides = [NO_SIDE if side is None else side for side in common]

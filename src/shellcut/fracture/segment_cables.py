@@ -48,15 +48,12 @@ _HAIR = 1e-3
 class _Sleeping:
     """A cable both ends of which are at the same nodes."""
 
-    row_minus: int
-    """Copy to the right of the crack."""
-    row_plus: int
-    place_minus: Point
+    rows: list[int]
+    """Copies to the right of the crack and to its left."""
+    places: tuple[Point, Point]
     """Its place in the quad of either."""
-    place_plus: Point
-    inward_minus: Point
+    inward: tuple[Point, Point]
     """A little further along the segment."""
-    inward_plus: Point
     far: Point
     """Other end of the segment, in the quad of the first."""
     way: float
@@ -70,7 +67,7 @@ class _Sleeping:
     def of(cls, row: list[float]) -> _Sleeping:
         """Return a cable from its numbers in the order of the fields."""
         a, b, c, d, far = [(row[k], row[k + 1]) for k in range(2, 12, 2)]
-        return cls(int(row[0]), int(row[1]), a, b, c, d, far, row[12], row[13])
+        return cls([int(row[0]), int(row[1])], (a, b), (c, d), far, row[12], row[13])
 
 
 class SegmentCables:
@@ -139,28 +136,17 @@ class SegmentCables:
     ) -> None:
         """Lay a cable at a part ``at`` of the chord in either row."""
         inward = at + _HAIR if at else _INWARD
-        self._sleeping.append(
-            _Sleeping(
-                rows[0],
-                rows[1],
-                _between(*minus, at),
-                _between(*plus, at),
-                _between(*minus, inward),
-                _between(*plus, inward),
-                minus[1],
-                way,
-                length,
-            )
-        )
+        places = _between(*minus, at), _between(*plus, at)
+        ahead = _between(*minus, inward), _between(*plus, inward)
+        self._sleeping.append(_Sleeping([*rows], places, ahead, minus[1], way, length))
 
     def follow(self, state: State, topology: CutTopology, row: int, new: int) -> None:
         """Give the ends of cables on a row that has been cut to the part that they belong to."""
         part, f, c = topology.polygon(new), state.flank, state.cable
         for one in self._sleeping:
-            if one.row_minus == row and holds(part, one.inward_minus):
-                one.row_minus = new
-            if one.row_plus == row and holds(part, one.inward_plus):
-                one.row_plus = new
+            for end in (0, 1):
+                if one.rows[end] == row and holds(part, one.inward[end]):
+                    one.rows[end] = new
         for k in np.flatnonzero(f.row[: f.count] == row).tolist():
             xi, eta = f.inward[k].tolist()
             if holds(part, (xi, eta)):
@@ -177,8 +163,8 @@ class SegmentCables:
         """
         asleep = []
         for one in self._sleeping:
-            minus = nodes_at(state, one.row_minus, one.place_minus)
-            if minus == nodes_at(state, one.row_plus, one.place_plus):
+            minus, plus = map(nodes_at, (state, state), one.rows, one.places)
+            if minus == plus:
                 asleep.append(one)
             else:
                 self._make(state, one)
@@ -194,10 +180,7 @@ class SegmentCables:
         self._known.take(state)
 
     def _make(self, state: State, one: _Sleeping) -> None:
-        ends = [
-            (one.row_minus, one.place_minus, one.inward_minus),
-            (one.row_plus, one.place_plus, one.inward_plus),
-        ]
+        ends = list(zip(one.rows, one.places, one.inward, strict=True))
         if one.length == 0.0:
             for row, place, inward in ends:
                 if corner_at(place) < 0:
@@ -214,8 +197,8 @@ class SegmentCables:
             else:
                 c.ends[k, end] = add_flank_point(state, row, place, inward)
         n = state.node
-        corners = n.x[state.quads[one.row_minus]]
-        here, far = (product(shape_functions(p), corners) for p in (one.place_minus, one.far))
+        corners = n.x[state.quads[one.rows[0]]]
+        here, far = (product(shape_functions(p), corners) for p in (one.places[0], one.far))
         m = unit(one.way * np.cross(n.t[c.ends[k, 0]], far - here))
         c.edge[k] = NOT_MET
         c.length[k] = one.length
@@ -230,8 +213,8 @@ class SegmentCables:
         """Return f for the segment of a cable."""
         if self._anisotropy is None:
             return 1.0
-        X = state.node.X[state.quads[one.row_minus]]
-        start, stop = (product(shape_functions(p), X) for p in (one.place_minus, one.far))
+        X = state.node.X[state.quads[one.rows[0]]]
+        start, stop = (product(shape_functions(p), X) for p in (one.places[0], one.far))
         return self._anisotropy.factor(stop - start, corner_normals(X))
 
     def saved(self) -> Floats:

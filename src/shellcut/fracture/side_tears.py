@@ -2,7 +2,7 @@
 
 From its tip, a node, it may go on along every side that has whole film on both sides of it and by
 which it does not turn too sharply; if all sides turn by more, along those that turn least, for a
-crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_sums`). With the
+crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_cut`). With the
 nodal force F_c and the chord c from where the crack came to where it would go, m being the normal
 to c in the sheet, the measure is
 
@@ -33,10 +33,8 @@ from .crack_path import CrackPath
 from .options import Fracture
 from .quad_polygon import CORNERS, corner_at, shape_functions
 from .ray_ahead import Aimed
-from .segment import Segment
-from .tip import Tip
-from .trial_cut import TrialCut
-from .trial_sums import Trial, TrialSums, Weighed
+from .tip import Segment, Tip
+from .trial_cut import TrialCut, TrialSums, Weighed
 
 # Cosines of two turns that count as the same.
 _SAME_TURN = 1e-6
@@ -156,18 +154,14 @@ class SideTears:
     def _try(self, state: State, tip: Tip) -> _Tried:
         """Return the sides along which a crack may go on, each with its trial cut."""
         segments = self._sides(state, tip)
-        n, sums = len(segments), TrialSums(self._trial_cut)
-        length = self._trial_cut.behind(tip)
+        sums, aimed = TrialSums(self._trial_cut), Aimed.along(state, segments)
+        weighed, length = Weighed.of(len(segments)), self._trial_cut.behind(tip)
         pairs = [self._trial_cut.pairs(state, one) for one in segments]
-        sums.take([Trial(i, length, one) for i, one in enumerate(pairs)])
-        aimed = Aimed.of(n)
-        for i, one in enumerate(segments):
-            aimed.nodes[i] = state.quads[one.row]
-            aimed.entry[i], aimed.exit[i], aimed.right[i] = one.entry, one.exit, one.right
+        sums.take([(i, length, some) for i, some in enumerate(pairs)])
         row, entry = self._path.rows_ahead(tip)[0]
         ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
         nodes = state.quads[[*(one.row for one in segments), row]]
-        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, aimed, Weighed.of(n))
+        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, aimed, weighed)
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""

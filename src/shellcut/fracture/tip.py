@@ -1,7 +1,8 @@
-"""Crack tips: where cracks end, and how a checkpoint keeps them."""
+"""Crack tips and the segments between them, and how a checkpoint keeps tips."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
@@ -10,8 +11,8 @@ import numpy as np
 from shellcut.arrays import Floats, unit
 from shellcut.state import State
 
-from .quad_fans import arriving, crack_tips, fans_of
-from .quad_polygon import Point
+from .open_edges import crack_tips
+from .quad_polygon import Point, along_side, corner_at
 
 # Outside the parametric square: written for a tip that lies on no flank.
 _NOWHERE = (2.0, 2.0)
@@ -40,8 +41,6 @@ class Tip:
     corner; ``ends`` is then of no meaning."""
     behind: tuple[int, ...] = ()
     """Rows that touch that place from behind, the side from which the crack came."""
-    since: float = 0.0
-    """Time from which it may go on if no blade drives it [s]: a crack has a largest speed."""
     pace: Pace = ()
     """Of its latest segments, if it may branch."""
     branch: bool = False
@@ -56,8 +55,7 @@ class Tip:
 def tips_of_notches(state: State) -> list[Tip]:
     """Return the tips of the notches with which a mesh is made."""
     tips = []
-    for node in crack_tips(state):
-        (far, _), *_ = arriving(state, fans_of(state, node))
+    for node, far in crack_tips(state).items():
         heading = unit(state.node.X[node] - state.node.X[far])
         tips.append(Tip((node, node), 0.0, -1, heading, 0.0))
     return tips
@@ -72,7 +70,6 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
         "length": np.array([tip.length for tip in tips], float),
         "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
-        "since": np.array([tip.since for tip in tips], float),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
         "branch": np.array([tip.branch for tip in tips], np.bool_),
@@ -93,7 +90,6 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             heading=saved["heading"][i].copy(),
             length=rows["length"][i],
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
-            since=rows["since"][i],
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
             branch=rows["branch"][i],
             pace=tuple(map(tuple, rows["pace"][ran[i] - rows["n_pace"][i] : ran[i]])),
@@ -102,8 +98,39 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
     ]
 
 
+@dataclass(frozen=True)
+class Segment:
+    """A straight way of a crack through a row."""
+
+    row: int
+    entry: Point
+    exit: Point
+    side: int
+    """Side of the quad on which the exit lies, FLANK on an earlier cut."""
+    corner: int
+    """Corner of the quad at the exit, -1 if it is none."""
+    along_side: bool = False
+    """Whether it runs from corner to corner along a side of the quad."""
+    right: float = 1.0
+    """Share of the row to the right of it, 1 along a side."""
+
+    def reversed(self) -> Segment:
+        """Return the same along a side the other way."""
+        corner = corner_at(self.entry)
+        return Segment(self.row, self.exit, self.entry, self.side, corner, self.along_side)
+
+    def on_side_of(self, ring: Sequence[int]) -> tuple[tuple[int, int], float]:
+        """Return the nodes of the side at which it ends, ascending, and where on it.
+
+        ring : (4,), nodes at the corners of the row.
+        """
+        a, b = ring[self.side], ring[(self.side + 1) % 4]
+        s = along_side(self.side, self.exit)
+        return ((a, b), s) if a < b else ((b, a), 1.0 - s)
+
+
 class Place(NamedTuple):
-    """Where a tip is in the film now, and how it came there."""
+    """Where a tip is in the film now."""
 
     x: Floats
     """Position [mm], shape (3,)."""
@@ -113,5 +140,3 @@ class Place(NamedTuple):
     """Local edge length [mm]."""
     T: Floats
     """Unit director in the reference film, shape (3,)."""
-    heading: Floats
-    """In which direction it came, of any length, shape (3,)."""

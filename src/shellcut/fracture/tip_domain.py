@@ -105,7 +105,6 @@ def _film_around(
     gap = np.linalg.norm(film.x[film.quads].mean(axis=1) - place, axis=1)
     # The far wall of a tube is not around the tip.
     near = (gap < radius) & (product(film.t[film.quads].sum(axis=1), T) > 0.0)
-    near &= ~state.quad.dropped[: len(near)]
     near[list(ahead)] = True
     rows = np.flatnonzero(near)
     nodes, at = np.unique(state.quads[rows], return_inverse=True)

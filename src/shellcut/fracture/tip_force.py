@@ -69,11 +69,6 @@ class TipForce:
         Unit vectors of the sheet at the tip.
     loads : LoadSet, optional
         On the film.
-
-    Raises
-    ------
-    ValueError
-        If the law keeps a history that cannot be frozen.
     """
 
     def __init__(
@@ -84,12 +79,6 @@ class TipForce:
         base: Floats,
         loads: LoadSet | None = None,
     ) -> None:
-        if not gives_back(shell.material):
-            laws = sorted({layer.material.law.name for layer in shell.material.layers})
-            raise ValueError(
-                "the energy released at a tip is known for laws without history, or with a frozen "
-                f"law, got {', '.join(laws)}: let the stress ahead decide"
-            )
         film = shell.reference
         X, T = film.x[film.quads], film.t[film.quads]
         q = np.zeros((len(X), 4))

@@ -19,11 +19,9 @@ from .blade_drive import BladeDrive
 from .crack_path import CrackPath
 from .ray_ahead import Aimed, leave
 from .rows_ahead import RowsAhead, Tips, tips_of
-from .segment import Segment
 from .side_tears import LargestStress
-from .tip import Tip
-from .trial_cut import Pair, TrialCut
-from .trial_sums import Trial, TrialSums, Weighed
+from .tip import Segment, Tip
+from .trial_cut import Pair, TrialCut, TrialSums, Weighed
 
 
 class TipWatch:
@@ -129,8 +127,8 @@ class TipWatch:
         self._pairs.clear()
         self._way = b""
 
-    def _trials(self, state: State) -> list[Trial]:
-        """Return the trial cuts of the tips that have a segment."""
+    def _trials(self, state: State) -> list[tuple[int, float, list[Pair]]]:
+        """Return the trial cuts of the tips that have a segment, see :meth:`.TrialSums.take`."""
         trials = []
         for i, way in enumerate(self._aimed.way):
             segment = self.segment(i)
@@ -139,7 +137,7 @@ class TipWatch:
             key = i, way.tobytes()
             if key not in self._pairs:
                 self._pairs[key] = self._trial_cut.pairs(state, segment)
-            trials.append(Trial(i, self._trial_cut.behind(self._tips[i]), self._pairs[key]))
+            trials.append((i, self._trial_cut.behind(self._tips[i]), self._pairs[key]))
         return trials
 
     def segment(self, i: int) -> Segment | None:

@@ -1,28 +1,57 @@
-"""A cut that is tried: which corners and cables are on either side of it, around its tip.
+"""Nodal force by trial cut: the force with which the flanks ahead of a tip hold each other.
 
-That is a matter of the topology and of which side or corner of the row the segment leads to: the
-cut is tried on the topology, its classes of corners are read off, and it is mended again. Forces,
-positions and the shares of the two parts change with every step (:mod:`.trial_sums`).
+The cut is tried on the topology, its classes of corners are read off, and it is mended again: which
+corners and cables are on either side of it is a matter of the topology and of which side or corner
+of the row the segment leads to. Forces, positions and the shares of the two parts change with every
+step (:class:`TrialSums`). The classes of corners at the tip, with their masses m and the nodal
+forces f that go with them (internal, damping, loads, cables), give the relative acceleration of the
+two flanks at the place P of the tip, and that of a pair of unit forces there:
+
+    d = sum N_a (f_a+ / m_a+ - f_a- / m_a-),      kappa = sum N_a² (1 / m_a+ + 1 / m_a-),
+
+N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
+the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
+with the normal m from the minus to the plus side and the lengths of the segments before and behind
+the tip; the cut is due at 1.
+
+A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
+the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
+flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
+bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
+its plane F_c · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
+be torn by three times the force. So flanks that are pressed, F_c · m < 0, hold the tip only if F_c
+does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
+is taken off the force along the flanks, as in a crack that is sheared under pressure
+([CamachoOrtiz1996]):
+
+    sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
+
+At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.options`).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from math import sqrt
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, product
+from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import State
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store
+from shellcut.state import BROKEN, State
 
 from .anisotropy import Anisotropy
-from .cut_state import sides_of
+from .cut_state import rows_along, side_under
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, Polygon, divide, holds, shape_functions
-from .segment import Segment
-from .tip import Tip
+from .quad_polygon import UNUSED, divide, holds, shape_functions
+from .ray_ahead import Aimed
+from .tip import Segment, Tip
 
 UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
@@ -125,22 +154,17 @@ class TrialCut:
                 pairs.append(Pair(weights[c], sides))
         return pairs
 
-    def _parts(self, segment: Segment) -> dict[int, Polygon]:
-        """Return the parts of a row on the right and left of a segment, by the trial's rows."""
-        whole = self.topology.polygon(segment.row)
-        right, left = divide(whole, segment.entry, segment.exit)
-        return {segment.row: right, self.topology.n_row: left}
-
     def _tried(
         self, segment: Segment, nodes: list[int]
     ) -> tuple[list[int], list[list[list[Corner]]]]:
         """Return the rows on both sides of a trial cut, and classes around nodes of the mesh."""
         topology = self.topology
         if segment.along_side:
-            a, b, rows, _ = sides_of(topology, self._shell, segment)
-            topology.break_side(a, b)
+            side, part = side_under(self._shell, segment)
+            rows, _ = rows_along(topology, side, part)
+            topology.break_side(*side, *part)
             classes = [topology.classes(node) for node in nodes]
-            topology.mend_side(a, b)
+            topology.mend_side(*side)
             return rows, classes
         whole = topology.polygon(segment.row)
         new = topology.cut(segment.row, segment.entry, segment.exit)
@@ -150,16 +174,18 @@ class TrialCut:
 
     def _side(self, state: State, members: list[Corner], segment: Segment) -> Side:
         """Return a class of a trial cut; the row that is only tried is part of the row cut."""
-        new = state.n_quad
-        parts = {} if segment.along_side else {segment.row: RIGHT, new: LEFT}
+        new, tried = state.n_quad, {}
+        if not segment.along_side:
+            whole = self.topology.polygon(segment.row)
+            right, left = divide(whole, segment.entry, segment.exit)
+            tried = {segment.row: (RIGHT, right), new: (LEFT, left)}
         rows = np.array([row if row < new else segment.row for row, _ in members])
         corner = np.array([corner for _, corner in members])
-        tried = {} if segment.along_side else self._parts(segment)
-        part = {row: tried[row] for row, _ in members if row in tried}
+        mine = [tried[row][1] for row, _ in members if row in tried]
 
         def holds_end(row: int, inward: Floats) -> bool:
             """Return whether the side has an end: of the row that is tried it is one part."""
-            return row != segment.row or all(holds(p, tuple(inward)) for p in part.values())
+            return row != segment.row or all(holds(part, tuple(inward)) for part in mine)
 
         f, c = state.flank, state.cable
         at = c.row[: c.count] * 4 + c.corner[: c.count]
@@ -178,6 +204,238 @@ class TrialCut:
             rows=rows,
             corner=corner,
             nodes=state.quads[rows, corner].astype(np.int64),
-            part=np.array([parts.get(row, UNCUT) for row, _ in members]),
+            part=np.array([tried[row][0] if row in tried else UNCUT for row, _ in members]),
             cables=tuple(cables),
         )
+
+
+class _Sums(NamedTuple):
+    """Trial cuts as the kernel takes them."""
+
+    tip: Annotated[Ints, "(n_trial,)"]
+    length: Annotated[Floats, "(n_trial,)"]
+    start: Annotated[Ints, "(n_trial + 1,)"]
+    """First pair of each trial, and the end."""
+    weight: Annotated[Floats, "(n_pair,)"]
+    mass: Annotated[Floats, "(n_pair, 2, 3)"]
+    """Of minus and plus side, in rows WHOLE, RIGHT and LEFT [t]."""
+    member: Annotated[Ints, "(n_member, 4)"]
+    """Pair, side, part (WHOLE, RIGHT, LEFT) and row of the corner forces."""
+    cable: Annotated[Ints, "(n_link, 4)"]
+    """Pair, side, cable and its end."""
+    share: Annotated[Floats, "(n_link,)"]
+    """How much of that cable's force goes with the side."""
+
+
+class Weighed(NamedTuple):
+    """What trial cuts have at their tips."""
+
+    force: Annotated[Floats, "(n_tip, 3)"]
+    """F_c [N]."""
+    normal: Annotated[Floats, "(n_tip, 3)"]
+    """m, the unit normal to the segment in the sheet."""
+    length: Annotated[Floats, "(n_tip,)"]
+    """Of the segment [mm]."""
+    measure: Annotated[Floats, "(n_tip,)"]
+    """F_c · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
+
+    @classmethod
+    def of(cls, n: int) -> Weighed:
+        """Return the table of n tips."""
+        return cls(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.full(n, -np.inf))
+
+
+class TrialSums:
+    """Weighs trial cuts, all that are known of one topology and one set of ends.
+
+    Parameters
+    ----------
+    trial_cut : TrialCut
+        Gives forces and masses.
+    """
+
+    def __init__(self, trial_cut: TrialCut) -> None:
+        self._trial_cut = trial_cut
+        self._weigh = BoundOnce(_weigh_trials)
+        self.take([])
+
+    def take(self, trials: Sequence[tuple[int, float, list[Pair]]]) -> None:
+        """Take the trial cuts that are to be weighed from now on.
+
+        Of each: which of the tips, the length of the segment behind it [mm], and its pairs.
+        """
+        tips, lengths, every = zip(*trials, strict=True) if trials else ((), (), ())
+        pairs = [pair for some in every for pair in some]
+        corners: dict[tuple[int, int], int] = {}
+        members, cables, shares = [], [], []
+        mass = np.zeros((len(pairs), 2, 3))
+        for p, pair in enumerate(pairs):
+            for sign, side in enumerate(pair.sides):
+                np.add.at(mass[p, sign], side.part, self._trial_cut.corner_mass(side))
+                columns = side.rows.tolist(), side.nodes.tolist(), side.part.tolist()
+                for row, node, part in zip(*columns, strict=True):
+                    corner = corners.setdefault((row, node), len(corners))
+                    members.append((p, sign, part, corner))
+                cables += [(p, sign, cable, end) for cable, end, _ in side.cables]
+                shares += [share for _, _, share in side.cables]
+        held = np.array(list(corners), np.int64).reshape(-1, 2)
+        self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
+        self._sums = _Sums(
+            tip=np.array(tips, np.int64),
+            length=np.array(lengths, float),
+            start=np.cumsum([0, *map(len, every)]),
+            weight=np.array([pair.weight for pair in pairs]),
+            mass=mass,
+            member=np.array(members, np.int64).reshape(-1, 4),
+            cable=np.array(cables, np.int64).reshape(-1, 4),
+            share=np.array(shares),
+        )
+
+    def weigh(self, state: State, aimed: Aimed, weighed: Weighed) -> None:
+        """Write what the trials have at their tips.
+
+        Parameters
+        ----------
+        state : State
+            Present positions and forces.
+        aimed : Aimed
+            Segments of the tips; all that have one are among the trials.
+        weighed : Weighed
+            Written, where a tip has a segment.
+        """
+        n, c = state.node, state.cable
+        force = self._trial_cut.corner_forces(state, self._rows, self._nodes)
+        carried = self._trial_cut.carried
+        self._weigh(n.x, n.t, n.X, self._sums, aimed, force, c.status, c.force, carried, weighed)
+
+    def of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
+        """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
+        behind, pairs = self._trial_cut.behind(tip), self._trial_cut.pairs(state, segment)
+        one = self._alone(state, segment, behind, pairs)
+        if one.measure[0] == -np.inf:
+            return -np.inf
+        force, length = one.force[0], float(one.length[0])
+        across, pull = float(product(force, one.normal[0])), sqrt(product(force, force))
+        if across < 0.0:
+            along = sqrt(max(pull * pull - across * across, 0.0))
+            opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
+            pull = max(along + across, 0.0) if opens else 0.0
+        before, after = self._trial_cut.factors(state, tip, segment)
+        return pull / (self._trial_cut.carried * 0.5 * (before * behind + after * length))
+
+    def at_start(self, state: State, segment: Segment) -> Floats:
+        """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
+        pairs = self._trial_cut.pairs(state, segment)
+        return np.asarray(self._alone(state, segment, 0.0, pairs).force[0])
+
+    def _alone(self, state: State, segment: Segment, behind: float, pairs: list[Pair]) -> Weighed:
+        """Return what the trial cut along one segment has; behind : length of that before [mm]."""
+        one = Weighed.of(1)
+        self.take([(0, behind, pairs)])
+        self.weigh(state, Aimed.along(state, [segment]), one)
+        return one
+
+
+@kernel
+def _weigh_trials(
+    x: Floats,
+    t: Floats,
+    X: Floats,
+    sums: _Sums,
+    aimed: Aimed,
+    corner_force: Floats,
+    status: SmallInts,
+    cable_force: Floats,
+    carried: float,
+    weighed: Weighed,
+) -> None:
+    """Write what trial cuts have at their tips.
+
+    x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
+    (n_cable, 2, 3), [N].  carried : sigma_F h [N/mm].
+    """
+    sums, aimed, weighed = borrowed(sums), borrowed(aimed), borrowed(weighed)
+    n_trial = sums.tip.shape[0]
+    owner = np.empty(sums.weight.shape[0], np.int64)
+    for k in range(n_trial):
+        for p in range(sums.start[k], sums.start[k + 1]):
+            owner[p] = sums.tip[k]
+    force = np.zeros((sums.weight.shape[0], 2, 3))
+    for i in range(sums.member.shape[0]):
+        p, side, part, corner = _four(sums.member, i)
+        share = _part(part, aimed.right[owner[p]])
+        for c in range(3):
+            force[p, side, c] += share * corner_force[corner, c]
+    for i in range(sums.cable.shape[0]):
+        p, side, cable, end = _four(sums.cable, i)
+        if status[cable] != BROKEN:
+            for c in range(3):
+                force[p, side, c] += sums.share[i] * cable_force[cable, end, c]
+    for k in range(n_trial):
+        tip = sums.tip[k]
+        right, kappa, d = aimed.right[tip], 0.0, (0.0, 0.0, 0.0)
+        for p in range(sums.start[k], sums.start[k + 1]):
+            for side in range(2):
+                mass = 0.0
+                for part in range(3):
+                    mass += _part(part, right) * sums.mass[p, side, part]
+                sign = 1.0 if side else -1.0
+                d = add_scaled(d, sign * sums.weight[p] / mass, load(force[p], side))
+                kappa += sums.weight[p] ** 2 / mass
+        if kappa == 0.0:
+            weighed.measure[tip] = -np.inf
+            continue
+        m, out = _normal_and_length(x, t, X, aimed, tip)
+        carries = carried * 0.5 * (sums.length[k] + out)
+        weighed.measure[tip] = dot(d, m) / norm(m) / kappa / carries
+        weighed.length[tip] = out
+        store(weighed.normal, tip, scale(1.0 / norm(m), m))
+        store(weighed.force, tip, scale(1.0 / kappa, d))
+
+
+@inline
+def _four(rows: Ints, i: int) -> tuple[int, int, int, int]:
+    return rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3]
+
+
+@inline
+def _part(part: int, right: float) -> float:
+    """Return the share of a row for WHOLE, RIGHT or LEFT."""
+    if part == 0:
+        return 1.0
+    return right if part == 1 else 1.0 - right
+
+
+@inline
+def _normal_and_length(
+    x: Floats, t: Floats, X: Floats, aimed: Aimed, tip: int
+) -> tuple[Vec3, float]:
+    """Return the normal to a segment in the sheet, of any length, and its reference length [mm]."""
+    xi, eta = aimed.entry[tip, 0], aimed.entry[tip, 1]
+    to_xi, to_eta = aimed.exit[tip, 0], aimed.exit[tip, 1]
+    director, way, out = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for a in range(4):
+        sx = 1.0 if 1 <= a <= 2 else -1.0
+        sy = 1.0 if a >= 2 else -1.0
+        start = 0.25 * (1.0 + sx * xi) * (1.0 + sy * eta)
+        gain = 0.25 * (1.0 + sx * to_xi) * (1.0 + sy * to_eta) - start
+        node = aimed.nodes[tip, a]
+        director = add_scaled(director, start, load(t, node))
+        way = add_scaled(way, gain, load(x, node))
+        out = add_scaled(out, gain, load(X, node))
+    return cross(director, way), norm(out)
+
+
+def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
+    """Return how far the copies of the quad behind the tip have parted [mm], shape (3,).
+
+    From the minus to the plus side, the mean of their corners; zero behind a tip that came along a
+    side of the mesh.
+    """
+    parted, parent = np.zeros(3), state.quad.parent
+    for weight, (minus, plus) in pairs:
+        for a in minus.rows[minus.rows != segment.row].tolist():
+            for b in plus.rows[parent[plus.rows] == parent[a]].tolist():
+                apart = state.node.x[state.quads[b]] - state.node.x[state.quads[a]]
+                parted += weight * apart.mean(axis=0)
+    return parted

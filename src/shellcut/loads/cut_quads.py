@@ -24,6 +24,10 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 
 
+WHOLE = np.array([[1.0, xi / 3.0, eta / 3.0] for xi, eta in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+"""∫ N_a (1, xi, eta) over a whole quad, shape (4, 3)."""
+
+
 class Parts(NamedTuple):
     """All rows that hold a part of their quad only."""
 
@@ -59,6 +63,13 @@ class CutQuads:
             )
             self._parts = Parts(np.array(rows, np.int64), film, sides)
         return self._parts
+
+    def film_of(self, rows: Ints) -> Floats:
+        """Return ∫ N_a (1, xi, eta) over what some rows hold of their quads, shape (n, 4, 3)."""
+        film = np.repeat(WHOLE[None], rows.size, axis=0)
+        cut, part = self.among(rows)
+        film[cut] = self.parts.film[part]
+        return film
 
     def among(self, rows: Ints) -> tuple[Bools, Ints]:
         """Return which of some rows hold a part only, shape (n,), and the places of those parts."""

@@ -15,9 +15,9 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.state import KnownTopology, State, columns
 
 from .cut_quads import CutQuads
-from .pressure import pressure_on_nodes, pressure_on_parts, pressure_rows, scatter_rows
+from .pressure import PressedQuads, pressure_rows, scatter_rows
 
-OnCorners = Callable[[State, Ints, Floats, Floats], Floats]
+OnSlid = Callable[[State, Ints, Floats, Floats], Floats]
 
 
 class Rule(Protocol):
@@ -26,14 +26,14 @@ class Rule(Protocol):
     def on(self, state: State, nodes: Ints) -> Floats:
         """Return the forces on some nodes [N], shape (n, 3)."""
 
-    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats | None:
-        """Return what single quads bring to one of their nodes each [N], shape (n, 3).
+    def on_rows(self, state: State, rows: Ints) -> Floats | None:
+        """Return what single quads or copies bring to their corners [N], shape (n, 4, 3).
 
         None if the load does not act on quads.
         """
 
     @property
-    def on_corners(self) -> OnCorners | None:
+    def on_slid(self) -> OnSlid | None:
         """The forces at the corners of some rows [N], shape (n, 4, 3), of which some have slid.
 
         None if the load does not act on quads. Takes the state, the rows, shape (n,), the places X
@@ -51,10 +51,10 @@ class Weight:
         """Return mass times g."""
         return np.asarray(state.node.mass[nodes, None] * self._g)
 
-    def through(self, _state: State, _quads: Ints, _nodes: Ints) -> None:
+    def on_rows(self, _state: State, _rows: Ints) -> None:
         """Return nothing: weight accelerates both sides of a split alike."""
 
-    def on_corners(self, _state: State, _rows: Ints, _X: Floats, mass: Floats) -> Floats:
+    def on_slid(self, _state: State, _rows: Ints, _X: Floats, mass: Floats) -> Floats:
         """Return mass times g."""
         return np.asarray(mass[:, :, None] * self._g)
 
@@ -64,82 +64,35 @@ class DeadPressure:
 
     Parameters
     ----------
-    mesh : Mesh
-        Reference.
-    quads : ndarray of int
-        Which.
+    mesh, quads, cut : Mesh, ndarray of int, CutQuads
+        As of :class:`.PressedQuads`.
     value : float
         [MPa]
-    cut : CutQuads
-        Parts of cut quads.
     """
 
     def __init__(self, mesh: Mesh, quads: Ints, value: float, cut: CutQuads) -> None:
-        self._mesh, self._value, self._cut = mesh, value, cut
-        self._pressed = np.zeros(mesh.n_quad, np.bool_)
-        self._pressed[quads] = True
+        self._mesh, self._value = mesh, value
+        self._pressed = PressedQuads(mesh, quads, cut)
 
     def on(self, state: State, nodes: Ints) -> Floats:
         """Return the forces on some nodes, of whole quads first."""
-        force = np.zeros((nodes.size, 3))
-        n, parts = state.node, self._cut.parts
-        whole = self._pressed
-        if parts.rows.size:
-            whole = np.zeros(state.n_quad, np.bool_)
-            whole[: self._pressed.size] = self._pressed
-            whole[parts.rows] = False
-        pressure_on_nodes(
-            nodes,
-            n.quads,
-            n.n_quad_at,
-            state.quads,
-            whole,
-            self._mesh.nodes,
-            self._mesh.quads,
-            self._value,
-            force,
-        )
-        near = np.flatnonzero(np.isin(state.quads[parts.rows], nodes).any(axis=1))
-        if near.size:
-            every = np.zeros((state.n_node, 3))
-            rows = parts.rows[near]
-            scatter_rows(state.quads, rows, self._of_rows(state, rows), every)
-            force += every[nodes]
-        return force
+        n, force = state.node, np.zeros((state.n_node, 3))
+        at = np.arange(n.quads.shape[1]) < n.n_quad_at[nodes, None]
+        rows = self._pressed.whole_first(np.unique(n.quads[nodes][at]))
+        scatter_rows(state.quads[rows], self.on_rows(state, rows), force)
+        return np.asarray(force[nodes])
 
-    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
-        """Return what single quads bring to one of their nodes each."""
-        rows = self._of_rows(state, quads)
-        return np.asarray(rows[state.quads[quads] == nodes[:, None]])
+    def on_rows(self, state: State, rows: Ints) -> Floats:
+        """Return what single quads or copies bring to their corners."""
+        X = self._mesh.nodes[self._mesh.quads[state.quad.parent[rows]]]
+        return self.on_slid(state, rows, X, X)
 
-    def _of_rows(self, state: State, which: Ints) -> Floats:
-        """Return the forces at the corners of some rows [N], shape (n, 4, 3)."""
-        parent = state.quad.parent[which]
-        return self._of_quads(state, which, self._mesh.nodes, self._mesh.quads, parent)
-
-    def on_corners(self, state: State, rows: Ints, X: Floats, _mass: Floats) -> Floats:
+    def on_slid(self, state: State, rows: Ints, X: Floats, _mass: Floats) -> Floats:
         """Return the forces at the corners of some rows, which may have slid."""
-        every = np.arange(rows.size)
-        corners = np.arange(4 * rows.size).reshape(-1, 4)
-        return self._of_quads(state, rows, np.ascontiguousarray(X.reshape(-1, 3)), corners, every)
-
-    def _of_quads(self, state: State, which: Ints, X: Floats, quads: Ints, at: Ints) -> Floats:
-        """Return the forces on some rows [N], shape (n, 4, 3); row i has the corners quads[at[i]].
-
-        X : (n_node, 3).  quads : (m, 4).  at : (n,).
-        """
-        mine = self._pressed[state.quad.parent[which]]
-        some = np.empty((int(mine.sum()), 4, 3))
-        pressure_rows(X, quads, at[mine], self._value, some)
-        rows = np.zeros((which.size, 4, 3))
-        rows[mine] = some
-        cut, part = self._cut.among(which)
-        if cut.any():
-            film = self._cut.parts.film[part]
-            some = np.empty((film.shape[0], 4, 3))
-            pressure_on_parts(X, quads, at[cut], film, self._value, some)
-            rows[cut] = some * mine[cut, None, None]
-        return rows
+        corners = np.arange(4 * rows.size, dtype=np.int32).reshape(-1, 4)
+        X, force = np.asfortranarray(X.reshape(-1, 3)), np.empty((rows.size, 4, 3))
+        pressure_rows(X, corners, self._pressed.film_of(state, rows), self._value, force)
+        return force
 
 
 class EdgeForces:
@@ -155,7 +108,7 @@ class EdgeForces:
         Parts of cut quads.
     """
 
-    on_corners = None
+    on_slid = None
 
     def __init__(self, quads: Ints, sides: Ints, force: Floats, cut: CutQuads) -> None:
         self._quads, self._sides, self._force, self._cut = quads, sides, force, cut
@@ -164,17 +117,17 @@ class EdgeForces:
     def on(self, state: State, nodes: Ints) -> Floats:
         """Return the forces on some nodes, of whole quads first."""
         force = np.zeros((state.n_node, 3))
-        scatter_rows(state.quads, *self._entries(state), force)
+        rows, forces = self._entries(state)
+        scatter_rows(state.quads[rows], forces, force)
         return np.asarray(force[nodes])
 
-    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
-        """Return what single quads bring to one of their nodes each."""
-        force = np.zeros((quads.size, 3))
-        which, rows = self._entries(state)
-        for i in np.flatnonzero(np.isin(quads, which)).tolist():
-            corner = state.quads[quads[i]] == nodes[i]
-            force[i] = rows[which == quads[i]][:, corner].sum(axis=(0, 1))
-        return force
+    def on_rows(self, state: State, rows: Ints) -> Floats:
+        """Return what single quads or copies bring to their corners."""
+        loaded, forces = self._entries(state)
+        found = np.zeros((rows.size, 4, 3))
+        i, k = np.nonzero(rows[:, None] == loaded)
+        np.add.at(found, i, forces[k])
+        return found
 
     def _entries(self, state: State) -> tuple[Ints, Floats]:
         """Return rows that hold film at the sides, and the forces at their corners, (n, 4, 3)."""

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Floats, Ints
+from shellcut.mesh.mesh import Mesh
 from shellcut.state import KnownTopology, State
 
-from .cut_quads import CutQuads
-from .pressure import pressure_on_parts, pressure_rows, scatter_rows
+from .cut_quads import WHOLE, CutQuads
+from .pressure import PressedQuads, pressure_rows, scatter_rows
 
 
 class FollowingPressure:
@@ -18,86 +19,67 @@ class FollowingPressure:
 
     Parameters
     ----------
-    n_quad : int
-        Quads of the mesh.
-    quads : ndarray of int
-        On which of them it acts.
+    mesh, quads, cut : Mesh, ndarray of int, CutQuads
+        As of :class:`.PressedQuads`.
     value : float
         [MPa]
     factor : callable
         Of time [s]; scales it.
-    cut : CutQuads
-        Parts of cut quads.
     """
 
     def __init__(
         self,
-        n_quad: int,
+        mesh: Mesh,
         quads: Ints,
         value: float,
         factor: Callable[[float], float],
         cut: CutQuads,
     ) -> None:
-        self._pressed = np.zeros(n_quad, np.bool_)
-        self._pressed[quads] = True
-        self._value, self._factor, self._cut = value, factor, cut
+        self._pressed = PressedQuads(mesh, quads, cut)
+        self._value, self._factor = value, factor
         self._known = KnownTopology()
-        self._whole: Ints = np.zeros(0, np.int64)
-        self._parts: Ints = np.zeros(0, np.int64)
+        self._corners: Ints = np.zeros((0, 4), np.int32)
+        self._film = np.zeros((0, 4, 3))
 
-    def at(self, time: float) -> float:
-        """Return the pressure at a time [MPa]."""
-        return self._value * self._factor(time)
-
-    def acts_on(self, state: State, rows: Ints) -> Bools:
-        """Return whether it acts on quads or copies, shape (n,)."""
-        return np.asarray(self._pressed[state.quad.parent[rows]])
-
-    def add_forces(self, state: State, pressure: float, force: Floats) -> None:
-        """Add to force : (n_node, 3) [N], whole quads first."""
+    def add_forces(self, state: State, force: Floats) -> None:
+        """Add the forces at t_n to force : (n_node, 3) [N], whole quads first."""
         if not self._known.is_of(state):
-            parts = self._cut.parts.rows
-            whole = self._pressed.copy()
-            whole[parts[parts < whole.size]] = False
-            self._whole = np.flatnonzero(whole)
-            self._parts = parts[self.acts_on(state, parts)]
+            every = np.arange(state.n_quad)
+            rows = self._pressed.whole_first(every[self._pressed.among(state, every)])
+            self._corners, self._film = state.quads[rows], self._pressed.film_of(state, rows)
             self._known.take(state)
-        for which in (self._whole, self._parts):
-            if which.size:
-                scatter_rows(state.quads, which, self.rows(state, which, pressure), force)
+        scatter_rows(self._corners, self._rows(state, self._corners, self._film), force)
 
-    def rows(self, state: State, which: Ints, pressure: float) -> Floats:
-        """Return the forces at the corners of quads or copies on which it acts, (n, 4, 3) [N]."""
-        rows = np.empty((which.size, 4, 3))
-        cut, at = self._cut.among(which)
-        x, quads = state.node.x, state.quads
-        if not cut.any():
-            pressure_rows(x, quads, which, pressure, rows)
-        elif cut.all():
-            pressure_on_parts(x, quads, which, self._cut.parts.film[at], pressure, rows)
-        else:
-            rows[~cut] = self.rows(state, which[~cut], pressure)
-            rows[cut] = self.rows(state, which[cut], pressure)
+    def on_rows(self, state: State, which: Ints) -> Floats:
+        """Return the forces at t_n at the corners of quads or copies, (n, 4, 3) [N]."""
+        return self._rows(state, state.quads[which], self._pressed.film_of(state, which))
+
+    def _rows(self, state: State, corners: Ints, film: Floats) -> Floats:
+        rows = np.empty((len(corners), 4, 3))
+        pressure = self._value * self._factor(state.time)
+        pressure_rows(state.node.x, corners, film, pressure, rows)
         return rows
 
-    def add_stiffness(self, state: State, pressure: float, stiffness: Floats) -> None:
+    def add_stiffness(self, state: State, stiffness: Floats) -> None:
         """Add -df/dx of whole quads to stiffness : (n_quad, 12, 12) [N/mm], its symmetric part.
 
         A pressure on a closed surface, or one whose rim is held, has a potential, and the rest of
         all quads cancels.
         """
-        which = np.flatnonzero(self._pressed)
-        corners = state.node.x[state.quads[which]].reshape(-1, 3)
-        own = np.arange(corners.shape[0]).reshape(-1, 4)
-        size = float(np.ptp(corners, axis=0).max())
+        every = np.arange(state.n_quad)
+        which = every[self._pressed.among(state, every)]
+        x = np.asfortranarray(state.node.x[state.quads[which]].reshape(-1, 3))
+        own = np.arange(len(x), dtype=np.int32).reshape(-1, 4)
+        film = np.repeat(WHOLE[None], which.size, axis=0)
+        size = float(np.ptp(x, axis=0).max())
+        pressure = self._value * self._factor(state.time)
         change = np.empty((which.size, 12, 12))
         for column in range(12):
-            step = np.zeros((4, 3))
-            step.flat[column] = size
             ahead, behind = np.empty((2, which.size, 4, 3))
-            for sign, rows in ((1.0, ahead), (-1.0, behind)):
-                moved = corners + np.tile(sign * step, (which.size, 1))
-                pressure_rows(moved, own, np.arange(which.size), pressure, rows)
+            for step, rows in ((size, ahead), (-size, behind)):
+                moved = x.copy(order="F")
+                moved[column // 3 :: 4, column % 3] += step
+                pressure_rows(moved, own, film, pressure, rows)
             # The forces are quadratic in x: this is their derivative.
             change[:, :, column] = (behind - ahead).reshape(-1, 12) / (2.0 * size)
         stiffness[which] += 0.5 * (change + change.transpose(0, 2, 1))

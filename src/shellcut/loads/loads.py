@@ -161,9 +161,7 @@ class LoadSet:
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
                 quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
-                    push = FollowingPressure(
-                        mesh.n_quad, quads, float(one.value), one.factor, self.cut
-                    )
+                    push = FollowingPressure(mesh, quads, float(one.value), one.factor, self.cut)
                     self._following.append(push)
                 else:
                     rule = DeadPressure(mesh, quads, float(one.value), self.cut)
@@ -189,7 +187,7 @@ class LoadSet:
         if self._following:
             pushed = np.zeros((n.count, 3))
             for push in self._following:
-                push.add_forces(state, push.at(now), pushed)
+                push.add_forces(state, pushed)
             step = dt * n.velocity_half[: n.count]
             work += 0.5 * float(((n.load_force[: n.count] + pushed) * step).sum())
             n.load_force[: n.count] = pushed
@@ -232,7 +230,7 @@ class LoadSet:
             return None
         stiffness = np.zeros((state.quads.shape[0], 12, 12))
         for push in self._following:
-            push.add_stiffness(state, push.at(state.time), stiffness)
+            push.add_stiffness(state, stiffness)
         return stiffness
 
     @property
@@ -252,14 +250,13 @@ class LoadSet:
         force : ndarray, shape (n, 3)
             Added to.
         """
+        corner = state.quads[quads] == nodes[:, None]
         for dead in self._dead:
-            through = dead.rule.through(state, quads, nodes)
-            if through is not None:
-                force += dead.factor(state.time) * through
+            rows = dead.rule.on_rows(state, quads)
+            if rows is not None:
+                force += dead.factor(state.time) * rows[corner]
         for push in self._following:
-            mine = np.flatnonzero(push.acts_on(state, quads))
-            rows = push.rows(state, quads[mine], push.at(state.time))
-            force[mine] += rows[state.quads[quads[mine]] == nodes[mine, None]]
+            force += push.on_rows(state, quads)[corner]
 
 
 def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:

@@ -1,74 +1,36 @@
-"""Pressure on quads: ∫ p N_a a_1 x a_2 over 2 x 2 Gauss points, for each corner a.
-
-On a part of a quad (:mod:`.cut_quads`) the integral is exact by its moments.
-"""
+"""Pressure on quads and parts of quads: ∫ p N_a a_1 x a_2, by the moments of :mod:`.cut_quads`."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
-from shellcut.numerics.jit import always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, add_scaled, combine, cross, load, scale, store, sub
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.vec3 import add_scaled, combine, cross, load, scale, store, sub
+from shellcut.state import State
 
-_G = 1.0 / np.sqrt(3.0)
+from .cut_quads import CutQuads
 
 
 @kernel
-def scatter_rows(quads: Ints, which: Ints, rows: Floats, force: Floats) -> None:
-    """Add rows : (n, 4, 3) of the quads ``which`` to force : (n_node, 3)."""
-    for i in range(which.shape[0]):
+def scatter_rows(corners: Ints, rows: Floats, force: Floats) -> None:
+    """Add rows : (n, 4, 3) at the nodes corners : (n, 4) to force : (n_node, 3)."""
+    for i in range(corners.shape[0]):
         for a in range(4):
             for c in range(3):
-                force[quads[which[i], a], c] += rows[i, a, c]
-
-
-@inline
-def _weight(c: float, near: bool) -> float:
-    return 0.5 * (1.0 - c) if near else 0.5 * (1.0 + c)
-
-
-@always_inline
-def _pressure_on_corners(x: Floats, quads: Ints, e: int, pressure: float) -> tuple[Vec3, ...]:
-    """Return ∫ p N_a a_1 x a_2 of a quad over 2 x 2 Gauss points, for its four corners."""
-    x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
-    x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
-    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
-    f0 = f1 = f2 = f3 = (0.0, 0.0, 0.0)
-    for q in range(4):
-        xi = -_G if q in (0, 3) else _G
-        eta = -_G if q < 2 else _G
-        a1 = combine(0.5 * _weight(eta, True), x01, 0.5 * _weight(eta, False), x32)
-        a2 = combine(0.5 * _weight(xi, True), x03, 0.5 * _weight(xi, False), x12)
-        p = scale(pressure, cross(a1, a2))
-        f0 = add(f0, scale(_weight(xi, True) * _weight(eta, True), p))
-        f1 = add(f1, scale(_weight(xi, False) * _weight(eta, True), p))
-        f2 = add(f2, scale(_weight(xi, False) * _weight(eta, False), p))
-        f3 = add(f3, scale(_weight(xi, True) * _weight(eta, False), p))
-    return f0, f1, f2, f3
+                force[corners[i, a], c] += rows[i, a, c]
 
 
 @kernel
-def pressure_rows(x: Floats, quads: Ints, which: Ints, pressure: float, rows: Floats) -> None:
-    """Write the pressure on the corners of the quads ``which`` into rows : (n, 4, 3)."""
-    for i in range(which.shape[0]):
-        corners = _pressure_on_corners(x, quads, which[i], pressure)
-        for a in range(4):
-            store(rows[i], a, corners[a])
+def pressure_rows(x: Floats, corners: Ints, film: Floats, pressure: float, rows: Floats) -> None:
+    """Write the pressure on quads, or parts of them, into rows : (n, 4, 3).
 
-
-@kernel
-def pressure_on_parts(
-    x: Floats, quads: Ints, which: Ints, film: Floats, pressure: float, rows: Floats
-) -> None:
-    """Write the pressure on parts of the quads ``which`` into rows : (n, 4, 3).
-
-    film : (n, 4, 3), ∫ N_a (1, xi, eta) over each part.
+    corners : (n, 4), rows of x.  film : (n, 4, 3), ∫ N_a (1, xi, eta) over what is held of each.
     """
-    for i in range(which.shape[0]):
-        e = which[i]
-        x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
-        x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
+    for i in range(corners.shape[0]):
+        x0, x1 = load(x, corners[i, 0]), load(x, corners[i, 1])
+        x2, x3 = load(x, corners[i, 2]), load(x, corners[i, 3])
         x10, x23, x30, x21 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
         # a_1 = g_1 + h eta, a_2 = g_2 + h xi.
         g1, g2 = combine(0.25, x10, 0.25, x23), combine(0.25, x30, 0.25, x21)
@@ -79,29 +41,33 @@ def pressure_on_parts(
             store(rows[i], a, scale(pressure, add_scaled(force, film[i, a, 2], c2)))
 
 
-@kernel
-def pressure_on_nodes(
-    nodes: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    quads: Ints,
-    pressed: Bools,
-    X: Floats,
-    reference_quads: Ints,
-    pressure: float,
-    force: Floats,
-) -> None:
-    """Write the dead pressure on ``nodes`` from the pressed quads at each into force : (n, 3).
+class PressedQuads:
+    """Quads of a mesh that a pressure acts on, with their copies.
 
-    quads_at, n_quad_at : adjacency of the state.  quads, reference_quads : (n_quad, 4), now and
-    before all splits.
+    Parameters
+    ----------
+    mesh : Mesh
+        Reference.
+    quads : ndarray of int
+        Which.
+    cut : CutQuads
+        Parts of cut quads.
     """
-    for i in range(nodes.shape[0]):
-        for k in range(n_quad_at[nodes[i]]):
-            e = quads_at[nodes[i], k]
-            if pressed[e]:
-                corners = _pressure_on_corners(X, reference_quads, e, pressure)
-                for a in range(4):
-                    if quads[e, a] == nodes[i]:
-                        for c in range(3):
-                            force[i, c] += corners[a][c]
+
+    def __init__(self, mesh: Mesh, quads: Ints, cut: CutQuads) -> None:
+        self._cut = cut
+        self._pressed = np.zeros(mesh.n_quad, np.bool_)
+        self._pressed[quads] = True
+
+    def among(self, state: State, rows: Ints) -> Bools:
+        """Return whether it acts on quads or copies, shape (n,)."""
+        return np.asarray(self._pressed[state.quad.parent[rows]])
+
+    def whole_first(self, rows: Ints) -> Ints:
+        """Return quads and copies with the whole ones before the parts."""
+        cut, _ = self._cut.among(rows)
+        return np.concatenate([rows[~cut], rows[cut]])
+
+    def film_of(self, state: State, rows: Ints) -> Floats:
+        """Return ∫ N_a (1, xi, eta) over what quads or copies hold and is pressed, (n, 4, 3)."""
+        return self._cut.film_of(rows) * self.among(state, rows)[:, None, None]

@@ -71,7 +71,7 @@ class SlidingLoads:
         self._rows, self._q, self._following = rows, q, list(following)
         self._dead: list[tuple[DeadLoad, Floats, Floats]] = []
         for one in dead:
-            on = one.rule.on_corners
+            on = one.rule.on_slid
             if on is None:
                 continue
             changes = np.empty_like(slides)
@@ -98,7 +98,6 @@ class SlidingLoads:
             done += product(moved, np.einsum("ea,eai->i", self._q, now))
             found += one.factor(state.time) * done
         for push in self._following:
-            mine = push.acts_on(state, self._rows)
-            force = push.rows(state, self._rows[mine], push.at(state.time))
-            found += product(moved, np.einsum("ea,eai->i", self._q[mine], force))
+            force = push.on_rows(state, self._rows)
+            found += product(moved, np.einsum("ea,eai->i", self._q, force))
         return found

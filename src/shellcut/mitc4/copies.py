@@ -25,8 +25,9 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.lanes import aligned_zeros
 
 from .blocks import QuadBlocks
-from .element import N_FLAT_PRODUCT, N_STRAIN
-from .quad_strains import LinearTables, write_products
+from .element import N_FLAT_PRODUCT
+from .quad_strains import LinearTables
+from .tangent import quad_products
 from .thickness_points import PointTables, full_frames
 
 MORE_BLOCKS = 8
@@ -107,31 +108,15 @@ def fill_place(
         Reference surface.
     blocks, linear, points : QuadBlocks, LinearTables, PointTables
         Written.
-    lane_kind : Lane
-        In which the tables are.
     """
     b, lane = divmod(slot, blocks.width)
     at = b - linear.n_flat
     nodes = mesh.quads[parent]
     blocks.filled[b, lane] = True
-    linear.full_reference[at, :, lane] = _reference(nodes, mesh, linear)
+    X, T = mesh.nodes[nodes][None], mesh.directors[nodes][None]
+    linear.full_reference[at, :, lane] = quad_products(X, T)[0]
     linear.full_stiffness[at, :, lane] = share * stiffness
     if points.rule.place.size:
-        X, T = mesh.nodes[nodes][None], mesh.directors[nodes][None]
         frames = full_frames(X, T, points.rule).reshape(4, points.rule.place.size, -1).copy()
         frames[..., -1] *= share  # the volume that a point stands for
         points.full_frame[at, :, lane] = frames.ravel()
-
-
-def _reference(nodes: Ints, mesh: Mesh, linear: LinearTables) -> Floats:
-    """Return the products on the reference surface of a quad, by the kernel that makes strains."""
-    width = linear.full_reference.shape[2]
-    corner = np.ascontiguousarray(np.repeat(nodes[None, :, None], width, axis=2), np.int32)
-    table: Floats = aligned_zeros((1, N_STRAIN, width))
-    X, T = _columns(mesh.nodes), _columns(mesh.directors)
-    write_products(0, N_STRAIN, X, T, corner, table)
-    return table[0, :, 0]
-
-
-def _columns(rows: Floats) -> Floats:
-    return np.asfortranarray(rows)

@@ -57,7 +57,7 @@ from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, sub
 from .eigenvalue_bound import bound_largest_eigenvalues
 from .element import GAUSS, N_STRAIN, modes, products
 from .surface import Surface
-from .tangent import reference_products
+from .tangent import quad_products
 
 # Quads are congruent if their scalar products agree to this fraction of the largest; the effect on
 # a frequency is far below what the bound adds to it.
@@ -139,13 +139,10 @@ class QuadFrequencies:
         new = which[self._row[which] == 0]
         self._row[new] = len(self._strain) + np.arange(new.size)
         self._strain = np.concatenate([self._strain, np.zeros((new.size, N_STRAIN))])
-        _store_strains(
-            reference=self.reference,
-            present=Surface(x, t, quads),
-            which=which,
-            row=self._row,
-            strain=self._strain,
-        )
+        X, T, corners = self.reference
+        products = quad_products(x[quads[which]], t[quads[which]])
+        products -= quad_products(X[corners[which]], T[corners[which]])
+        self._strain[self._row[which]] = products
         squared, damped = self._bounds(x, t, which)
         self._evaluated[which] = self.squared[which] = squared
         self._evaluated_damped[which] = self.damped[which] = damped
@@ -171,11 +168,6 @@ class QuadFrequencies:
         if self._row[row]:
             self._row[-1] = len(self._strain)
             self._strain = np.concatenate([self._strain, self._strain[self._row[row]][None]])
-
-    def drop(self, rows: Ints) -> None:
-        """Take rows that are out of the run for ones so soft that they never limit the step."""
-        for bounds in (self._evaluated, self.squared, self._evaluated_damped, self.damped):
-            bounds[rows] *= _SOFT
 
     def saved(self) -> dict[str, Any]:
         """Return the last evaluations: the bounds depend on when each was made."""
@@ -226,9 +218,6 @@ class QuadFrequencies:
 
 _PIECE = 1024
 
-# Factor on omega² of a quad that has been taken out.
-_SOFT = 1e-6
-
 
 def growth_rates(material: ShellMaterial) -> tuple[float, float]:
     """Return the largest relative growth of omega per unit of stretch and per unit of turn."""
@@ -256,7 +245,7 @@ def _classes(mesh: Mesh) -> tuple[Ints, Ints]:
     pieces = [slice(k, k + _PIECE) for k in range(0, mesh.n_quad, _PIECE)]
 
     def products_of(piece: slice) -> Floats:
-        return reference_products(mesh.nodes[mesh.quads[piece]], mesh.directors[mesh.quads[piece]])
+        return quad_products(mesh.nodes[mesh.quads[piece]], mesh.directors[mesh.quads[piece]])
 
     # Congruent quads have the same scalar products: a hash of their digits identifies the classes.
     unit = _CONGRUENT * max(np.abs(products_of(piece)).max() for piece in pieces)
@@ -278,24 +267,6 @@ def _products_of(surface: Surface, e: int, m: Floats) -> None:
     )
     for k in range(N_STRAIN):
         m[k] = row[k]
-
-
-@kernel
-def _store_strains(
-    reference: Surface,
-    present: Surface,
-    which: Ints,
-    row: Ints,
-    strain: Floats,
-) -> None:
-    """Write the strains of the quads ``which`` to their rows of strain : (n_row, 16)."""
-    m = np.empty(N_STRAIN)
-    for i in range(which.shape[0]):
-        e = which[i]
-        _products_of(present, e, strain[row[e]])
-        _products_of(reference, e, m)
-        for k in range(N_STRAIN):
-            strain[row[e], k] -= m[k]
 
 
 @kernel

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallIds
+from shellcut.arrays import Floats, SmallIds
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.state import State
@@ -71,11 +71,6 @@ class Places:
         self._place(state, new, before)
         for copy in (row, new):
             self._fill(state, copy)
-
-    def empty(self, rows: Ints) -> None:
-        """Take the stiffness from some rows for good."""
-        for row in rows.tolist():
-            empty_place(int(self.blocks.slot[row]), self.blocks, self.tables, self.points)
 
     @property
     def has_copies(self) -> bool:

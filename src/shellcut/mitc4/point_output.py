@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3, product, unit
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3, product
 from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
@@ -31,7 +31,7 @@ from shellcut.numerics.vec3 import combine, cross, norm, scale
 from shellcut.state import State
 
 from .blocks import QuadBlocks
-from .centre_stress import FaceStresses, check_place, check_quads
+from .centre_stress import FaceStresses, check_place, check_quads, in_lamina
 from .element import GAUSS, N_STRAIN, Modes, Sixteen
 from .film_axes import into_axes
 from .point_forces import point_resultants
@@ -98,15 +98,7 @@ class PointOutput:
         """Return the stresses of membrane, top and bottom, and the thickness of all quads."""
         n = len(state.quads)
         sigma, thickness = self._stress(state, quads, np.arange(n), ["membrane", "top", "bottom"])
-        axes = _lamina(state.node.x, state.quads)
-        plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
-        s11, s22, s12 = plane[..., 0, 0], plane[..., 1, 1], plane[..., 0, 1]
-        mean, radius = 0.5 * (s11 + s22), np.hypot(0.5 * (s11 - s22), s12)
-        return FaceStresses(
-            np.stack([s11, s22, s12], axis=-1),
-            np.stack([mean + radius, mean - radius], axis=-1),
-            thickness,
-        )
+        return in_lamina(sigma, thickness, state.node.x, state.quads)
 
     def history_means(self, state: State) -> dict[str, Floats]:
         """Return the means of the history numbers by name, shape (n_quad,) each.
@@ -149,15 +141,6 @@ class PointOutput:
             thickness=thickness,
         )
         return sigma, thickness
-
-
-def _lamina(x: Floats, quads: Ints) -> Floats:
-    """Return the two axes in which output stresses are given, shape (n_quad, 2, 3)."""
-    corners = x[quads]
-    e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
-    a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
-    e2 = np.cross(np.cross(e1, a2), e1)
-    return unit(np.stack([e1, e2], axis=1))
 
 
 @kernel

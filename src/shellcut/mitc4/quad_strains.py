@@ -234,22 +234,3 @@ def add_to_nodes(
     scatter_add(rows, corner, b, 1, lane, f1)
     scatter_add(rows, corner, b, 2, lane, f2)
     scatter_add(rows, corner, b, 3, lane, f3)
-
-
-@kernel
-def write_products(
-    first: int, n: int, X: Floats, T: Floats, corner: SmallIds, table: Floats
-) -> None:
-    """Write the first n products on the reference surface of the blocks from ``first`` on.
-
-    Uses the functions that compute strains, so that strains at rest are exactly zero.
-    X, T : (n_node, 3).  table : (n_block - first, n or more, width).
-    """
-    for b in range(table.shape[0]):
-        xm, tm = quad_modes(X, T, corner, first + b, None)
-        m = products(xm, tm)
-        if n == N_STRAIN:
-            store_strain(table, b, None, m)
-        else:
-            for k in range(n):
-                put(table, b, k, None, m[k])

@@ -18,7 +18,6 @@ from shellcut.state import State
 from .blocks import QuadBlocks, build_blocks
 from .centre_stress import CentreStress, FaceStresses
 from .collapsed_quads import LEAST_AREA, smallest_area_ratio
-from .dropped_quads import DroppedQuads
 from .element import N_STRAIN
 from .film_tangents import FilmTangents
 from .forces import add_flat_quads, add_full_quads
@@ -113,8 +112,6 @@ class MITC4Shell:
             mesh, material, self.corner_shares, self._tangent_bounds, damped
         )
         """Bounds of the largest frequency of each quad."""
-        self.dropped = DroppedQuads(self._places, self._present, self.frequencies, damping_beta)
-        """Takes quads out of the run."""
 
     @property
     def blocks(self) -> QuadBlocks:
@@ -267,7 +264,6 @@ class MITC4Shell:
         self._places.restore(state, saved["slot"])
         for row in np.flatnonzero(state.quad.mass_share[: state.n_quad] < 1.0).tolist():
             self.mass[row] = self._places.mass_of(state, row)
-        self.dropped.restore(state)
         self._take_tables(state)
         self._present.forget()
 

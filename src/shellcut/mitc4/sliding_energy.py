@@ -24,7 +24,7 @@ from shellcut.numerics.small_matrices import inverse
 
 from .element import GAUSS, N_STRAIN
 from .section import point_stiffness, strain_map
-from .tangent import reference_products
+from .tangent import quad_products
 
 # Of a quad's size: the central difference is exact to its square, 1e-8; round-off is 1e-12.
 _STEP = 1e-4
@@ -79,9 +79,9 @@ class SlidingEnergy(NamedTuple):
         changes, forces = [], []
         for k, (far, near, step) in enumerate(ends):
             changes.append((slid_to[2 * k] - slid_to[2 * k + 1]) / step)
-            products = (reference_products(*far) - reference_products(*near)) / step
+            products = (quad_products(*far) - quad_products(*near)) / step
             forces.append(np.einsum("eij,ej->ei", H, products))
-        return cls(reference_products(X, T), H, np.array(changes), np.array(forces))
+        return cls(quad_products(X, T), H, np.array(changes), np.array(forces))
 
     def changes(self, x: Floats, t: Floats, moves: Floats) -> Floats:
         """Return the changes of the energies with each slide [N], shape (n_slide, n).
@@ -93,12 +93,12 @@ class SlidingEnergy(NamedTuple):
         moves : ndarray, shape (n_slide, n, 4, 3)
             How far each corner moves in space with each slide, per mm.
         """
-        s = reference_products(x, t) - self.reference
+        s = quad_products(x, t) - self.reference
         forces = np.einsum("eij,ej->ei", self.stiffness, s)
         found = np.empty(self.force_change.shape[:2])
         for k, move in enumerate(moves):
             # Products are quadratic, so that this difference is exact over any step.
-            moved = 0.5 * (reference_products(x + move, t) - reference_products(x - move, t))
+            moved = 0.5 * (quad_products(x + move, t) - quad_products(x - move, t))
             bent = 0.5 * np.einsum("eij,ej->ei", self.stiffness_change[k], s)
             found[k] = np.einsum("ei,ei->e", s, bent - self.force_change[k])
             found[k] += np.einsum("ei,ei->e", forces, moved)

@@ -73,7 +73,7 @@ class SlidingHistory(NamedTuple):
         near = np.flatnonzero(np.isin(quads, quads[rows]).any(axis=1))
         X, T = film.x[film.quads[near]], film.t[film.quads[near]]
         places = np.einsum("qa,eai,ki->eqk", _AT_GAUSS, X, base)
-        held = shell.area[near] * state.quad.share[near] * ~state.quad.dropped[near]
+        held = shell.area[near] * state.quad.share[near]
         slopes = []
         for row in rows:
             on = np.isin(quads[near], quads[row]).any(axis=1)

@@ -28,7 +28,7 @@ from .element import GAUSS
 from .point_tangent import frozen_rule
 from .section import cartesian_map, gauss_geometry, strain_map, turn_into_axes
 from .sliding_energy import slide_ends
-from .tangent import reference_products
+from .tangent import quad_products
 from .thickness_points import PointRule
 
 # Of the largest change of the history in a slide by 1 mm: a difference exact to its square.
@@ -90,7 +90,7 @@ class SlidingPoints:
             Of :meth:`.SlidingHistory.of_state`, for laws that keep one.
         """
         here = self._here
-        s = reference_products(x, t) - here.products
+        s = quad_products(x, t) - here.products
         e = np.einsum("epij,ej->epi", here.strain, s)
         h, slides = (np.zeros((*e.shape[:2], 0)), None) if history is None else history
         S, stored = self._law(e, h)
@@ -100,7 +100,7 @@ class SlidingPoints:
         found = np.empty((len(moves), len(x)))
         for k, (change, move) in enumerate(zip(self._changes, moves, strict=True)):
             # Products are quadratic, so that this difference is exact over any step.
-            moved = 0.5 * (reference_products(x + move, t) - reference_products(x - move, t))
+            moved = 0.5 * (quad_products(x + move, t) - quad_products(x - move, t))
             strain = np.einsum("epij,ej->epi", change.strain, s)
             strain += np.einsum("epij,ej->epi", here.strain, moved - change.products)
             by_strain = np.einsum("epi,epi->ep", stress, strain)
@@ -144,7 +144,7 @@ def _maps(X: Floats, T: Floats, material: ShellMaterial, rule: PointRule) -> _Ma
             lifted = np.concatenate([B[:3] + z * B[3:6], B[6:]])
             maps.append(product(Q if turn is None else product(turn, Q), lifted))
             volumes.append(weight * np.einsum("ei,ei->e", np.cross(G1, G2), T0))
-    return _Maps(np.stack(maps, axis=1), np.stack(volumes, axis=1), reference_products(X, T))
+    return _Maps(np.stack(maps, axis=1), np.stack(volumes, axis=1), quad_products(X, T))
 
 
 @kernel

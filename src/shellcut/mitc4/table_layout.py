@@ -12,8 +12,9 @@ from shellcut.numerics.lanes import aligned_zeros
 from .blocks import QuadBlocks
 from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
 from .film_axes import N_AXES, film_axes
-from .quad_strains import LinearTables, write_products
+from .quad_strains import LinearTables
 from .section import flat_moduli, flat_stiffness, full_stiffness
+from .tangent import quad_products
 from .thickness_points import (
     N_FLAT_FRAME,
     N_FULL_FRAME,
@@ -53,9 +54,6 @@ def build_tables(
         table(n_block if material.has_axes else 0, N_AXES),
         rule,
     )
-    X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
-    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat)
-    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference)
     for first in range(0, n_block, BLOCKS_AT_A_TIME):
         for start, stop, flat in (
             (first, min(first + BLOCKS_AT_A_TIME, n_flat), True),
@@ -76,11 +74,14 @@ def build_tables(
                 some = slice(start - first, stop - first)
                 table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
 
+            products = quad_products(X, T)
             # Places that repeat a quad get zero stiffness.
             filled = blocks.filled[start:stop].reshape(-1, 1)
             if flat:
+                fill(linear.flat[:, :N_FLAT_PRODUCT], products[:, :N_FLAT_PRODUCT])
                 fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))
             else:
+                fill(linear.full_reference, products)
                 fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
             if n_point:
                 frames = flat_frames(X, T) if flat else full_frames(X, T, rule)

@@ -46,19 +46,44 @@ N_FREEDOM = 20
 
 
 @kernel
-def reference_products(X: Floats, T: Floats) -> Floats:
-    """Return the sixteen products of quads, shape (n_quad, 16).
+def _write_products(x: Floats, t: Floats, m: Floats) -> None:
+    """Write the products of quads to m : (n, 16); x, t : (n, 4, 3)."""
+    for e in range(x.shape[0]):
+        row = products(_modes_in(x, e), _modes_in(t, e))
+        for k in range(N_STRAIN):
+            m[e, k] = row[k]
 
-    X, T : (n_quad, 4, 3), positions [mm] and directors.
-    """
-    m = np.empty((X.shape[0], N_STRAIN))
-    for e in range(X.shape[0]):
-        row = products(
-            modes(load(X[e], 0), load(X[e], 1), load(X[e], 2), load(X[e], 3)),
-            modes(load(T[e], 0), load(T[e], 1), load(T[e], 2), load(T[e], 3)),
+
+@kernel
+def _write_products_change(x: Floats, t: Floats, dx: Floats, dt: Floats, m: Floats) -> None:
+    """Write the linear change of the products of quads to m : (n, 16)."""
+    for e in range(x.shape[0]):
+        row = _products_change(
+            _modes_in(x, e), _modes_in(t, e), _modes_in(dx, e), _modes_in(dt, e)
         )
         for k in range(N_STRAIN):
             m[e, k] = row[k]
+
+
+@inline
+def _modes_in(v: Floats, e: int) -> Modes:
+    return modes(load(v[e], 0), load(v[e], 1), load(v[e], 2), load(v[e], 3))
+
+
+def quad_products(x: Floats, t: Floats) -> Floats:
+    """Return the sixteen products of quads, shape (n, 16), whose changes are the strains.
+
+    x, t : (n, 4, 3), positions [mm] and directors.
+    """
+    m = np.empty((len(x), N_STRAIN))
+    _write_products(np.ascontiguousarray(x), np.ascontiguousarray(t), m)
+    return m
+
+
+def quad_products_change(x: Floats, t: Floats, dx: Floats, dt: Floats) -> Floats:
+    """Return the linear change of the products of quads by a motion, shape (n, 16)."""
+    m = np.empty((len(x), N_STRAIN))
+    _write_products_change(*map(np.ascontiguousarray, (x, t, dx, dt)), m)
     return m
 
 

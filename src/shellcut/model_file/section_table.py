@@ -255,7 +255,7 @@ def _law(like: CohesiveLaw) -> Kind:
 
 
 def _unsteered(like: Fracture, *names: str) -> Kind:
-    keys = keys_of(Fracture, "check_every", "largest_speed", *names, like=like)
+    keys = keys_of(Fracture, "check_every", *names, like=like)
     doc = "The crack goes through the quads; nothing steers it."
     return Kind(doc, keys, Fracture, fixed={"path": "free"})
 

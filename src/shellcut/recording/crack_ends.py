@@ -36,7 +36,7 @@ class CrackEnds(NamedTuple):
         n, f = sim.state.node, sim.state.flank
         tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
         if sim.cracks is not None:
-            free = sim.cracks.free
+            free = sim.cracks
             tips, place, t = (
                 free.tips,
                 free.at_tips(sim.mesh.nodes),

@@ -14,7 +14,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, unit
 from shellcut.fracture.drawn_film import DrawnFilm
-from shellcut.fracture.quad_fans import open_edge_copies
+from shellcut.fracture.open_edges import crack_edges
 from shellcut.frame import Frame
 from shellcut.mitc4.centre_stress import FaceStresses
 from shellcut.mitc4.shell import MITC4Shell
@@ -57,7 +57,7 @@ class Exposure:
             s,
             node=_copied(s.node, _OF_NODES),
             cable=_copied(s.cable, _OF_CABLES),
-            quad=_copied(s.quad, ("nodes", "dropped")),
+            quad=_copied(s.quad, ("nodes",)),
         )
         cuts = None if sim.cracks is None else sim.cracks.cuts
         drawn = None if cuts is None or cuts.along_sides_only else DrawnFilm.of(s, cuts.topology)
@@ -73,10 +73,8 @@ class Exposure:
             self._shell.face_stresses(s),
             self._shell.history_means(s),
         )
-        there = ~s.quad.dropped[: s.n_quad]  # what has been taken out is not shown
-        stress, principal = faces.stress[there], faces.principal[there]
+        stress, principal = faces.stress, faces.principal
         film = _whole_film(s) if self._drawn is None else _cut_film(s, self._drawn)
-        film["quads"] = film["quads"][there]
         return Frame(
             time=s.time,
             **film,
@@ -86,8 +84,8 @@ class Exposure:
             quad_principal=principal[:, 0],
             quad_principal_top=principal[:, 1],
             quad_principal_bottom=principal[:, 2],
-            quad_thickness=faces.thickness[there],
-            quad_history={name: numbers[there] for name, numbers in history.items()},
+            quad_thickness=faces.thickness,
+            quad_history=history,
             **_cables(s),
             **_placed(self._tool, self._pose),
             **self._figures,
@@ -96,7 +94,7 @@ class Exposure:
 
 def _whole_film(state: State) -> dict[str, Any]:
     n = state.n_node
-    flanks = open_edge_copies(state).astype(np.int64)
+    flanks = crack_edges(state.quads.astype(np.int64), state.node.origin[:n])
     return {
         "points": state.node.x[:n],
         "reference": state.node.X[:n],

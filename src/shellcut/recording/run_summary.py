@@ -66,8 +66,8 @@ def run_summary(
     }
     if sim.cracks is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
-        if sim.cracks.free.stress is not None:
-            figures["n_recovery_borrowed"] = sim.cracks.free.stress.n_borrowed
+        if sim.cracks.stress is not None:
+            figures["n_recovery_borrowed"] = sim.cracks.stress.n_borrowed
     finite: dict[str, Any] = {
         name: int(value) if name.startswith("n_") else float(value)
         for name, value in figures.items()
@@ -121,10 +121,7 @@ def _of_self_contact(sim: Simulation) -> dict[str, float]:
 
 
 def _of_pieces(sim: Simulation) -> dict[str, float]:
-    """Return how many pieces of the film are loose, and what was taken out; none without cracks."""
+    """Return how many pieces of the film are loose; nothing without cracks."""
     if sim.cracks is None:
         return {}
-    figures: dict[str, float] = {"n_loose": Pieces.of(sim.state).n_loose}
-    if sim.state.n_dropped:
-        figures["n_dropped"] = sim.state.n_dropped
-    return figures
+    return {"n_loose": Pieces.of(sim.state).n_loose}

@@ -64,7 +64,6 @@ TAKEN_UP = (
     Part("kinetic", "kinetic energy", ("kinetic_translation", "kinetic_rotation")),
     Part("contact", "contact", ("contact_work",)),
     Part("self_contact", "contact of the film with itself", ("self_contact_work",)),
-    Part("dropped", "pieces taken out", ("dropped",)),
 )
 """What the work becomes."""
 

@@ -39,7 +39,6 @@ LABELS = {
     "dWcoh_ds_N": f"cables' work per mm{_STEADY}",
     "dW_ds_N": f"work put in per mm{_STEADY}",
     "n_loose": "loose pieces at the end",
-    "n_dropped": "loose pieces taken out",
     "n_cable_created": "cables made",
     "n_cable_jointed": "cables met by the blade",
     "n_cable_broken": "cables broken",

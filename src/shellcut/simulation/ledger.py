@@ -1,7 +1,7 @@
 """The ledger: where the work has gone.
 
     tool + loads + supports  =  kinetic + strain + material + cohesive + joints
-                                + contact + friction + self contact + dropped + damping
+                                + contact + friction + self contact + damping
 
 Each entry comes from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
@@ -55,8 +55,6 @@ class Ledger:
     """Work that went into the contact of the film with itself."""
     self_contact_stored: float = 0.0
     """Penalty energy, the recoverable part of it."""
-    dropped: float = 0.0
-    """Kinetic and strain energy of pieces that have been taken out of the run."""
     friction_work: float = 0.0
     """Work that went into the friction from both sides, nodes and tool."""
     friction_stored: float = 0.0

@@ -14,9 +14,9 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
-from shellcut.contact.start_overlap import check_tool_outside
+from shellcut.contact.sheet_contact import SelfContact
+from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.options import Fracture
@@ -42,7 +42,6 @@ from .imperfection import Imperfection, ImperfectionNumber, number_of_shape
 from .input_checks import check_parts, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
-from .loose_pieces import LoosePieces
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
 
@@ -170,19 +169,13 @@ class Simulation:
         self._pose_at = poses_of(self.motion) if self.motion is not None else None
 
     def _let_crack(self) -> None:
-        """Build the cracks, and all that comes of them: points on flanks, loose pieces, flaps."""
+        """Build the cracks, and the points on their flanks."""
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
-        self._loose: LoosePieces | None = None
         if self.law is not None:
             self.cracks = Cracks(
                 self.state, self.fracture, self.law, self.shell, self.loads, self.tool, self.motion
             )
-            if self.fracture.drop_loose == "clear":
-                alpha = self.integrator.damping_alpha
-                edge_length = float(np.sqrt(np.median(self.mesh.quad_areas())))
-                parts = self.shell, self.cracks, self.contact
-                self._loose = LoosePieces(*parts, edge_length, alpha)
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
@@ -240,8 +233,6 @@ class Simulation:
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
-        if self._loose is not None:
-            self._mass_damping -= self._loose.drop_due(s, self.ledger, 0.5 * (s.dt + dt_next))
         self._guard.check_balance(s, self.ledger)
         self._dt = dt_next
         self._between_steps = True
@@ -352,7 +343,7 @@ class Simulation:
             )
         if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")
-        self.cracks.free.notch(self.state, points_of_notch(points))
+        self.cracks.notch(self.state, points_of_notch(points))
 
     @checked
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:

@@ -7,7 +7,6 @@ from .film import SplitRecord, State
 from .known_topology import KnownTopology
 from .tables import (
     BROKEN,
-    DROPPED,
     JOINTED,
     NOT_MET,
     NOTCH,
@@ -24,7 +23,6 @@ from .tables import (
 
 __all__ = [
     "BROKEN",
-    "DROPPED",
     "JOINTED",
     "NOTCH",
     "NOT_MET",

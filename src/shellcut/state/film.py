@@ -14,7 +14,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.numerics.lanes import aligned_zeros
 
-from .tables import DROPPED, NOTCH, CableTable, FlankTable, NodeTable, QuadsAtNodes, QuadTable
+from .tables import NOTCH, CableTable, FlankTable, NodeTable, QuadsAtNodes, QuadTable
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,7 @@ class SplitRecord:
     reference: tuple[float, float, float]
     """Reference position [mm]."""
     kind: str
-    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.options`; ``NOTCH``; or
-    ``DROPPED``, of a piece that has been taken out."""
+    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.options`; or ``NOTCH``."""
     measure: float
     """Value of the criterion; a split is due at 1."""
     force_jump: float
@@ -64,7 +63,7 @@ class State:
     """Length of the step that led to t_n [s]."""
     step: int = 0
     revision: int = 0
-    """Number of splits, and of pieces taken out; identifies the topology."""
+    """Number of splits; identifies the topology."""
     crack_length: float = 0.0
     """Of all that has been cut but notches, in the reference film [mm]."""
     split_log: list[SplitRecord] = field(default_factory=list)
@@ -87,13 +86,8 @@ class State:
 
     @property
     def splits(self) -> list[SplitRecord]:
-        """Every split of the run, in order: no notches beforehand, no pieces taken out."""
-        return [record for record in self.split_log if record.kind not in (NOTCH, DROPPED)]
-
-    @property
-    def n_dropped(self) -> int:
-        """Number of pieces that have been taken out of the run."""
-        return sum(record.kind == DROPPED for record in self.split_log)
+        """Every split of the run, in order, without notches beforehand."""
+        return [record for record in self.split_log if record.kind != NOTCH]
 
     @property
     def n_cable(self) -> int:

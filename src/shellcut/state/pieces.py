@@ -3,7 +3,7 @@
 Quads that share a node are one piece; cables do not count. A piece is *held* if a support holds
 one of its nodes, and *loose* if none does. In a film that nothing holds at all the heaviest piece
 is the film itself, and the others are loose. So a film made of several pieces has none that is
-loose as long as each of them is held. What has been taken out of the run is not loose any more.
+loose as long as each of them is held.
 """
 
 from __future__ import annotations
@@ -48,11 +48,9 @@ class Pieces:
         mass = np.asarray(np.bincount(of_node[there], n.mass[there], count), float)
         held = np.zeros(count, np.bool_)
         held[of_node[there[n.supported[there]]]] = True
-        dropped = np.zeros(count, np.bool_)
-        dropped[of_row[state.quad.dropped[: state.n_quad]]] = True
-        loose = ~held & ~dropped
-        if loose.any() and not (held & ~dropped).any():
-            loose[int(np.argmax(np.where(loose, mass, 0.0)))] = False
+        loose = ~held
+        if loose.all():
+            loose[np.argmax(mass)] = False
         return cls(of_row, loose, mass)
 
     @property

@@ -45,9 +45,6 @@ NOT_MET = -1
 NOTCH = "notch"
 """Kind of the cuts that made a notch before the run."""
 
-DROPPED = "dropped"
-"""Kind of the record of a piece that has been taken out of the run."""
-
 
 @dataclass
 class _Table:
@@ -245,8 +242,7 @@ class QuadTable(_Table):
     """Weights of its nodes at the centre of the film that it holds, of a sliver farther from its
     flank than that, shape (n, 4)."""
     dropped: Bools
-    """Whether its piece has been taken out of the run (:mod:`shellcut.simulation.loose_pieces`),
-    shape (n,)."""
+    """Whether contact leaves it out, shape (n,)."""
 
 
 @dataclass

@@ -27,9 +27,8 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats, Ints, Numbers
-from shellcut.mitc4.element import N_STRAIN, modes, moved_modes, products
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.mitc4.tangent import N_FREEDOM
+from shellcut.mitc4.tangent import N_FREEDOM, quad_products, quad_products_change
 from shellcut.numerics.jit import kernel
 from shellcut.numerics.vec3 import load, rotate_director, store, tangent_basis
 from shellcut.state import State
@@ -182,17 +181,14 @@ class Freedoms:
         displacement, spin = self.split(u)
         node, quads = self._state.node, self._state.quads
         along = self._cone * u.reshape(self.n_node, 5)[:, 3]
-        bent = np.zeros((quads.shape[0], N_STRAIN))
         turn = np.cross(spin, node.t[: self.n_node])
         spin += along[:, None] * node.t[: self.n_node]
-        _take_linear_products(
-            x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent
-        )
+        before = node.x[quads], node.t[quads]
+        linear = quad_products_change(*before, displacement[quads], turn[quads])
         node.x[: self.n_node] += displacement
         turn_directors(t=node.t, spin=spin)
-        _add_products(x=node.x, t=node.t, quads=quads, change=bent)
         self.update()
-        return bent
+        return quad_products(node.x[quads], node.t[quads]) - quad_products(*before) - linear
 
 
 class _Pattern:
@@ -287,35 +283,3 @@ def _turn_tangents(quads: Ints, turned: Numbers, tangent: Floats) -> None:
             for k in range(20):
                 one, two = tangent[e, k, i], tangent[e, k, j]
                 tangent[e, k, i], tangent[e, k, j] = cos * one + sin * two, cos * two - sin * one
-
-
-@kernel
-def _add_products(x: Floats, t: Floats, quads: Ints, change: Floats) -> None:
-    """Add the scalar products of all quads to change : (n_quad, 16)."""
-    for e in range(quads.shape[0]):
-        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
-        m = products(
-            modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3)),
-            modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3)),
-        )
-        for k in range(N_STRAIN):
-            change[e, k] += m[k]
-
-
-@kernel
-def _take_linear_products(
-    x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, change: Floats
-) -> None:
-    """Subtract the products, and their linear change by dx, dt, from change : (n_quad, 16)."""
-    for e in range(quads.shape[0]):
-        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
-        xm = modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3))
-        tm = modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3))
-        xd = modes(load(dx, n0), load(dx, n1), load(dx, n2), load(dx, n3))
-        td = modes(load(dt, n0), load(dt, n1), load(dt, n2), load(dt, n3))
-        m = products(xm, tm)
-        # Products are quadratic: half the difference of a step forward and one back is linear.
-        ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
-        behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
-        for k in range(N_STRAIN):
-            change[e, k] -= m[k] + 0.5 * (ahead[k] - behind[k])

@@ -1,4 +1,4 @@
-"""The camera that follows one tooth and shows its edge."""
+"""The camera that follows the first tooth and shows its edge."""
 
 from __future__ import annotations
 
@@ -12,25 +12,17 @@ from ._raster import Camera, view_axes
 from ._teeth import teeth_of
 
 
-def close_camera(
-    frame: Frame,
-    tooth: int,
-    close_view: tuple[float, float],
-    toward: Floats,
-    close_width: float | None,
-    shape: tuple[int, int],
-) -> Camera:
-    """Return a camera that follows a tooth, on the side of the film that faces ``toward``.
+_VIEW = (40.0, 50.0)
+"""Elevation above the film and bearing from the cut [deg]: 0 looks straight at the edge, 90 from
+the left of its path."""
 
-    close_view, close_width, tooth : as in :func:`draw_snapshot`.
+
+def close_camera(frame: Frame, toward: Floats, shape: tuple[int, int]) -> Camera:
+    """Return a camera that follows the first tooth, on the side of the film that faces ``toward``.
+
     shape : height and width of the picture [pixel].
-
-    Raises
-    ------
-    ValueError
-        If there is no such tooth.
     """
-    edge = tooth_edge(frame, tooth)
+    edge = frame.edge_points[teeth_of(frame.edge_points) == 0]
     middles = edge.mean(axis=1)
     distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
     focus = middles[np.argmin(distance.min(axis=1))]  # where the edge meets the film
@@ -42,26 +34,17 @@ def close_camera(
     if np.linalg.norm(forward) < 1e-6:
         forward = np.cross(normal, np.roll(normal, 1))
     forward /= np.linalg.norm(forward)
-    elevation, bearing = np.radians(close_view)
+    elevation, bearing = np.radians(_VIEW)
     level = np.cos(bearing) * forward + np.sin(bearing) * np.cross(normal, forward)
     axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * normal, normal)
     length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
-    if close_width is None:
-        # From constant data only, so that all pictures of a run have the same scale.
-        whole = np.ptp(frame.reference, axis=0).max()
-        close_width = max(min(1.3 * length, 0.25 * whole), 8.0 * edge_length(frame))
+    # From constant data only, so that all pictures of a run have the same scale.
+    whole = np.ptp(frame.reference, axis=0).max()
+    close_width = max(min(1.3 * length, 0.25 * whole), 8.0 * edge_length(frame))
     height, width = (OVERSAMPLING * n for n in shape)
     # Show more of the cut than of the film ahead: shift the edge off the middle, forward.
     centre = focus - 0.12 * close_width * forward
     return Camera(axes, centre, width / close_width, (height, width))
-
-
-def tooth_edge(frame: Frame, tooth: int) -> Floats:
-    """Return the segments of the cutting edge of a tooth, shape (n, 2, 3), [mm]."""
-    label = teeth_of(frame.edge_points)
-    if not 0 <= tooth <= label.max():
-        raise ValueError(f"tooth must be in 0..{label.max()}, got {tooth}")
-    return np.asarray(frame.edge_points[label == tooth])
 
 
 def _membrane_normal(frame: Frame, focus: Floats) -> Floats:

@@ -25,6 +25,8 @@ EDGE_COLOR = (0.9, 0.0, 0.1)
 TOOL_COLOR = (0.62, 0.64, 0.68)
 TOOL_OPACITY = 0.55
 _HIDDEN_OPACITY = 0.3  # of edges and cables behind the film
+_VIEW = (48.0, -60.0)
+"""Elevation above the x-y plane and azimuth from the x axis, camera of the whole film [deg]."""
 _ROOM_FOR_TOOL = 0.05  # margin around film and edges, relative to their extent
 
 
@@ -75,25 +77,15 @@ def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
     return canvas.image(OVERSAMPLING)
 
 
-def _direction(view: tuple[float, float]) -> Floats:
-    elevation, azimuth = np.radians(view)
-    return np.array(
-        [
-            np.cos(elevation) * np.cos(azimuth),
-            np.cos(elevation) * np.sin(azimuth),
-            np.sin(elevation),
-        ]
-    )
-
-
-def whole_camera(
-    frames: Sequence[Frame], view: tuple[float, float], shape: tuple[int, int]
-) -> Camera:
+def whole_camera(frames: Sequence[Frame], shape: tuple[int, int]) -> Camera:
     """Return a camera that shows film and edges of all frames, and the tool near them.
 
     shape : height and width of the picture [pixel].
     """
-    axes = view_axes(_direction(view), np.array([0.0, 0.0, 1.0]))
+    elevation, azimuth = np.radians(_VIEW)
+    level = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * up, up)
     parts = [(f.points, f.reference, f.edge_points.reshape(-1, 3)) for f in frames]
     points = np.concatenate([points for part in parts for points in part])
     # A tool's shaft may be many times longer than the film is wide.

@@ -10,7 +10,7 @@ from shellcut.frame import Frame
 
 from ._figure import new_figure, save
 from ._panel import add_color_bar, add_legend, caption_of, pixels_of, show
-from .panels import VIEW, Panels, height_over_width
+from .panels import Panels, height_over_width
 
 _CAPTION = 0.42  # room above every frame [inch]
 _FOOT = 0.95  # room for colour bar and legend [inch]
@@ -21,7 +21,6 @@ def draw_film_strip(
     path: str | os.PathLike[str],
     frames: Sequence[Frame],
     *,
-    view: tuple[float, float] = VIEW,
     columns: int = 3,
     stress_limits: tuple[float, float] | None = None,
     width: float = 13.0,
@@ -35,8 +34,6 @@ def draw_film_strip(
         The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
     frames : sequence of Frame
         Frames of one run, in order of time; all are drawn.
-    view : (float, float)
-        Elevation above the x-y plane and azimuth from the x axis of the camera [deg].
     columns : int
         Frames per row.
     stress_limits : (float, float), optional
@@ -62,12 +59,12 @@ def draw_film_strip(
     columns = min(columns, len(frames))
     rows = math.ceil(len(frames) / columns)
     each = (width - _GAP) / columns - _GAP
-    tall = each * height_over_width(frames, view)
+    tall = each * height_over_width(frames)
     size = (width, rows * (tall + _CAPTION + _GAP) + _FOOT)
     figure = new_figure(size, dpi)
     principal = [frame.quad_principal[:, 0] for frame in frames]
     shape = pixels_of((0.0, 0.0, each / size[0], tall / size[1]), size, dpi)
-    panels = Panels(frames, shape=shape, view=view, stress_limits=stress_limits)
+    panels = Panels(frames, shape=shape, stress_limits=stress_limits)
     for k, frame in enumerate(frames):
         row, column = divmod(k, columns)
         left = _GAP + column * (each + _GAP)

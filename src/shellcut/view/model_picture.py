@@ -11,6 +11,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 
 from ._figure import new_figure, save
+from ._panel import mesh_edges
 
 _FILM_COLOR = "0.55"
 _HELD_COLOR = "#1d3557"
@@ -120,9 +121,7 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
     x = model.nodes[:, [i, j]]
     add = axes.add_collection  # type: ignore[attr-defined]
     if len(model.quads):
-        sides = np.stack([model.quads, np.roll(model.quads, -1, axis=1)], axis=2).reshape(-1, 2)
-        film = x[np.unique(np.sort(sides, axis=1), axis=0)]
-        add(LineCollection(film, colors=_FILM_COLOR, linewidths=0.4))
+        add(LineCollection(x[mesh_edges(model.quads)], colors=_FILM_COLOR, linewidths=0.4))
     if len(model.worst):
         worst = PolyCollection(list(x[model.quads[model.worst]]), facecolors=_WORST_COLOR)
         worst.set_label(f"{len(model.worst)} quads with the shortest steps")

@@ -18,7 +18,7 @@ from shellcut.frame import Frame
 
 from .fields import STRESSES
 from .progress import Progress
-from .scene import SCENE_VIEW, scene_series
+from .scene import scene_series
 
 Image = npt.NDArray[np.uint8]
 
@@ -30,7 +30,6 @@ def draw_movie(
     fps: float = 12.0,
     stress: str = "largest principal",
     stress_limits: tuple[float, float] | None = None,
-    view: tuple[float, float] = SCENE_VIEW,
     size: tuple[int, int] = (960, 640),
     progress: bool = True,
 ) -> None:
@@ -44,7 +43,7 @@ def draw_movie(
         Frames of one run, in order of time.
     fps : float
         Frames per second.
-    stress, stress_limits, view
+    stress, stress_limits
         As in :func:`draw_scene`; default limits are computed from all frames.
     size : (int, int)
         Width and height, even numbers [pixel].
@@ -74,7 +73,7 @@ def draw_movie(
         problems.append(f"fps must be positive, got {fps}")
     if problems:
         raise ValueError("; ".join(problems))
-    series = scene_series(frames, stress, stress_limits, view, size)
+    series = scene_series(frames, stress, stress_limits, size)
     images = (series.image(frame) for frame in frames)
     shown = _followed(images, len(frames), path.name) if progress else images
     with atomic_write(path) as temporary:

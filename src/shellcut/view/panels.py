@@ -23,11 +23,6 @@ from ._panel import (
 from ._raster import Camera
 from .fields import STRESSES, limits_for
 
-VIEW = (48.0, -60.0)
-"""Elevation above the x-y plane and azimuth from the x axis, camera of the whole film [deg]."""
-CLOSE_VIEW = (40.0, 50.0)
-"""Elevation above the film and bearing from the cut, camera of a tooth [deg]."""
-
 
 @dataclass(frozen=True, eq=False)
 class Panel:
@@ -64,8 +59,8 @@ class Panels:
         Height and width of the picture of the whole film [pixel].
     close_shape : (int, int), optional
         The same for the picture of the tooth.
-    view, close_view, close_width, tooth, stress_limits
-        As in :func:`draw_snapshot`.
+    stress_limits : (float, float), optional
+        Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
     stress : str
         One of :data:`STRESSES`.
     """
@@ -76,38 +71,24 @@ class Panels:
         *,
         shape: tuple[int, int],
         close_shape: tuple[int, int] | None = None,
-        view: tuple[float, float] = VIEW,
-        close_view: tuple[float, float] = CLOSE_VIEW,
-        close_width: float | None = None,
-        tooth: int = 0,
         stress: str = "largest principal",
         stress_limits: tuple[float, float] | None = None,
     ) -> None:
         self.values = STRESSES[stress]
         self.stress_limits = stress_limits or limits_for(seen, stress)
         self.scale = stress_scale(self.stress_limits)
-        self._camera = whole_camera(seen, view, shape)
-        self._close_shape, self._close_view = close_shape or shape, close_view
-        self._close_width, self._tooth = close_width, tooth
+        self._camera = whole_camera(seen, shape)
+        self._close_shape = close_shape or shape
 
     def whole(self, frame: Frame) -> Panel:
         """Return the picture of the whole film."""
         return self._panel(frame, self._camera)
 
     def close(self, frame: Frame) -> Panel | None:
-        """Return the picture of the tooth; None without cutting edges.
-
-        Raises
-        ------
-        ValueError
-            If there are cutting edges, but no such tooth.
-        """
+        """Return the picture of the first tooth; None without cutting edges."""
         if not len(frame.edge_points):
             return None
-        toward = self._camera.axes[2]
-        camera = close_camera(
-            frame, self._tooth, self._close_view, toward, self._close_width, self._close_shape
-        )
+        camera = close_camera(frame, self._camera.axes[2], self._close_shape)
         return self._panel(frame, camera)
 
     def mark(self, close: Panel) -> tuple[float, float, float]:
@@ -127,9 +108,9 @@ class Panels:
         return Panel(picture(frame, camera, colors), camera)
 
 
-def height_over_width(frames: Sequence[Frame], view: tuple[float, float] = VIEW) -> float:
+def height_over_width(frames: Sequence[Frame]) -> float:
     """Return the aspect ratio of the visible scene, limited to sensible shapes of a picture."""
-    camera = whole_camera(frames, view, (1000, 1000))
+    camera = whole_camera(frames, (1000, 1000))
     at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
     extent = np.ptp(at, axis=0)
     return float(np.clip(extent[1] / extent[0] + 0.06, 0.4, 1.0))

@@ -13,9 +13,6 @@ from ._figure import inches_of
 from .fields import STRESSES
 from .snapshot import SnapshotSeries
 
-SCENE_VIEW = (42.0, -60.0)
-"""Elevation above the x-y plane and azimuth from the x axis of the camera of scenes [deg]."""
-
 
 def draw_scene(
     path: str | os.PathLike[str],
@@ -24,7 +21,6 @@ def draw_scene(
     stress: str = "largest principal",
     stress_limits: tuple[float, float] | None = None,
     together_with: Sequence[Frame] = (),
-    view: tuple[float, float] = SCENE_VIEW,
     size: tuple[int, int] = (1280, 800),
 ) -> None:
     """Draw one frame to a picture file.
@@ -42,8 +38,6 @@ def draw_scene(
     together_with : sequence of Frame
         Other frames of the run that camera, scale and legend must cover. With all of them the
         picture equals the frame of :func:`draw_movie`.
-    view : (float, float)
-        Elevation above the x-y plane and azimuth from the x axis of the camera [deg].
     size : (int, int)
         Width and height [pixel].
 
@@ -56,7 +50,7 @@ def draw_scene(
     """
     if stress not in STRESSES:
         raise ValueError(f"stress must be one of {', '.join(STRESSES)}, got {stress!r}")
-    series = scene_series([frame, *together_with], stress, stress_limits, view, size)
+    series = scene_series([frame, *together_with], stress, stress_limits, size)
     from PIL import Image
 
     with atomic_write(Path(path)) as temporary:
@@ -67,17 +61,10 @@ def scene_series(
     seen: Sequence[Frame],
     stress: str,
     limits: tuple[float, float] | None,
-    view: tuple[float, float],
     size: tuple[int, int],
 ) -> SnapshotSeries:
     """Return pictures of the whole film that share camera, scale and legend."""
     inches, dpi = inches_of(size)
     return SnapshotSeries(
-        seen,
-        close_up=False,
-        stress=stress,
-        stress_limits=limits,
-        view=view,
-        size=inches,
-        dpi=dpi,
+        seen, close_up=False, stress=stress, stress_limits=limits, size=inches, dpi=dpi
     )

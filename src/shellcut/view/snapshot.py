@@ -14,7 +14,7 @@ from shellcut.frame import Frame
 
 from ._figure import new_figure, save
 from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_of
-from .panels import CLOSE_VIEW, VIEW, Panel, Panels
+from .panels import Panel, Panels
 
 # Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
@@ -26,13 +26,7 @@ def draw_snapshot(
     path: str | os.PathLike[str] | IO[bytes],
     frame: Frame,
     *,
-    view: tuple[float, float] = VIEW,
-    close_view: tuple[float, float] = CLOSE_VIEW,
-    close_width: float | None = None,
-    tooth: int = 0,
-    together_with: Sequence[Frame] = (),
     stress_limits: tuple[float, float] | None = None,
-    title: str | None = None,
     size: tuple[float, float] = (13.0, 7.0),
     dpi: float = 90.0,
 ) -> None:
@@ -49,26 +43,9 @@ def draw_snapshot(
         An open file gets a PNG.
     frame : Frame
         The frame to draw. Without a cutting edge only the whole model is drawn.
-    view : (float, float)
-        Elevation above the x-y plane and azimuth from the x axis of the left panel's camera
-        [deg].
-    close_view : (float, float)
-        Elevation above the film and bearing from the direction of the cut of the right panel's
-        camera [deg], which follows the tooth. Bearing 0 looks straight at the edge, 90 from the
-        left of its path.
-    close_width : float, optional
-        Width of the right panel [mm]; by default that of the edge with some margin, constant
-        over a run.
-    tooth : int
-        Number of the connected cutting edge in the right panel, in the order of ``edge_points``.
-    together_with : sequence of Frame
-        Other frames of the run that left camera, scale and legend must cover, so that their
-        pictures make a movie.
     stress_limits : (float, float), optional
         Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
         Give them to compare pictures of one run.
-    title : str, optional
-        By default the frame's coordinate, its first scalar and the time.
     size : (float, float)
         Width and height [inch].
     dpi : float
@@ -78,21 +55,10 @@ def draw_snapshot(
     ------
     ImportError
         If Matplotlib is not installed.
-    ValueError
-        If there is no such tooth.
     """
-    series = SnapshotSeries(
-        [frame, *together_with],
-        view=view,
-        close_view=close_view,
-        close_width=close_width,
-        tooth=tooth,
-        stress_limits=stress_limits,
-        size=size,
-        dpi=dpi,
-    )
+    series = SnapshotSeries([frame], stress_limits=stress_limits, size=size, dpi=dpi)
     low, high = series.stress_limits
-    save(series.figure(frame, title), path, {_SCALE: f"{low!r} to {high!r} MPa"})
+    save(series.figure(frame), path, {_SCALE: f"{low!r} to {high!r} MPa"})
 
 
 def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:
@@ -133,10 +99,8 @@ class SnapshotSeries:
         As in :func:`draw_snapshot`.
     close_up : bool
         Whether a tooth is shown beside the whole, where there are cutting edges.
-    stress : str
-        One of :data:`STRESSES`.
-    **options
-        Options of :class:`Panels`.
+    stress, stress_limits
+        As in :class:`Panels`.
     """
 
     def __init__(
@@ -147,17 +111,16 @@ class SnapshotSeries:
         dpi: float,
         close_up: bool = True,
         stress: str = "largest principal",
-        **options: Any,
+        stress_limits: tuple[float, float] | None = None,
     ) -> None:
         with_edge = close_up and any(len(frame.edge_points) for frame in seen)
         box = _LEFT_BOX if with_edge else _ONLY_BOX
-        self._label = f"tooth {options.get('tooth', 0) + 1}"
         self._panels = Panels(
             seen,
             shape=pixels_of(box, size, dpi),
             close_shape=pixels_of(_RIGHT_BOX, size, dpi),
             stress=stress,
-            **options,
+            stress_limits=stress_limits,
         )
         self._figure = new_figure(size, dpi)
         values = [self._panels.values(frame) for frame in seen]
@@ -175,9 +138,9 @@ class SnapshotSeries:
         """Limits of the colour scale [MPa]."""
         return self._panels.stress_limits
 
-    def figure(self, frame: Frame, title: str | None = None) -> Any:
+    def figure(self, frame: Frame) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
-        self._title.set_text(title_of(frame) if title is None else title)
+        self._title.set_text(title_of(frame))
         _put(self._left, self._panels.whole(frame))
         close = None
         if self._right is not None:
@@ -186,7 +149,7 @@ class SnapshotSeries:
             if self._circle is not None:
                 self._circle.set_visible(close is not None)
         if close is not None:
-            _put(self._right, close, self._label)
+            _put(self._right, close, "tooth 1")
             self._circle = _circle(self._left, self._circle, *self._panels.mark(close))
         return self._figure
 

@@ -1,4 +1,4 @@
-"""Write what a user brings: a cap as STL, inside out, and a disc as .msh, .inp and .k.
+"""Write what a user brings: a cap as STL, inside out, and a disc as .msh.
 
 The disc knows nothing of the blade's path; its rim is the group ``clamped``.
 """
@@ -44,39 +44,11 @@ def write_gmsh(path: Path, film: Mesh, rim: np.ndarray) -> None:
     path.write_text("\n".join([*lines, "$EndElements", ""]))
 
 
-def write_abaqus(path: Path, film: Mesh, rim: np.ndarray) -> None:
-    """Write an Abaqus deck, the rim as a node set."""
-    lines = ["*NODE"]
-    lines += [f"{k}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(film.nodes.tolist(), 1)]
-    lines += ["*ELEMENT, TYPE=S4R, ELSET=membrane"]
-    for k, quad in enumerate(film.quads.tolist(), 1):
-        lines.append(", ".join(str(n) for n in (k, *(n + 1 for n in quad))))
-    lines += ["*NSET, NSET=clamped", *(f"{n + 1}," for n in rim.tolist())]
-    path.write_text("\n".join([*lines, ""]))
-
-
-def write_lsdyna(path: Path, film: Mesh, rim: np.ndarray) -> None:
-    """Write an LS-DYNA deck with commas, the rim as a titled set."""
-    lines = ["*KEYWORD", "*NODE"]
-    lines += [f"{k},{x!r},{y!r},{z!r}" for k, (x, y, z) in enumerate(film.nodes.tolist(), 1)]
-    lines += ["*ELEMENT_SHELL"]
-    for k, quad in enumerate(film.quads.tolist(), 1):
-        lines.append(",".join(str(n) for n in (k, 1, *(n + 1 for n in quad))))
-    lines += ["*SET_NODE_LIST_TITLE", "clamped", "1"]
-    lines += [",".join(str(n + 1) for n in rim[k : k + 8].tolist()) for k in range(0, len(rim), 8)]
-    path.write_text("\n".join([*lines, "*END", ""]))
-
-
 def main(folder: Path) -> None:
     """Write all of them."""
     write_inside_out(folder / "cap.stl")
     film = unstructured_disc(spacing=SPACING)
-    rim = film.node_set("rim")
-    write_gmsh(folder / "disc.msh", film, rim)
-    write_abaqus(folder / "disc.inp", film, rim)
-    write_lsdyna(folder / "disc.k", film, rim)
-    small = Mesh.from_arrays(0.01 * film.nodes, film.quads)
-    write_abaqus(folder / "decimetres.inp", small, rim)
+    write_gmsh(folder / "disc.msh", film, film.node_set("rim"))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import numpy as np
 
 from harness import Check
 from shellcut import guillotine
+from steady_cut_works import steady_works
 
 ID, TITLE, FAST = "F02", "Steady cut, energy balance", True
 
@@ -25,29 +26,16 @@ CURVES = {}
 
 def checks() -> list[Check]:
     case = guillotine(SIZE, length=20.0)
-    sim = case.simulation
-    rows = []
-    while sim.state.time < case.duration:
-        sim.step()
-        ledger = sim.ledger
-        path = sim.motion.coordinate(sim.state.time)
-        rows.append((path, ledger.tool_work, ledger.cohesive_work, ledger.imbalance))
-    path, work, cohesive, imbalance = np.array(rows).T
+    means, worst, (path, work, _) = steady_works(case, SIZE, 8.0, "tool_work", "cohesive_work")
+    n = int((path[-1] - 8.0) / SIZE)
     CURVES["work of the blade over its path, N mm"] = {
         "x": path.tolist(),
         "y": work.tolist(),
         "x_ref": [8.0, float(path[-1])],
         "y_ref": [float(np.interp(8.0, path, work)) + EXACT * d for d in (0.0, path[-1] - 8.0)],
     }
-    n = int((path[-1] - 8.0) / SIZE)
-    ends = np.array([8.0, 8.0 + n * SIZE])
-
-    def mean(entry: np.ndarray) -> float:
-        return float(np.diff(np.interp(ends, path, entry))[0] / (n * SIZE))
-
-    worst = float(np.abs(imbalance).max() / work.max())
     return [
-        Check(f"mean force over {n} periods, N", EXACT, mean(work), 0.02, "mesh, damping, waves"),
-        Check(f"cables' part over {n} periods, N", EXACT, mean(cohesive), 0.02, "mesh"),
+        Check(f"mean force over {n} periods, N", EXACT, means[0], 0.02, "mesh, damping, waves"),
+        Check(f"cables' part over {n} periods, N", EXACT, means[1], 0.02, "mesh"),
         Check("largest imbalance / work", 0.0, worst, 1e-3, "time step", absolute=True),
     ]

@@ -19,11 +19,10 @@ tearing that film costs more than cutting it, about which a law with one G can s
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from harness import Check
 from shellcut import CohesiveLaw, ShellMaterial, guillotine
 from shellcut.tool.shapes import straight_blade
+from steady_cut_works import steady_works
 
 ID, TITLE, FAST = "F05", "Cut and torn films", False
 
@@ -83,16 +82,8 @@ def cutting_force(film):
         ),
         tool=straight_blade(length=LENGTH, height=3.0, half_thickness=0.005),
     )
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        path = sim.motion.coordinate(sim.state.time)
-        rows.append((path, sim.ledger.tool_work, sim.ledger.imbalance))
-    path, work, imbalance = np.array(rows).T
-    begin = 2.0
-    n = int((path[-1] - begin) / SIZE)
-    per_length = np.diff(np.interp([begin, begin + n * SIZE], path, work))[0] / (n * SIZE)
-    return float(per_length), float(np.abs(imbalance).max() / work.max())
+    (force,), worst, _ = steady_works(case, SIZE, 2.0, "tool_work")
+    return force, worst
 
 
 def checks() -> list[Check]:

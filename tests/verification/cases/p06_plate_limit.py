@@ -11,13 +11,9 @@ Source: Hopkins & Wang 1954; values of ../shared/METHOD2.md 9.
 
 import numpy as np
 
+import shellcut as sc
 from harness import Check
-from shellcut import Support
-from shellcut.loads.loads import Pressure
-from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import disc
-from shellcut.statics import Statics
 
 ID, TITLE, FAST = "P06", "Limit load of a circular plate", False
 
@@ -29,10 +25,10 @@ UNIT = M0 / RADIUS**2
 def limit(expected: float, n_side: int, *, clamped: bool) -> float:
     """Return p R²/M0 at which the deflection is twenty times that of the elastic plate."""
     mesh = disc(RADIUS, n_side=n_side)
-    supports = [Support.clamped("rim")] if clamped else _on_its_rim(mesh)
-    law = Plastic(Elastic(1e5, 0.3, 1e-9), Linear(YIELD))
-    film = ShellMaterial([Layer(law, T)], points_per_layer=9)
-    plate = Statics(mesh, film, supports=supports, loads=[Pressure(UNIT)])
+    supports = [sc.Support.clamped("rim")] if clamped else _on_its_rim(mesh)
+    law = sc.Plastic(sc.Elastic(1e5, 0.3, 1e-9), sc.Linear(YIELD))
+    film = sc.ShellMaterial([sc.Layer(law, T)], points_per_layer=9)
+    plate = sc.Statics(mesh, film, supports=supports, loads=[sc.Pressure(UNIT)])
     first = plate.load_steps([0.3 * expected])[-1]
     soft = np.abs(first.displacement[:, 2]).max() / 0.3
     for share in (0.6, 0.8, 0.9, *np.arange(0.94, 1.3, 0.005)):
@@ -42,13 +38,13 @@ def limit(expected: float, n_side: int, *, clamped: bool) -> float:
     return found.factor
 
 
-def _on_its_rim(mesh: Mesh) -> list[Support]:
+def _on_its_rim(mesh: sc.Mesh) -> list[sc.Support]:
     """Return a simple support, and what keeps the plate from moving and turning in its plane."""
     aside = int(np.argmax(mesh.nodes[:, 0]))
     return [
-        Support("rim", translation="z", rotation=""),
-        Support("centre", translation="xy", rotation=""),
-        Support([aside], translation="y", rotation=""),
+        sc.Support("rim", translation="z", rotation=""),
+        sc.Support("centre", translation="xy", rotation=""),
+        sc.Support([aside], translation="y", rotation=""),
     ]
 
 

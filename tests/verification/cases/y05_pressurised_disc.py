@@ -32,8 +32,8 @@ PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
 CURVES = {}
 
 
-def swing(n_side: int, n_layer: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return times and heights of the middle."""
+def swing(n_side: int, n_layer: int) -> np.ndarray:
+    """Return times, heights of the middle, works of the load and imbalances, shape (4, n)."""
     mesh = disc(10.2, n_side=n_side, n_layer=n_layer)
     sim = Simulation(
         mesh,
@@ -47,9 +47,9 @@ def swing(n_side: int, n_layer: int) -> tuple[np.ndarray, np.ndarray]:
     rows = []
     while sim.state.time < 0.9e-4:
         sim.step()
-        rows.append((sim.state.time, sim.state.node.x[centre, 2].mean()))
-    time, height = np.array(rows).T
-    return time, height
+        book, height = sim.ledger, sim.state.node.x[centre, 2].mean()
+        rows.append((sim.state.time, height, book.load_work, book.imbalance))
+    return np.array(rows).T
 
 
 def peak(time: np.ndarray, height: np.ndarray) -> tuple[float, float]:
@@ -64,12 +64,12 @@ def checks() -> list[Check]:
     rows = []
     runs = {mesh: swing(*mesh) for mesh in {mesh for _, mesh, *_ in PEERS}}
     for name, mesh, height, when, gate in PEERS:
-        time, ours = peak(*runs[mesh])
+        time, ours = peak(*runs[mesh][:2])
         n_quad = mesh[0] ** 2 + 4 * mesh[0] * mesh[1]
         what = f"{name}, {n_quad} quads"
         rows.append(Check(f"peak, {what}, mm", height, ours, 0.01, "peer, like mesh", gate))
         rows.append(Check(f"time, {what}, us", 1e6 * when, 1e6 * time, 0.01, "peer", gate))
-    time, z = runs[34, 11]
+    time, z, *_ = runs[34, 11]
     flight = 0.5 * PRESSURE / (DENSITY * THICKNESS) * time**2
     early = time < 20e-6
     off = float(np.abs(z[early] / flight[early] - 1.0).max())

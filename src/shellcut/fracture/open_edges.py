@@ -1,0 +1,59 @@
+"""Edges with one quad: the rim of a film, and the flanks of cracks along sides of the mesh.
+
+Where a crack has parted a side the film has two edges with one quad each, whose ends have the same
+``origin``. Everything here follows from the quads and ``origin``; nothing else records the crack.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Ints, product
+from shellcut.state import State
+
+
+def boundary_edges(state: State) -> Ints:
+    """Return the edges with one quad, shape (n, 2), each in the direction of its quad."""
+    return _with_one_quad(state.quads, state.n_node)
+
+
+def crack_edges(polygons: Ints, origin: Ints) -> Ints:
+    """Return the crack edges of a film of polygons as their two flank copies, shape (n, 2, 2).
+
+    The point order of both copies is that of the reference edge.
+
+    Parameters
+    ----------
+    polygons : ndarray of int, shape (n, n_corner)
+        Point ids; one with fewer corners repeats its last point.
+    origin : ndarray of int, shape (n_point,)
+        The same for points that were one before the film was cut.
+    """
+    pair = _with_one_quad(polygons, origin.size)
+    backwards = origin[pair[:, 0]] > origin[pair[:, 1]]
+    pair[backwards] = pair[backwards, ::-1]
+    key = product(origin[pair], np.array([int(origin.max()) + 1, 1]))
+    order = np.argsort(key, kind="stable")
+    key, pair = key[order], pair[order]
+    _, first, count = np.unique(key, return_index=True, return_counts=True)
+    first = first[count == 2]
+    return np.asarray(np.stack([pair[first], pair[first + 1]], axis=1))
+
+
+def crack_tips(state: State) -> dict[int, int]:
+    """Return all nodes at which a crack or notch ends, ascending, and where it came from.
+
+    There the two flanks of its last edge meet; of several cracks at a node it is one.
+    """
+    flanks = crack_edges(state.quads, state.node.origin[: state.n_node])
+    edge, end = np.nonzero(flanks[:, 0] == flanks[:, 1])
+    far = flanks[edge, 0, 1 - end]
+    return dict(sorted(zip(flanks[edge, 0, end].tolist(), far.tolist(), strict=True)))
+
+
+def _with_one_quad(polygons: Ints, n_point: int) -> Ints:
+    edges = np.stack([polygons, np.roll(polygons, -1, axis=1)], axis=2).reshape(-1, 2)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    key = product(np.sort(edges, axis=1), np.array([n_point, 1]))
+    _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
+    return np.asarray(edges[count[inverse] == 1])

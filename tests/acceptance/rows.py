@@ -1,0 +1,213 @@
+"""Rows: README, wheel, installation, doctor; the main job; what a user does after it.
+
+What each command computes and says is tried by the default tests; here it is done by a user, with
+what the wheel brings and nothing else.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import zipfile
+
+from row import Rows, expect, expect_words
+from user import QUICK, ROOT, User
+
+ROWS = Rows()
+
+# Names of the family in a licence: those that bind who links, so not the lesser one, nor the
+# compiler's run time, whose exception frees it.
+_STRONG_GPL = re.compile(r"(?<!L)GPL(?!.{0,40}exception)|(?<!Lesser )General Public", re.I | re.S)
+
+
+@ROWS.add("0", "README: the first screen", seconds=5)
+def readme(user: User) -> str:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
+    for path in pictures[:2]:
+        expect((ROOT / path).is_file(), f"{path} is not there")
+    expect(len(pictures) >= 2, "a picture of the cut and a torque curve must be shown")
+    script = re.search(r"```python\n(.*?)```", text, re.S)
+    expect(script, "a script must be shown")
+    lines = [line for line in script[1].splitlines() if line.strip()]
+    expect(len(lines) <= 6, f"the script must have six lines, got {len(lines)}")
+    compile(script[1], "README.md", "exec")
+    expect_words(text, "pip install", "shellcut run opening --set mesh=quick -o out", "pytest")
+    expect_words(text, "it does not", "mm, N, s, tonne, MPa", "docs/limits.md", "CITATION.cff")
+    return f"{len(pictures)} pictures, a script of {len(lines)} lines"
+
+
+@ROWS.add(
+    "0-2",
+    "pip install shellcut[plot] in a fresh environment",
+    seconds=120,
+    limit="wheels only: no compiler; no GPL package; own wheel pure and < 2 MB",
+)
+def install(user: User) -> str:
+    wheel = user.environment.wheel
+    size = wheel.stat().st_size / 1e6
+    expect(size < 2.0, f"the wheel must be under 2 MB, got {size:.2f}")
+    expect(wheel.name.endswith("py3-none-any.whl"), f"the wheel must be pure, got {wheel.name}")
+    with zipfile.ZipFile(wheel) as content:
+        native = [n for n in content.namelist() if n.endswith((".so", ".pyd", ".dll", ".dylib"))]
+    expect(not native, f"no machine code in the wheel, got {native}")
+    licences = user.inside("licences.py")
+    strong = [name for name, licence in licences.items() if _STRONG_GPL.search(licence)]
+    expect(not strong, f"no package under the GPL, got {strong}")
+    for name in ("gmsh", "vtk", "pandas"):
+        expect(name not in licences, f"{name} is an extra, but was installed")
+    return f"{user.environment.seconds:.0f} s of it pip, {len(licences)} packages, {size:.2f} MB"
+
+
+@ROWS.add("2", "import shellcut", seconds=60, limit="< 1.0 s", needs=("environment",))
+def import_time(user: User) -> str:
+    text = (
+        "import time; t = time.perf_counter(); import shellcut; "
+        "print(time.perf_counter() - t, shellcut.__version__)"
+    )
+    # The least of five: what else runs on the machine only adds.
+    said = [user.python(text).said.split() for _ in range(5)]
+    best = min(float(seconds) for seconds, _ in said)
+    expect(best < 1.0, f"the import must take less than 1.0 s, got {best:.2f}")
+    expect(re.fullmatch(r"\d+\.\d+\.\d+\S*", said[0][1]), f"no version: {said[0][1]}")
+    return f"{best:.2f} s (least of 5), version {said[0][1]}"
+
+
+@ROWS.add(
+    "2-6",
+    "shellcut run opening --set mesh=quick -o out, nothing compiled",
+    seconds=240,
+    limit="exit code 0; |balance| <= 1 % of the work put in; every file there",
+    needs=("environment",),
+)
+def main_job(user: User) -> str:
+    said = user.first_run.said
+    expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
+    # What a user sees: the model, the step, what is compiled, an account every 5 %.
+    for pattern in (
+        r"film +612 quads, .* 0\.074 mm thick",
+        r"step +\S+ s at first, so about [\d,]+ steps .* about .* on a free core",
+        r"compiling \(first run only",
+        r"compiled in \d+ s",
+        r"angle [\d.]+ deg, torque \S+ N\*mm.* steps/s, .* left",
+    ):
+        expect(re.search(pattern, said), f"nothing like {pattern!r} was said:\n{said}")
+    shares = [int(share) for share in re.findall(r"(\d+) %: .*balance [+-][\d.]+ % \| crack", said)]
+    expect(set(shares) == set(range(5, 101, 5)), f"an account every 5 %, got {shares}")
+    with (user.out / "history.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    bare = [name for name in rows[0] if not re.fullmatch(r"\w+ \[[^\]]+\]", name)]
+    expect(not bare, f"every column must name its unit, got {bare}")
+    names = ["opening.vtkhdf", "history.csv", "summary.json", "splits.csv", "torque.png"]
+    names += ["energy.png", "run.log", "used.toml", "checkpoint.h5"]
+    for name in names:
+        path = user.out / name
+        expect(path.is_file() and path.stat().st_size > 0, f"{name} is missing or empty")
+    snapshots = list(user.out.glob("snapshot_*.png"))
+    expect(len(snapshots) >= 4, f"4 snapshots or more, got {len(snapshots)}")
+    summary = json.loads((user.out / "summary.json").read_text(encoding="utf-8"))
+    balance = summary["imbalance_rel"]
+    expect(balance <= 0.01, f"the balance must close within 1 % of the work, got {balance:.2%}")
+    return f"balance {balance:.3%}, {len(rows)} rows, {len(names) + len(snapshots)} files"
+
+
+@ROWS.add(
+    "8-9",
+    "Ctrl-C in a run, then shellcut resume",
+    seconds=180,
+    limit="exit code 130, says where it stopped; then the uninterrupted run's bits",
+    needs=("out",),
+)
+def interrupt_and_resume(user: User) -> str:
+    again = user.folder / "again"
+    half = (user.out / "history.csv").stat().st_size / 2
+
+    def halfway() -> bool:
+        history = again / "history.csv"
+        return history.exists() and history.stat().st_size > half
+
+    stopped = user.interrupted("run", *QUICK, "-o", "again", when=halfway)
+    expect(stopped.code == 130, f"exit code {stopped.code}:\n{stopped.said}")
+    expect_words(stopped.said, "shellcut resume again")
+    place = re.search(r"stopped at (.+?);", stopped.said)
+    expect(place, f"where it stopped was not said:\n{stopped.said[-500:]}")
+    resumed = user.shellcut("resume", "again")
+    expect(resumed.code == 0, f"exit code {resumed.code}:\n{resumed.said}")
+    for name in ("history.csv", "splits.csv"):
+        same = (user.out / name).read_bytes() == (again / name).read_bytes()
+        expect(same, f"{name} differs")
+    frames = (str(folder / "opening.vtkhdf") for folder in (user.out, again))
+    differing = user.inside("same_bits.py", *frames)["differ"]
+    expect(not differing, f"frames differ in {differing}")
+    return f"stopped at {place[1]}, resumed: history, frames, splits equal bit for bit"
+
+
+_STUDIED = "opening --set mesh=quick --set motion.angle_deg=30 --set duration=2e-3"
+"""An opening that ends at 30 deg, some seconds of one core."""
+
+_OWN = "--set membrane.file=parts/disc.msh --set membrane.clamp=clamped --set tool.file="
+
+COMMANDS = (
+    # Minute, command, exit code, what is said, what is left; limit [s].
+    ("2", "doctor", 0, ("result files", "matplotlib", "pip install shellcut[vtk]"), (), 30),
+    ("7", "report out", 0, (), ("out/report.html",), 30),
+    ("7", "view out", 0, (), ("out/view.html",), 30),
+    ("9-10", "run opening --write-model tooth.toml", 0, (), ("tooth.toml",), 10),
+    (
+        "9-10",
+        "preview tooth.toml --set mesh=quick --set teeth=6 -o tooth.png",
+        *(0, ("612 quads", "6 cutting edges", "72 nodes held"), ("tooth.png",), 30),
+    ),
+    ("9-10", "run tooth.toml --set tool.teehs=6 -o wrong", 2, ("did you mean teeth?",), (), 10),
+    (
+        "10-12",
+        f"preview opening {_OWN}parts/cap.stl -o own.png",
+        0,
+        (
+            "disc.msh: no unit given: taken as mm, the film is 20.4 mm across",
+            "4 of 4 bodies were inside out and are turned",
+            "4 cutting edges found by angle, 23.09 mm in all",
+        ),
+        ("own.png",),
+        60,
+    ),
+    (
+        "10-12",
+        f"run opening {_OWN}parts/cap.stl --set motion.angle_deg=10 --set duration=0.7e-3 -o own",
+        *(0, ("4 of 4 bodies were inside out",), ("own/summary.json", "own/torque.png"), 60),
+    ),
+    ("10-12", f"run opening {_OWN}cup.stl -o refused", 2, ("cup.stl",), (), 30),
+    ("12-13", "compare out out/history.csv", 0, (), ("out/comparison.png",), 20),
+    (
+        "13-14",
+        f"sweep {_STUDIED} --set cohesive.plateau=14,18 -o study",
+        *(0, (), ("study/table.csv",), 120),
+    ),
+    (
+        "13-14",
+        f"sweep {_STUDIED} --set cohesive.plateau=14,18 -o study",
+        *(0, ("2 of them done before",), (), 30),
+    ),
+    ("13-14", "report study", 0, (), ("study/report.html",), 30),
+)
+
+
+def _command(
+    minute: str, text: str, code: int, words: tuple[str, ...], left: tuple[str, ...], seconds: float
+) -> None:
+    needs = ("out",) if "out" in text.split() else ("parts",) if "parts/" in text else ()
+
+    @ROWS.add(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
+    def command(user: User) -> str:
+        done = user.shellcut(*text.split())
+        expect(done.code == code, f"exit code {done.code}:\n{done.said}")
+        expect_words(done.said, *words)
+        expect(not re.search("Traceback|PROBLEM", done.said), done.said)
+        sizes = [(user.folder / name).stat().st_size for name in left]
+        expect(all(size > 1000 for size in sizes), f"{left} must not be empty, got {sizes}")
+        return f"exit code {code}"
+
+
+for _row in COMMANDS:
+    _command(*_row)
