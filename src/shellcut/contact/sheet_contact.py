@@ -212,7 +212,7 @@ class SheetContact(PressTerm):
         self.carriers = Carriers.of(np.zeros((n_sheet, 4), np.int64))
         now = *self._memory[1:], *self.carriers, self._met
         kept: Any = zip(now, (*had[1:], *carried, met), strict=True)
-        for new, old in kept:
+        for new, old in kept if to.size else ():
             new[to] = old[of]
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
         self._presses = Presses.with_room(n_sheet, self._presses)
@@ -230,9 +230,10 @@ class SheetContact(PressTerm):
         A node that is new has those of another half of its node at the same place.
         """
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
-        # There is nothing to remember of sheets that nothing has come close to, most of them.
+        # There is nothing to remember of most sheets: nothing has come close, or got a side.
         of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
-        met = np.flatnonzero(self._met[of_old])
+        held = self._memory.side != 0 if self._of_tool else self._met
+        met = np.flatnonzero(held[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
