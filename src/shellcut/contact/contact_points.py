@@ -17,6 +17,7 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, angles, unit
+from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
@@ -51,12 +52,13 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     surface = Surface(tool.vertices, tool.triangles)
     cutting = is_cutting(tool, surface)
     vertex, sharpness = _corners(tool, surface, cutting)
-    at_vertex = _vertex_normals(tool)
+    at_vertex = np.zeros_like(tool.vertices)
+    at_vertex[tool.triangles] = ClosestTriangleGrid.of(tool).arrays.surface.pseudo_normals[:, 1:4]
     body_of = np.zeros(tool.n_vertex, np.int64)
     body_of[tool.triangles] = tool.triangle_body[:, None]
     along, normal, turn, body = _along_edges(tool, surface, cutting, SPACING * edge_length)
     place = np.concatenate([tool.vertices[vertex], along])
-    outward = np.concatenate([at_vertex[vertex], normal])
+    outward = np.concatenate([unit(at_vertex[vertex]), normal])
     bodies = np.concatenate([body_of[vertex], body])
     kept = _spread(place, np.concatenate([sharpness, turn]), CLOSEST * edge_length)
     return ToolPoints(
@@ -111,17 +113,6 @@ def _along_edges(
     normal = unit(surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]])
     teeth = tool.triangle_body[surface.forward[rows]]
     return place, normal[of], surface.turn[rows][of], teeth[of]
-
-
-def _vertex_normals(tool: Tool) -> Floats:
-    """Return the mean unit normals at the vertices, weighted by angle."""
-    corners = tool.vertices[tool.triangles]
-    one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
-    normals = np.zeros_like(tool.vertices)
-    np.add.at(
-        normals, tool.triangles, angles(one, two)[:, :, None] * tool.triangle_normals[:, None, :]
-    )
-    return unit(normals)
 
 
 def _shares(place: Floats, outward: Floats, reach: float) -> Floats:

@@ -80,9 +80,8 @@ from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
-from .contact_tables import Carriers, ContactNodes
+from .contact_tables import TOUCHING, Carriers, ContactNodes, PressTerm
 from .look_at_quad import Corners, normal_at, place_in, slopes_along, tangents_at
-from .press_forces import TOUCHING, PressTerm
 from .settings import STEEPEST
 from .sheet_contact import SelfContact
 
@@ -275,7 +274,9 @@ class CoulombFriction(ForceTerm):
 
     def _lay_out(self, state: State) -> None:
         nodes, pressing = ContactNodes.of(state), self._pressing
-        point = pressing.point_of_sheet() if self._on_film else np.zeros(0, np.int64)
+        point: Ints = np.zeros(0, np.int64)
+        if isinstance(pressing, SelfContact):
+            point = pressing.point_of_sheet()
         self._of = pressing.tables
         self._held = self._hold(FrictionTables(point, pressing.carriers, self.springs, nodes))
 

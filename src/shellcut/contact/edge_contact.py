@@ -28,7 +28,7 @@ that part is an offset of its depth, which does not press and goes as they part.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -38,10 +38,18 @@ from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
 from shellcut.tool.pose import Pose
 
-from .contact_tables import Carriers, ContactNodes, ContactTables, Looks, Memory
+from .contact_tables import (
+    ABSORBED,
+    WORK,
+    Carriers,
+    ContactNodes,
+    ContactTables,
+    Looks,
+    Memory,
+    PressTerm,
+)
 from .film_outline import FilmEdges, OpenEdges
 from .penalty_contact import PenaltyContact
-from .press_forces import ABSORBED, WORK, PressTerm
 from .press_kernel import add_press_forces
 from .settings import STEEPEST
 
@@ -68,6 +76,9 @@ class EdgeContact(PressTerm):
     edge_length : float
         Of a typical quad [mm].
     """
+
+    kept_tables: ClassVar = {"_looks": Looks, "_memory": Memory}
+    kept_values = ("_key",)
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self._contact = contact
@@ -129,25 +140,10 @@ class EdgeContact(PressTerm):
         first: Ints = np.append(0, np.cumsum(listed))[at].astype(np.int64)
         return first, pressed[listed]
 
-    def saved(self) -> dict[str, Any]:
-        """Return the list, what is kept of its places, and the last forces."""
-        return {
-            "touch": self.touch._asdict(),
-            "key": self._key,
-            "looks": self._looks._asdict(),
-            "memory": self._memory._asdict(),
-            "carriers": self.carriers._asdict(),
-            "n_search": self.n_search,
-        }
-
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
-        self.touch.take(saved["touch"])
-        self._key, self.n_search = saved["key"].copy(), saved["n_search"]
-        for name, kind in (("looks", Looks), ("memory", Memory), ("carriers", Carriers)):
-            rows = kind(**{field: rows.copy() for field, rows in saved[name].items()})
-            setattr(self, name if name == "carriers" else f"_{name}", rows)
+        self._take(saved)
         self._lay_out(state)
 
     def _renew(self, state: State) -> tuple[float, float]:

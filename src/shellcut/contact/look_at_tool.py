@@ -147,12 +147,7 @@ def _look_up(
     found, triangle, feature, q, ahead = closest_of_side(p, 0, grid)
     store(looks.place, i, p)
     way = sub(p, q)
-    normals = grid.surface.pseudo_normals
-    normal = (
-        normals[triangle, feature, 0],
-        normals[triangle, feature, 1],
-        normals[triangle, feature, 2],
-    )
+    normal = load(grid.surface.pseudo_normals[triangle], feature)
     looks.within[i] = found and dot(way, normal) < 0.0
     looks.flat[i] = 0.0
     if not looks.within[i]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import load
@@ -66,17 +66,7 @@ class NearNodes:
             self._time = state.time
             if tool + self._walked < self.half_margin:
                 return False
-        found = np.empty(n.count, np.int64)
-        count = _inside(
-            n_node=n.count,
-            x=n.x,
-            pose=pose,
-            real=n.real,
-            low=self._low,
-            high=self._high,
-            found=found,
-        )
-        self.ids = found[:count].copy()
+        self.ids = self._in_boxes(np.flatnonzero(n.real[: n.count]), state, pose, 0.0)
         self.n_search += 1
         self._pose = pose
         self._known.take(state)
@@ -106,9 +96,12 @@ class NearNodes:
 
         They depend on the present positions only, not on when the list was made.
         """
-        inner, found = self.half_margin, np.empty(self.ids.size, np.int64)
-        low, high = self._low + inner, self._high - inner
-        return found[: self._within(self.ids, state.node.x, pose, low, high, found)]
+        return self._in_boxes(self.ids, state, pose, self.half_margin)
+
+    def _in_boxes(self, ids: Ints, state: State, pose: Pose, inner: float) -> Ints:
+        """Return those of some nodes that are inside boxes narrower by so much [mm]."""
+        low, high, found = self._low + inner, self._high - inner, np.empty(ids.size, np.int64)
+        return found[: self._within(ids, state.node.x, pose, low, high, found)].copy()
 
     def rows(self, state: State) -> Ints:
         """Return the quads at listed nodes, ascending."""
@@ -164,30 +157,6 @@ def _moved(
 ) -> tuple[float, float]:
     """Return a bound on the motion of the tool within a radius, and the largest nodal speed."""
     return tool_way(pose, then, radius), largest_speed(ids, ids.shape[0], velocity)
-
-
-@kernel
-def _inside(
-    n_node: int,
-    x: Floats,
-    pose: Pose,
-    real: Bools,
-    low: Floats,
-    high: Floats,
-    found: Ints,
-) -> int:
-    """Write the real nodes inside any box to found : (n_node,), return their number."""
-    pose, count = borrowed(pose), 0
-    for n in range(n_node):
-        p = to_body(load(x, n), pose)
-        hit = False
-        if not real[n]:
-            continue
-        for b in range(low.shape[0]):
-            hit |= in_box(p, low, high, b)
-        found[count] = n
-        count += hit
-    return count
 
 
 @kernel

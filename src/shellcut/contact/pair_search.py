@@ -100,22 +100,16 @@ class PairSearch:
             [mm]
         state : State
         """
-        n, quads, place = state.node, state.quad.nodes, points.place
-        if not rows.size or not points.ids.size or not np.isfinite(place).all():
-            return Pairs.none()
-        low, high = np.empty((2, rows.size, 3))
-        self._boxes(rows, quads, n.x, reach, low, high)
-        near = np.flatnonzero(((low <= place.max(0)) & (high >= place.min(0))).all(axis=1))
-        axis = int(np.argmax(place.max(0) - place.min(0)))
-        near = near[np.argsort(low[near, axis], kind="stable")]
-        boxes, at = Boxes(rows[near], low[near], high[near]), place[:, axis]
-        widest = float((boxes.high - boxes.low)[:, axis].max(initial=0.0))
-        begin = np.searchsorted(boxes.low[:, axis], at - widest)
-        end = np.searchsorted(boxes.low[:, axis], at, side="right")
-        room = _ROOM * points.ids.size
+        n, quads = state.node, state.quad.nodes
+        row, (low, high) = np.empty(rows.size, np.int64), np.empty((2, rows.size, 3))
+        boxes = Boxes(row, low, high)
+        n_box, axis, widest = self._boxes(points.place, rows, quads, n.x, reach, boxes)
+        order = np.argsort(low[:n_box, axis], kind="stable")
+        boxes = Boxes(row[order], low[order], high[order])
+        room = _ROOM * (points.ids.size + 1)
         while True:
             found = np.empty((room, 3), np.int64)
-            count = self._find(points, boxes, begin, end, quads, n.quads, n.n_quad_at, found)
+            count = self._find(points, boxes, axis, widest, quads, n.quads, n.n_quad_at, found)
             if count <= room:
                 return _in_sheets(points.ids, found[:count])
             room = count
@@ -137,16 +131,37 @@ def _in_sheets(ids: Ints, found: Ints) -> Pairs:
 
 @kernel
 def _write_boxes(
-    rows: Ints, quads: SmallIds, x: Floats, reach: float, low: Floats, high: Floats
-) -> None:
-    """Write the boxes around some rows, wider by the reach [mm]: low, high : (n, 3)."""
-    for i in range(rows.shape[0]):
+    place: Floats, rows: Ints, quads: SmallIds, x: Floats, reach: float, boxes: Boxes
+) -> tuple[int, int, float]:
+    """Write the boxes around those of some rows that are near any of some points.
+
+    They are wider by the reach [mm].  place : (n_point, 3).  Returns their number, the axis along
+    which the points lie farthest apart, and how wide the boxes are along it at most [mm].
+    """
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for i in range(place.shape[0]):
         for c in range(3):
-            lowest = highest = x[quads[rows[i], 0], c]
+            if not np.isfinite(place[i, c]):
+                return 0, 0, 0.0
+            low[c], high[c] = min(low[c], place[i, c]), max(high[c], place[i, c])
+    axis, count, widest = 0, 0, 0.0
+    for c in range(1, 3):
+        if high[c] - low[c] > high[axis] - low[axis]:
+            axis = c
+    for row in rows:
+        near = True
+        for c in range(3):
+            lowest = highest = x[quads[row, 0], c]
             for a in range(1, 4):
-                here = x[quads[rows[i], a], c]
+                here = x[quads[row, a], c]
                 lowest, highest = min(lowest, here), max(highest, here)
-            low[i, c], high[i, c] = lowest - reach, highest + reach
+            boxes.low[count, c], boxes.high[count, c] = lowest - reach, highest + reach
+            near &= lowest - reach <= high[c] and highest + reach >= low[c]
+        if near:
+            boxes.row[count] = row
+            widest = max(widest, boxes.high[count, axis] - boxes.low[count, axis])
+            count += 1
+    return count, axis, widest
 
 
 @inline
@@ -187,8 +202,8 @@ def _mark_rings(
 def _find(
     points: Points,
     boxes: Boxes,
-    begin: Ints,
-    stop: Ints,
+    axis: int,
+    widest: float,
     quads: SmallIds,
     at: SmallIds,
     n_at: SmallIds,
@@ -196,8 +211,8 @@ def _find(
 ) -> int:
     """Write (place of the point, sheet, row) of every pair to found : (n, 3); return their number.
 
-    They ascend. The number is right also where there is no room for all.  begin, stop : (n_point,),
-    of the boxes that each point asks.  at, n_at : rows at every node.
+    They ascend. The number is right also where there is no room for all.  axis, widest : along
+    which the boxes ascend, and their largest width [mm].  at, n_at : rows at every node.
     """
     of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row hangs together with
     of_node, owner, ring = np.full(at.shape[0], -1), np.full(at.shape[0], -1), np.empty_like(n_at)
@@ -208,8 +223,10 @@ def _find(
         if points.rings[i] >= 0:
             _mark_rings(i, points, quads, at, n_at, of_row, of_node, ring)
         p, n_pair = (points.place[i, 0], points.place[i, 1], points.place[i, 2]), 0
-        for j in range(begin[i], stop[i]):
+        for j in range(_first_from(p[axis] - widest, boxes, axis), boxes.row.shape[0]):
             row = boxes.row[j]
+            if boxes.low[j, axis] > p[axis]:
+                break
             if of_row[row] == i or n_pair == _MOST or not in_box(p, boxes.low, boxes.high, j):
                 continue
             k = n_pair
@@ -232,6 +249,19 @@ def _find(
                 _insert(found, count, i, _leader_of(k, leader), partner[k])
             count += 1
     return count
+
+
+@inline
+def _first_from(start: float, boxes: Boxes, axis: int) -> int:
+    """Return the first box that does not begin before a coordinate [mm]."""
+    low, high = 0, boxes.row.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if boxes.low[middle, axis] < start:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 @inline

@@ -31,7 +31,7 @@ rebounds with no more energy than it came with.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -54,10 +54,10 @@ from .contact_tables import (
     ContactTool,
     Looks,
     Memory,
+    PressTerm,
 )
 from .film_outline import FilmEdges, Part
 from .near_nodes import NearNodes
-from .press_forces import PressTerm
 from .press_kernel import add_press_forces
 from .settings import Contact, PenaltyLaw
 
@@ -91,6 +91,9 @@ class PenaltyContact(PressTerm):
         Returns the polygon of a row that is cut; with it, places on the film's edges touch the tool
         too, with a part of the stiffness of the nodes at their ends (:mod:`.edge_contact`).
     """
+
+    kept_tables: ClassVar = {"_looks": Looks}
+    kept_values = ("deepest",)
 
     def __init__(
         self,
@@ -164,27 +167,19 @@ class PenaltyContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return the list of near nodes, what is known of them, and the last forces."""
-        return {
-            "near": self.near.saved(),
-            "looks": self._looks._asdict(),
-            "walked": self.clock.walked,
-            "carriers": self.carriers._asdict(),
-            "touch": self.touch._asdict(),
-            "deepest": self.deepest,
-        }
+        return super().saved() | {"near": self.near.saved(), "walked": self.clock.walked}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
+        self._take(saved)
         self.near.restore(state, saved["near"])
-        self.n_search = self.near.n_search
-        self._ids = self.near.ids
-        self._looks = Looks(**{name: rows.copy() for name, rows in saved["looks"].items()})
-        self.touch.take(saved["touch"])
-        self.deepest = saved["deepest"]
+        self.n_search, self._ids = self.near.n_search, self.near.ids
+        carriers = self.carriers
         self._collect(state)
+        for now, kept in zip(self.carriers, carriers, strict=True):
+            now[:] = kept
         self.clock.walked[:] = saved["walked"]
-        self._take_carriers(saved["carriers"])
 
     def _take_list(self, state: State) -> None:
         """Switch to the new list: nodes that left it are outside, the others keep their look-up."""

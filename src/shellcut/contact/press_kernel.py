@@ -28,25 +28,13 @@ _AGAIN = 0.25
 
 
 @always_inline
-def _place_of(i: int, tables: ContactTables) -> Vec3:
-    """Return where a carrier is in space [mm]."""
-    carriers, x = tables.carriers, tables.nodes.x
-    at = load(x, carriers.node[i, 0])
+def _mean_of(rows: Floats, i: int, tables: ContactTables) -> Vec3:
+    """Return what rows : (n_node, 3) are where a carrier is."""
+    node, weight = tables.carriers.node, tables.carriers.weight
+    at = load(rows, node[i, 0])
     if tables.per_carrier == 1:
         return at
-    other = load(x, carriers.node[i, 1])
-    return combine(carriers.weight[i, 0], at, carriers.weight[i, 1], other)
-
-
-@always_inline
-def _velocity_of(i: int, tables: ContactTables) -> Vec3:
-    """Return the velocity of a carrier [mm/s]."""
-    carriers, v = tables.carriers, tables.nodes.velocity_half
-    at = load(v, carriers.node[i, 0])
-    if tables.per_carrier == 1:
-        return at
-    other = load(v, carriers.node[i, 1])
-    return combine(carriers.weight[i, 0], at, carriers.weight[i, 1], other)
+    return combine(weight[i, 0], at, weight[i, 1], load(rows, node[i, 1]))
 
 
 @always_inline
@@ -55,7 +43,7 @@ def _let_go(i: int, dt: float, tables: ContactTables) -> float:
     memory, row, work = tables.memory, tables.memory.row[i], 0.0
     old = load(memory.force, row)
     if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
-        work = 0.5 * dt * dot(old, _velocity_of(i, tables))
+        work = 0.5 * dt * dot(old, _mean_of(tables.nodes.velocity_half, i, tables))
         store(memory.force, row, (0.0, 0.0, 0.0))
     memory.side[row] = 0
     memory.depth[row] = memory.offset[row] = memory.work[row] = 0.0
@@ -189,7 +177,7 @@ def _pressure(
     pushed = mass = 0.0
     fast = is_fast(row, g, g_m, memory)
     if fast:
-        was = to_body(combine(1.0, x, -dt, _velocity_of(i, tables)), before)
+        was = to_body(combine(1.0, x, -dt, _mean_of(tables.nodes.velocity_half, i, tables)), before)
         back = turn(sub(was, p), pose)
         pushed, mass = _pushed(i, out, tables)
     if tables.per_carrier == 1 and (fast or memory.offset[row] > 0.0):
@@ -205,7 +193,7 @@ def add_press_forces(
 ) -> float:
     """Add the forces of the listed carriers to those of their nodes; return the largest depth [mm].
 
-    Writes the looks, the memory, and touch, see :class:`.press_forces.PressForces`.
+    Writes the looks, the memory, and touch, see :class:`.contact_tables.PressForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
@@ -227,7 +215,7 @@ def add_press_forces(
             one_side, lies = _side_of_ends(i, tables)
             if looks.within[i] and not (one_side and lies == side[row]):
                 looks.lasts[i] = looks.flat[i] = 0.0
-        x = _place_of(i, tables)
+        x = _mean_of(tables.nodes.x, i, tables)
         p = to_body(x, pose)
         inside, triangle, g, outward = False, 0, 0.0, p
         if one_side:
@@ -243,7 +231,7 @@ def add_press_forces(
             work += _let_go(i, dt, tables)
             continue
         side[row] = lies
-        old, moved = load(memory.force, row), _velocity_of(i, tables)
+        old, moved = load(memory.force, row), _mean_of(tables.nodes.velocity_half, i, tables)
         out = turn(outward, pose)
         magnitude, energy, lost = _pressure(i, x, p, g, out, dt, before, pose, tables)
         n_touching, stored, absorbed = n_touching + 1, stored + energy, absorbed + lost

@@ -36,7 +36,7 @@ mass 1 / (1/m_P + sum N_a²/m_a) that moves between point and quad; a point of t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -51,10 +51,15 @@ from shellcut.tool.touch import Booking
 
 from .contact_points import contact_points
 from .contact_tables import (
+    ABSORBED,
+    DEEPEST,
+    STORED,
+    WORK,
     Carriers,
     ContactNodes,
     Memory,
     Presses,
+    PressTerm,
     SheetTables,
     ToolPoints,
     Waits,
@@ -63,7 +68,6 @@ from .film_outline import FilmOutline, Part
 from .near_nodes import tool_way
 from .pair_search import Pairs, PairSearch, Points
 from .penalty_contact import PenaltyContact
-from .press_forces import ABSORBED, DEEPEST, STORED, WORK, PressTerm
 from .settings import STEEPEST, Contact, SheetLaw, film_stiffness
 from .sheet_press import add_sheet_forces, closest_of_pairs, farthest
 
@@ -102,6 +106,12 @@ class SheetContact(PressTerm):
         Of the film.
     """
 
+    kept_tables: ClassVar = {"_pairs": Pairs, "_memory": Memory, "_waits": Waits}
+    kept_values = (
+        *("_met", "_x_then", "_tracked", "_walked", "_walk_to", "_look_at"),
+        *("deepest", "n_looked", "n_search"),
+    )
+
     def __init__(
         self,
         name: str,
@@ -114,6 +124,7 @@ class SheetContact(PressTerm):
         nothing = np.zeros(0, np.int64)
         super().__init__(name, n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
+        self._of_tool = n_body > 0
         self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
         self._pairs, self._memory = Pairs.none(), Memory.blank(0)
         self._met: Bools = np.zeros(0, np.bool_)
@@ -175,7 +186,7 @@ class SheetContact(PressTerm):
             self._tracked, n.x, self._x_then, n.velocity_half, pose, then, radius
         )
         left, step = 0.5 * self._margin - way, state.dt * speed
-        if radius > 0.0:
+        if self._of_tool:
             step += float(tool_way(pose, before, radius))
         if left < _LEAST_STEPS * step:
             return True
@@ -190,17 +201,19 @@ class SheetContact(PressTerm):
         was, had, carried, met = self._pairs, self._memory, self.carriers, self._met
         self._pose_then = pose
         points, rows, self._tracked = self._near(state, pose)
-        reach = self._margin + (self.law.capture if self._radius else self.law.thickness)
+        reach = self._margin + (self.law.capture if self._of_tool else self.law.thickness)
         self._pairs = self._find.find(points, rows, reach, state)
         n_sheet, n_point = self._pairs.n_sheet, len(self._pairs.point)
         self.kept = self._same_sheets(was, state)
         to = np.flatnonzero(self.kept >= 0)
+        of, gone = self.kept[to], np.ones(was.n_sheet, np.bool_)
+        gone[of] = False
         self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
         self.carriers = Carriers.of(np.zeros((n_sheet, 4), np.int64))
         now = *self._memory[1:], *self.carriers, self._met
-        for new, old in zip(now, (*had[1:], *carried, met), strict=True):
-            new[to] = old[self.kept[to]]
-        gone = np.setdiff1d(np.arange(was.n_sheet), self.kept)
+        kept: Any = zip(now, (*had[1:], *carried, met), strict=True)
+        for new, old in kept if to.size else ():
+            new[to] = old[of]
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
         self._presses = Presses.with_room(n_sheet, self._presses)
         self._known.take(state)
@@ -217,15 +230,16 @@ class SheetContact(PressTerm):
         A node that is new has those of another half of its node at the same place.
         """
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
-        # There is nothing to remember of sheets that nothing has come close to, most of them.
+        # There is nothing to remember of most sheets: nothing has come close, or got a side.
         of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
-        met = np.flatnonzero(self._met[of_old])
+        held = self._memory.side != 0 if self._of_tool else self._met
+        met = np.flatnonzero(held[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
         key = old.point_of_sheet[of_old] * n_row + old.row[met]
         point = new.point_of_sheet[of_new]
-        fresh = [] if self._radius else np.setdiff1d(new.point, old.point).tolist()
+        fresh = [] if self._of_tool else np.setdiff1d(new.point, old.point).tolist()
         for node in fresh:
             halves = old.point[n.origin[old.point] == n.origin[node]]
             same = halves[(n.x[halves] == n.x[node]).all(axis=1)]
@@ -250,10 +264,10 @@ class SheetContact(PressTerm):
         near[quads[listed]] = True
         near &= state.node.real
         near[f.node[: f.count]] = listed[f.row[: f.count]]
-        if not self._radius:
+        if not self._of_tool:
             near[pairs.point] = True
         self.tables = SheetTables(
-            of_tool=self._radius > 0.0,
+            of_tool=self._of_tool,
             radius=self._radius,
             law=self.law,
             points=self.points,
@@ -282,36 +296,16 @@ class SheetContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return pairs, memory and the last forces."""
-        return {name: getattr(self, f"_{name}")._asdict() for name in _SAVED} | {
-            "carriers": self.carriers._asdict(),
-            "presses": self._presses.saved(),
-            "touch": self.touch._asdict(),
-            "pose_then": self._pose_then._asdict(),
-            "x_then": self._x_then,
-            "tracked": self._tracked,
-            "met": self._met,
-            "revision": self._known.revision,
-            **{name: getattr(self, name) for name in _NUMBERS},
-        }
+        then = {"revision": self._known.revision, "pose": self._pose_then._asdict()}
+        return super().saved() | then | {"presses": self._presses.saved()}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
-        self._pose, self._pose_then = pose, Pose(**saved["pose_then"]).copied()
-        self.touch.take(saved["touch"])
-        self._x_then, self._tracked = saved["x_then"].copy(), saved["tracked"].copy()
-        self._met = saved["met"].copy()
-        for name, kind in _SAVED.items():
-            setattr(self, f"_{name}", kind(**{k: v.copy() for k, v in saved[name].items()}))
-        self.carriers = Carriers(**{k: v.copy() for k, v in saved["carriers"].items()})
+        self._take(saved)
+        self._pose, self._pose_then = pose, Pose(**saved["pose"]).copied()
         self._presses = Presses.with_room(self._pairs.n_sheet, Presses(**saved["presses"]))
-        for name in _NUMBERS:
-            setattr(self, name, saved[name])
         self._known.restore(saved["revision"], state)
         self._lay_out(state)
-
-
-_SAVED: dict[str, Any] = {"pairs": Pairs, "memory": Memory, "waits": Waits}
-_NUMBERS = "_walked", "_walk_to", "_look_at", "deepest", "n_looked", "n_search"
 
 
 class PointContact(SheetContact):

@@ -42,8 +42,8 @@ def add_sheet_forces(
     """Add the forces of all points on the sheets that they touch, and minus these, to the nodes.
 
     walked : way that two things may have gone towards each other since the search [mm].  Writes
-    memory, waits, carriers, presses and touch, see :class:`.press_forces.PressForces`.  Returns the
-    way walked and the number of points looked at.
+    memory, waits, carriers, presses and touch, see :class:`.contact_tables.PressForces`.  Returns
+    the way walked and the number of points looked at.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
