@@ -14,9 +14,10 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.material.law_dispatch import HistoryStep
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.lanes import pick_all
 from shellcut.state import State
 
-from .element import N_STRAIN, pick16
+from .element import N_STRAIN
 from .frequency import QuadFrequencies
 from .places import Places
 from .point_forces import point_resultants
@@ -109,7 +110,7 @@ def _make_energy_kernel(by_points: bool) -> Any:
             else:
                 energy[i] = 0.5 * dot16(s, stiffness_product(tables, flat, b, lane, s, work))
             if step.step.damped:
-                change = minus(pick16(last, b, lane), pick16(before, b, lane))
+                change = minus(pick_all(last, b, 0, N_STRAIN, lane), pick_all(before, b, 0, N_STRAIN, lane))
                 viscous = stiffness_product(tables, flat, b, lane, change, work)
                 form[i] = dot16(s, viscous)
 

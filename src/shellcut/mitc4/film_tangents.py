@@ -7,8 +7,6 @@ time step, is that of the frozen law, or of the elastic moduli, with the stresse
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
@@ -18,13 +16,7 @@ from .places import Places
 from .point_output import PointOutput
 from .point_tangent import differentiate_resultants, frozen_rule
 from .quad_strains import PointQuads
-from .tangent import (
-    N_FREEDOM,
-    add_stressed_products,
-    add_tangent_products,
-    quad_tangents,
-    stressed_tangents,
-)
+from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
 
 # Stands for the moduli of the linear film.
 _NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
@@ -75,21 +67,21 @@ class FilmTangents:
             Part of the strains that is left out of the stresses, of linear films.
         """
         if self._output is None:
-            return self._made(quad_tangents, present, quads, bent, _NO_MODULI)
+            return self._made(present, quads, bent, False, _NO_MODULI)
         resultants, moduli = self._differentiated(present, quads, area, history, dt)
-        return self._made(stressed_tangents, present, quads, resultants, moduli)
+        return self._made(present, quads, resultants, True, moduli)
 
     def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Floats) -> Floats:
         """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
         if self._output is None:
-            return self._made(quad_tangents, present, quads, None, _NO_MODULI)
+            return self._made(present, quads, None, False, _NO_MODULI)
         if self._frozen is None:
             resultants, moduli = self._output.resultants(present, quads, history), _NO_MODULI
         else:
             # Its stress is that of the law but for the flow of one step, which only lowers it.
             frozen = present._replace(points=present.points._replace(rule=self._frozen))
             resultants, moduli = self._differentiated(frozen, quads, area, history, 0.0)
-        return self._made(stressed_tangents, present, quads, resultants, moduli)
+        return self._made(present, quads, resultants, True, moduli)
 
     def damping(self, present: PointQuads, quads: Ints) -> Floats:
         """Return Bᵀ H B of some quads, which the damping acts with, shape (n, 20, 20).
@@ -97,7 +89,7 @@ class FilmTangents:
         H is that of the elastic moduli, at every stretch, whatever law gives the stress.
         """
         none = np.zeros((quads.size, N_STRAIN))
-        return self._made(stressed_tangents, present, quads, none, _NO_MODULI)
+        return self._made(present, quads, none, True, _NO_MODULI)
 
     def add_product(
         self,
@@ -111,14 +103,14 @@ class FilmTangents:
     ) -> None:
         """Add the tangent of the whole film times a motion to rows : (n_node, 6)."""
         slot = self._places.blocks.slot
-        add, moduli = add_tangent_products, _NO_MODULI
-        if self._output is not None:
-            add, every = add_stressed_products, np.arange(slot.size)
-            bent, moduli = self._differentiated(present, every, area, history, dt)
-        add(
+        given, moduli = self._output is not None, _NO_MODULI
+        if given:
+            bent, moduli = self._differentiated(present, np.arange(slot.size), area, history, dt)
+        add_tangent_products(
             slot=slot,
             quads=present.quads,
             bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
+            given=given,
             moduli=moduli,
             dx=np.asfortranarray(motion[0]),
             dt=np.asfortranarray(motion[1]),
@@ -143,13 +135,19 @@ class FilmTangents:
         return resultants, moduli
 
     def _made(
-        self, make: Any, present: PointQuads, quads: Ints, bent: Floats | None, moduli: Floats
+        self,
+        present: PointQuads,
+        quads: Ints,
+        bent: Floats | None,
+        given: bool,
+        moduli: Floats,
     ) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
-        make(
+        quad_tangents(
             slot=self._places.blocks.slot[quads],
             quads=present.quads,
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
+            given=given,
             moduli=moduli,
             tangent=tangent,
         )

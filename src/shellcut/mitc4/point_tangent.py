@@ -18,10 +18,11 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.material.law_dispatch import HistoryStep
 from shellcut.numerics.jit import kernel
+from shellcut.numerics.lanes import pick_all, put_all
 
-from .element import N_STRAIN, Sixteen, pick16
+from .element import N_STRAIN, Sixteen
 from .point_forces import point_resultants
-from .quad_strains import PointQuads, one_quad, store_strain
+from .quad_strains import PointQuads, one_quad
 from .thickness_points import PointRule
 
 # Change of a Cartesian strain for the differences.
@@ -71,9 +72,9 @@ def differentiate_resultants(
             elif m >= 6:
                 step /= height
             for sign in range(2):
-                store_strain(row, 0, 0, s)
+                put_all(row, 0, 0, 0, s)
                 row[0, m, 0] += step if sign == 0 else -step
-                moved: Sixteen = pick16(row, 0, 0)
+                moved: Sixteen = pick_all(row, 0, 0, N_STRAIN, 0)
                 r, _, _ = point_resultants(quads, quads.points, flat, moved, at, lane)
                 for k in range(N_STRAIN):
                     if sign == 0:

@@ -10,7 +10,7 @@ from shellcut.arrays import Floats, Ints, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce
-from shellcut.numerics.lane_instructions import WIDTH, Lane
+from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import aligned_zeros
 from shellcut.numerics.threads import Workers, in_order
 from shellcut.state import State
@@ -57,8 +57,6 @@ class MITC4Shell:
         Stiffness-proportional damping [s].
     workers : Workers, optional
         Threads; one by default.
-    by_lanes : bool
-        False computes the quads one by one, as plain floats: slow, same results to round-off.
     """
 
     def __init__(
@@ -68,12 +66,10 @@ class MITC4Shell:
         *,
         damping_beta: float,
         workers: Workers | None = None,
-        by_lanes: bool = True,
     ) -> None:
         self.material = material
         self.damping_beta = damping_beta
         self._workers = workers or Workers(mesh.n_quad)
-        self._lane: Lane = None if by_lanes else 0
         flat, mass, area = reference_quads(mesh, material, BLOCKS_AT_A_TIME * WIDTH)
         self.mass = mass
         """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
@@ -200,17 +196,17 @@ class MITC4Shell:
         damped, rho = damping.damped, damping.rho
         n_strip, copies = self._n_strip, self._places.has_copies
         sums = np.zeros((n_strip + copies, 3))
-        rows, lane = state.node.force_rows, self._lane
+        rows = state.node.force_rows
         quads = self._present.held(state)
         step = PointStep(damping, state.history, state.dt) if self.has_points else damping
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(2 if n_strip > 1 else 1):
             for add, start in self._kernels:
-                self._workers.run(add, parity, start, quads, step, rows, sums, lane)
+                self._workers.run(add, parity, start, quads, step, rows, sums)
         if copies:  # they are the last strip
             start = self._places.copy_start
-            self._add_copies(0, 1, 0, start, quads, step, rows, sums[n_strip:], lane)
+            self._add_copies(0, 1, 0, start, quads, step, rows, sums[n_strip:])
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
         p0, p1, p2 = in_order(sums)

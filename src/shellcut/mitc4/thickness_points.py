@@ -20,7 +20,7 @@ resultants of the quad would be in its way, and four copies would exceed the pro
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -36,7 +36,7 @@ from shellcut.material.law_dispatch import (
 )
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import always_inline, apart
+from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, zero
 from shellcut.numerics.processor import not_inlined
@@ -196,14 +196,43 @@ def _add_resultants(
     )
 
 
+def _by_laws(layers: Any, name: str) -> Any:
+    """Return a function that sums up the layers of a block: within the kernel if laws are linear.
+
+    Otherwise by a call: ``layers`` takes the tables of points, the block there, the Gauss point,
+    strains, history and lane.
+    """
+
+    @always_inline
+    def within(place, q, s, history, lane):
+        return layers(place.points, place.block, q, s, history, lane)
+
+    @apart_as(name)
+    def called(points, b, q, s, history, lane):
+        not_inlined()
+        return layers(borrowed(points), b, q, s, borrowed_history(history), lane)
+
+    @always_inline
+    def call(place, q, s, history, lane):
+        return called(place.lent, place.block, q, s, history, lane)
+
+    return chosen_by_laws(within, call)
+
+
 @always_inline
 def _flat_layers(
-    rule: PointRule, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
+    points: PointTables,
+    _b: int,
+    q: int,
+    strains: tuple[Vector, Vector],
+    history: HistoryStep,
+    lane: Lane,
 ) -> tuple[Vector, Vector, Number, Number]:
     """Return n, m, the stored energy of these and the just dissipated energy of flat quads.
 
-    e, k : strain of the mid-surface and curvature at Gauss point ``q``.
+    strains : of the mid-surface, and curvature, at Gauss point ``q``.
     """
+    rule, (e, k) = points.rule, strains
     none, n_point = zero(lane), rule.place.shape[0]
     n, m, density, lost = (none, none, none), (none, none, none), none, none
     for j in range(n_point):
@@ -220,29 +249,7 @@ def _flat_layers(
     return n, m, density, lost
 
 
-@always_inline
-def _flat_layers_within(
-    place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    return _flat_layers(place.points.rule, q, e, k, history, lane)
-
-
-@apart
-def _flat_layers_apart(
-    points: PointTables, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    not_inlined()
-    return _flat_layers(borrowed(points).rule, q, e, k, borrowed_history(history), lane)
-
-
-@always_inline
-def _call_flat_layers(
-    place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    return _flat_layers_apart(place.lent, q, e, k, history, lane)
-
-
-_through_flat = chosen_by_laws(_flat_layers_within, _call_flat_layers)
+_through_flat = _by_laws(_flat_layers, "flat")
 
 
 @always_inline
@@ -274,7 +281,7 @@ def _flat_gauss_point(
         aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
         e, k = into_axes(along, aside, e), into_axes(along, aside, k)
         e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
-    n, m, density, lost = _through_flat(rule.laws, place, q, e, k, history, lane)
+    n, m, density, lost = _through_flat(rule.laws, place, q, (e, k), history, lane)
     g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
@@ -294,20 +301,6 @@ def _flat_gauss_point(
         eta,
     )
     return r, stored, volume * lost if dissipates(rule.laws) else none
-
-
-@always_inline
-def flat_point_resultants(
-    s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
-) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of flat quads, their stored and just dissipated energy [N·mm]."""
-    # One call per point, no loop: with constant xi and eta most of their products vanish.
-    r = _sixteen(zero(lane))
-    r, w0, d0 = _flat_gauss_point(0, (-G, -G), r, s, place, history, lane)
-    r, w1, d1 = _flat_gauss_point(1, (G, -G), r, s, place, history, lane)
-    r, w2, d2 = _flat_gauss_point(2, (G, G), r, s, place, history, lane)
-    r, w3, d3 = _flat_gauss_point(3, (-G, G), r, s, place, history, lane)
-    return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)
 
 
 class Lifted(NamedTuple):
@@ -375,29 +368,7 @@ def _full_layers(
     return n, m, (q1, q2), stored, lost
 
 
-@always_inline
-def _full_layers_within(
-    place: PointPlace, q: int, s: Lifted, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
-    return _full_layers(place.points, place.block, q, s, history, lane)
-
-
-@apart
-def _full_layers_apart(
-    points: PointTables, b: int, q: int, s: Lifted, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
-    not_inlined()
-    return _full_layers(borrowed(points), b, q, s, borrowed_history(history), lane)
-
-
-@always_inline
-def _call_full_layers(
-    place: PointPlace, q: int, s: Lifted, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
-    return _full_layers_apart(place.lent, place.block, q, s, history, lane)
-
-
-_through_full = chosen_by_laws(_full_layers_within, _call_full_layers)
+_through_full = _by_laws(_full_layers, "full")
 
 
 @always_inline
@@ -430,13 +401,30 @@ def _full_gauss_point(
 
 
 @always_inline
-def full_point_resultants(
-    s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
+def _gauss_point(
+    flat: bool,
+    q: int,
+    at: tuple[float, float],
+    r: Sixteen,
+    s: Sixteen,
+    place: PointPlace,
+    history: HistoryStep,
+    lane: Lane,
 ) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of any quads, their stored and just dissipated energy [N·mm]."""
+    if flat:
+        return _flat_gauss_point(q, at, r, s, place, history, lane)
+    return _full_gauss_point(q, at, r, s, place, history, lane)
+
+
+@always_inline
+def resultants_at(
+    flat: bool, s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
+) -> tuple[Sixteen, Number, Number]:
+    """Return the resultants of a block, its stored and just dissipated energy [N·mm]."""
+    # One call per point, no loop: with constant xi and eta most of their products vanish.
     r = _sixteen(zero(lane))
-    r, w0, d0 = _full_gauss_point(0, (-G, -G), r, s, place, history, lane)
-    r, w1, d1 = _full_gauss_point(1, (G, -G), r, s, place, history, lane)
-    r, w2, d2 = _full_gauss_point(2, (G, G), r, s, place, history, lane)
-    r, w3, d3 = _full_gauss_point(3, (-G, G), r, s, place, history, lane)
+    r, w0, d0 = _gauss_point(flat, 0, (-G, -G), r, s, place, history, lane)
+    r, w1, d1 = _gauss_point(flat, 1, (G, -G), r, s, place, history, lane)
+    r, w2, d2 = _gauss_point(flat, 2, (G, G), r, s, place, history, lane)
+    r, w3, d3 = _gauss_point(flat, 3, (-G, G), r, s, place, history, lane)
     return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)

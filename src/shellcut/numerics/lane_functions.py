@@ -20,7 +20,7 @@ from numba.extending import intrinsic, overload
 from shellcut.arrays import Number
 
 from .lane_arithmetic import broadcast
-from .lane_instructions import DOUBLES, LANES, LANES_NAME, OVERLOAD_OPTIONS, WIDTH, LanesType
+from .lane_instructions import DOUBLES, LANES, LANES_NAME, OVERLOAD_OPTIONS, LanesType, no_lanes
 
 
 @intrinsic
@@ -49,14 +49,6 @@ def _root_of_lanes(typing_context: Any, a: Any) -> Any:
     return a(a), generate
 
 
-@intrinsic
-def _zeros_like(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(LANES, [0.0] * WIDTH)
-
-    return a(a), generate
-
-
 def zero_like(a: Number) -> Number:
     """Return zero, or lanes of zeros, as ``a`` is."""
     none = np.zeros_like(a)
@@ -66,7 +58,7 @@ def zero_like(a: Number) -> Number:
 @overload(zero_like, jit_options=OVERLOAD_OPTIONS)
 def _zero_like(a):
     if isinstance(a, LanesType):
-        return lambda a: _zeros_like(a)
+        return lambda a: no_lanes()
     return lambda a: 0.0
 
 
