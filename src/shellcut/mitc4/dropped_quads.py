@@ -1,7 +1,7 @@
 """Quads that are taken out of a run: their energy at that moment, and their empty places.
 
 The place of such a quad keeps its nodes and loses its stiffness, like the place that a cut quad has
-left (:mod:`.copies`); so does its part of what the kernels sum up from step to step
+left (:mod:`.places`); so does its part of what the kernels sum up from step to step
 (:mod:`.forces`): A = s_n·H s_n and B = s_n·H a_n.
 """
 
@@ -24,7 +24,6 @@ from .point_forces import point_resultants
 from .present_quads import PresentQuads
 from .quad_strains import (
     PointQuads,
-    PointStep,
     QuadStep,
     dot16,
     minus,
@@ -71,8 +70,9 @@ class DroppedQuads:
         energy, form = np.zeros(rows.size), np.zeros(rows.size)
         # The forces have swapped the strains: these are s_n and s_{n-1}.
         damped = self._damping_beta > 0.0
-        strains = QuadStep(damped, 0.0, state.strain, state.strain_before)
-        step = PointStep(strains, state.history, state.dt)
+        step = QuadStep(
+            damped, 0.0, state.strain, state.strain_before, state.history, state.dt
+        )
         self._write(self._places.blocks.slot[rows], self._present.of(state), step, energy, form)
         gone = float(energy.sum())
         if damped and not self._has_points:
@@ -90,14 +90,14 @@ class DroppedQuads:
 def _make_energy_kernel(by_points: bool) -> Any:
     @kernel
     def write_energies(
-        slot: Ints, quads: PointQuads, step: PointStep, energy: Floats, form: Floats
+        slot: Ints, quads: PointQuads, step: QuadStep, energy: Floats, form: Floats
     ) -> None:
         """Write the stored energy at t_n of the quad at slot[i] to energy : (n,).
 
         And s_n·H a_n to form : (n,), if there is damping.  step : s_n and s_{n-1}.
         """
         linear, history = quads.quads, step.history
-        last, before = step.step.last, step.step.before
+        last, before = step.last, step.before
         tables, width = linear.tables, linear.corner.shape[2]
         work = np.empty((2, N_STRAIN, width))
         trial = np.empty((1, history.shape[1], width))
@@ -109,7 +109,7 @@ def _make_energy_kernel(by_points: bool) -> Any:
                 energy[i] = stored
             else:
                 energy[i] = 0.5 * dot16(s, stiffness_product(tables, flat, b, lane, s, work))
-            if step.step.damped:
+            if step.damped:
                 change = minus(pick_all(last, b, 0, N_STRAIN, lane), pick_all(before, b, 0, N_STRAIN, lane))
                 viscous = stiffness_product(tables, flat, b, lane, change, work)
                 form[i] = dot16(s, viscous)

@@ -13,13 +13,13 @@ from shellcut.arrays import Floats, Ints
 
 from .element import N_STRAIN
 from .places import Places
-from .point_output import PointOutput
 from .point_tangent import differentiate_resultants, frozen_rule
 from .quad_strains import PointQuads
 from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
 
 # Stands for the moduli of the linear film.
 _NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
+_ANY_BASIS = np.empty((0, 2, 3))
 
 
 class FilmTangents:
@@ -29,12 +29,12 @@ class FilmTangents:
     ----------
     places : Places
         Where the quads stand.
-    output : PointOutput, optional
-        Of films with a nonlinear law.
+    linear : bool
+        Whether the law is linear in all layers.
     """
 
-    def __init__(self, places: Places, output: PointOutput | None) -> None:
-        self._places, self._output = places, output
+    def __init__(self, places: Places, linear: bool) -> None:
+        self._places, self._linear = places, linear
         self._frozen = frozen_rule(places.points.rule)
 
     @property
@@ -50,6 +50,7 @@ class FilmTangents:
         history: Floats,
         dt: float,
         bent: Floats | None,
+        basis: Floats,
     ) -> Floats:
         """Return the tangents of a step, shape (n, 20, 20).
 
@@ -65,18 +66,22 @@ class FilmTangents:
             Its length [s].
         bent : ndarray, shape (n, 16), optional
             Part of the strains that is left out of the stresses, of linear films.
+        basis : ndarray, shape (n_node, 2, 3)
+            Unit tangents along which directors turn; of no nodes for any.
         """
-        if self._output is None:
-            return self._made(present, quads, bent, False, _NO_MODULI)
+        if self._linear:
+            return self._made(present, quads, bent, False, _NO_MODULI, basis)
         resultants, moduli = self._differentiated(present, quads, area, history, dt)
-        return self._made(present, quads, resultants, True, moduli)
+        return self._made(present, quads, resultants, True, moduli, basis)
 
     def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Floats) -> Floats:
         """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
-        if self._output is None:
+        if self._linear:
             return self._made(present, quads, None, False, _NO_MODULI)
         if self._frozen is None:
-            resultants, moduli = self._output.resultants(present, quads, history), _NO_MODULI
+            resultants, moduli = self._differentiated(
+                present, quads, area, history, 0.0, moduli=_NO_MODULI
+            )
         else:
             # Its stress is that of the law but for the flow of one step, which only lowers it.
             frozen = present._replace(points=present.points._replace(rule=self._frozen))
@@ -103,7 +108,7 @@ class FilmTangents:
     ) -> None:
         """Add the tangent of the whole film times a motion to rows : (n_node, 6)."""
         slot = self._places.blocks.slot
-        given, moduli = self._output is not None, _NO_MODULI
+        given, moduli = not self._linear, _NO_MODULI
         if given:
             bent, moduli = self._differentiated(present, np.arange(slot.size), area, history, dt)
         add_tangent_products(
@@ -118,11 +123,18 @@ class FilmTangents:
         )
 
     def _differentiated(
-        self, present: PointQuads, quads: Ints, area: Floats, history: Floats, dt: float
+        self,
+        present: PointQuads,
+        quads: Ints,
+        area: Floats,
+        history: Floats,
+        dt: float,
+        moduli: Floats | None = None,
     ) -> tuple[Floats, Floats]:
         """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
         resultants = np.empty((quads.size, N_STRAIN))
-        moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
+        if moduli is None:
+            moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
         differentiate_resultants(
             slot=self._places.blocks.slot[quads],
             quads=present,
@@ -141,11 +153,13 @@ class FilmTangents:
         bent: Floats | None,
         given: bool,
         moduli: Floats,
+        basis: Floats = _ANY_BASIS,
     ) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
         quad_tangents(
             slot=self._places.blocks.slot[quads],
             quads=present.quads,
+            tangents=basis,
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
             given=given,
             moduli=moduli,

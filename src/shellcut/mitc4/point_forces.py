@@ -22,7 +22,7 @@ from shellcut.numerics.processor import align_stack, flush_subnormals, set_round
 from .element import N_STRAIN, Sixteen, nodal_forces
 from .quad_strains import (
     PointQuads,
-    PointStep,
+    QuadStep,
     add_to_nodes,
     dot16,
     minus,
@@ -64,7 +64,7 @@ def _point_block(
     flat: bool,
     both: PointQuads,
     points: PointTables,
-    now: PointStep,
+    step: QuadStep,
     history: Floats,
     rows: Floats,
     work: Floats,
@@ -73,11 +73,11 @@ def _point_block(
 
     The last is the energy dissipated by the material since t_{n-1}.
     """
-    quads, step = both.quads, now.step
+    quads = both.quads
     xm, tm = modes_of(quads, b, lane)
     s = strain_of(quads.tables, flat, b, lane, (xm, tm))
     r, stored, lost = point_resultants(
-        both, points, flat, s, HistoryStep(history, None, b, b, now.dt), lane
+        both, points, flat, s, HistoryStep(history, None, b, b, step.dt), lane
     )
     if not step.damped:
         add_to_nodes(rows, quads.corner, b, lane, (xm, tm), r)
@@ -97,7 +97,7 @@ def _make_point_kernel(flat: bool) -> Any:
         parity: int,
         start: Ints,
         quads: PointQuads,
-        step: PointStep,
+        step: QuadStep,
         rows: Floats,
         sums: Floats,
     ) -> None:
@@ -138,10 +138,10 @@ add_full_point_quads = _make_point_kernel(flat=False)
 def _make_corner_kernel(by_points: bool) -> Any:
     @kernel
     def write_corner_forces(
-        slot: Ints, nodes: Ints, quads: PointQuads, step: PointStep, force: Floats
+        slot: Ints, nodes: Ints, quads: PointQuads, step: QuadStep, force: Floats
     ) -> None:
         """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
-        linear, last, history = quads.quads, step.step.last, step.history
+        linear, last, history = quads.quads, step.last, step.history
         corner, tables = linear.corner, linear.tables
         width = corner.shape[2]
         work = np.empty((2, N_STRAIN, width))
@@ -153,10 +153,10 @@ def _make_corner_kernel(by_points: bool) -> Any:
                 r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
             else:
                 r = stiffness_product(tables, flat, b, lane, s, work)
-            if step.step.damped:
+            if step.damped:
                 change = minus(s, pick_all(last, b, 0, N_STRAIN, lane))
                 viscous = stiffness_product(tables, flat, b, lane, change, work)
-                r = plus_scaled(r, step.step.rho, viscous)
+                r = plus_scaled(r, step.rho, viscous)
             forces = nodal_forces(xm, tm, r)
             for a in range(4):
                 if corner[b, a, lane] == nodes[i]:

@@ -50,6 +50,8 @@ def differentiate_resultants(
 ) -> None:
     """Write r to resultants : (n, 16) and dr/ds to moduli : (n, 16, 16) of the quads at ``slot``.
 
+    If moduli is empty, r alone.
+
     history : of t_{n-1}, as in the force kernels; not changed.  dt : length of the step [s].
     area : (n,), of the quads [mm²], which sets the differences.
     """
@@ -64,6 +66,8 @@ def differentiate_resultants(
         r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
         for k in range(N_STRAIN):
             resultants[i, k] = r[k]
+        if not moduli.shape[0]:
+            continue
         for m in range(N_STRAIN):
             # Sixteen times the covariant strain, whose unit is the square of half an edge.
             step = 4.0 * area[i] * _STEP

@@ -70,12 +70,6 @@ class QuadStep(NamedTuple):
     """s_{n-1}."""
     before: Annotated[Floats, "(n_block, 16, width)"]
     """s_{n-2}; the force kernels replace it by s_n."""
-
-
-class PointStep(NamedTuple):
-    """The same for quads with thickness points."""
-
-    step: QuadStep
     history: Annotated[Floats, "(n_block, n_history, width)"]
     """History of the thickness points, 4 n_point numbers of each kind; updated from t_{n-1} to
     t_n."""

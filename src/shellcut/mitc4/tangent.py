@@ -25,7 +25,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.lanes import pick_all, put_all
-from shellcut.numerics.vec3 import dot, load, norm, sub, tangent_basis
+from shellcut.numerics.vec3 import dot, load, norm, store, sub, tangent_basis
 
 from .element import (
     N_STRAIN,
@@ -81,7 +81,8 @@ def quad_products(x: Floats, t: Floats) -> Floats:
 def quad_products_change(x: Floats, t: Floats, dx: Floats, dt: Floats) -> Floats:
     """Return the linear change of the products of quads by a motion, shape (n, 16)."""
     m = np.empty((len(x), N_STRAIN))
-    _write_products_change(*map(np.ascontiguousarray, (x, t, dx, dt)), m)
+    x, t, dx, dt = (np.ascontiguousarray(one) for one in (x, t, dx, dt))
+    _write_products_change(x, t, dx, dt, m)
     return m
 
 
@@ -129,11 +130,18 @@ def _resultants(
 
 @kernel
 def quad_tangents(
-    slot: Ints, quads: Quads, bent: Floats, given: bool, moduli: Floats, tangent: Floats
+    slot: Ints,
+    quads: Quads,
+    tangents: Floats,
+    bent: Floats,
+    given: bool,
+    moduli: Floats,
+    tangent: Floats,
 ) -> None:
     """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
 
     Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four nodes.
+    tangents : (n_node, 2, 3), b_1 and b_2 of every node, or (0, 2, 3) for any.
     bent : (n, 16), subtracted from the strains, or if ``given`` the resultants themselves.
     moduli : (n, 16, 16), dr/ds of the quads, or (0, 16, 16) for those of the linear film.  The
     other arguments as the force kernel's.
@@ -147,7 +155,11 @@ def quad_tangents(
     for i in range(slot.shape[0]):
         b, lane = slot[i] // width, slot[i] % width
         for a in range(4):
-            tangent_basis(t, corner[b, a, lane], basis[a])
+            n = corner[b, a, lane]
+            tangent_basis(t, n, basis[a])
+            if tangents.shape[0]:
+                for d in range(2):
+                    store(basis[a], d, load(tangents[n], d))
         xm, tm = quad_modes(quads.x, t, corner, b, lane)
         r = _resultants(quads, b, lane, (xm, tm), bent[i], given, row, work)
         forces = nodal_forces(xm, tm, r)

@@ -18,6 +18,9 @@ function of its own, called at each Gauss point: while the law is evaluated, the
 resultants of the quad would be in its way, and four copies would exceed the processor's cache.
 """
 
+# Functions that call a law of any kind take arguments of several kinds.
+# mypy: disable-error-code="no-untyped-def"
+
 from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
@@ -38,7 +41,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import pick, zero
+from shellcut.numerics.lanes import pick_all, zero
 from shellcut.numerics.processor import not_inlined
 
 from .element import G, Sixteen
@@ -266,19 +269,16 @@ def _flat_gauss_point(
     xi, eta = at
     table, b, rule = place.points.flat_frame, place.block, place.points.rule
     none = zero(lane)
+    a, c, f, volume = pick_all(table, b, N_FLAT_FRAME * q, 4, lane)
     # A quarter in the frame gives the factor 1/16 of the strains of the modes.
-    a = 0.25 * pick(table, b, N_FLAT_FRAME * q, lane)
-    c = 0.25 * pick(table, b, N_FLAT_FRAME * q + 1, lane)
-    f = 0.25 * pick(table, b, N_FLAT_FRAME * q + 2, lane)
-    volume = pick(table, b, N_FLAT_FRAME * q + 3, lane)
+    a, c, f = 0.25 * a, 0.25 * c, 0.25 * f
     e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
     k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
     g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
     e13, e23 = a * g1 + c * g2, f * g2
     along, aside = none, none
     if has_axes(rule.laws):
-        along = pick(place.points.axes, place.axes_block, 2 * q, lane)
-        aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
+        along, aside = pick_all(place.points.axes, place.axes_block, 2 * q, 2, lane)
         e, k = into_axes(along, aside, e), into_axes(along, aside, k)
         e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
     n, m, density, lost = _through_flat(rule.laws, place, q, (e, k), history, lane)
@@ -331,13 +331,8 @@ def _full_layers(
     n, m = (none, none, none), (none, none, none)
     for j in range(n_point):
         z, at = rule.place[j], N_FULL_FRAME * (q * n_point + j)
-        a = 0.25 * pick(table, b, at, lane)
-        c = 0.25 * pick(table, b, at + 1, lane)
-        p = pick(table, b, at + 2, lane)
-        f = 0.25 * pick(table, b, at + 3, lane)
-        t = pick(table, b, at + 4, lane)
-        d = pick(table, b, at + 5, lane)
-        w = pick(table, b, at + 6, lane)
+        a, c, p, f, t, d, w = pick_all(table, b, at, N_FULL_FRAME, lane)
+        a, c, f = 0.25 * a, 0.25 * c, 0.25 * f
         e1, e2, e12 = turn_strain(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
         ag, fg = a * g1 + c * g2, f * g2
         strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
@@ -385,8 +380,7 @@ def _full_gauss_point(
     xi, eta = at
     along, aside = zero(lane), zero(lane)
     if has_axes(place.points.rule.laws):
-        along = pick(place.points.axes, place.axes_block, 2 * q, lane)
-        aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
+        along, aside = pick_all(place.points.axes, place.axes_block, 2 * q, 2, lane)
     lifted = Lifted(
         strain_at(s, 0, xi, eta),
         strain_at(s, 6, xi, eta),

@@ -12,15 +12,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
-from .lane_arithmetic import broadcast
-from .lane_instructions import DOUBLES, LANES, LANES_NAME, OVERLOAD_OPTIONS, LanesType, no_lanes
+from .lane_arithmetic import broadcast, called, of_lanes
+from .lane_instructions import DOUBLES, OVERLOAD_OPTIONS, LanesType, no_lanes
 
 
 @intrinsic
@@ -38,15 +36,9 @@ def _choose_lanes(typing_context: Any, a: Any, b: Any, yes: Any, no: Any) -> Any
     return DOUBLES(*taken), generate
 
 
-@intrinsic
-def _root_of_lanes(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.sqrt.{LANES_NAME}"
-        )
-        return builder.call(function, args)
-
-    return a(a), generate
+@of_lanes
+def _root_of_lanes(builder: Any, x: Any) -> Any:
+    return called(builder, "sqrt", x)
 
 
 def zero_like(a: Number) -> Number:
