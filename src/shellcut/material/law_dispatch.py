@@ -87,16 +87,6 @@ def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> Hist
     return pick_all(history.old, history.block, first, len(law.history), lane)
 
 
-def dissipates(laws: PointLaws) -> bool:
-    """Whether any law has a history; without one, no dissipation is summed."""
-    return any(law.history for law in laws.laws)
-
-
-def has_axes(laws: PointLaws) -> bool:
-    """Whether strains must be turned into the film's axes for any law."""
-    return any(law.oriented for law in laws.laws)
-
-
 # ---------------------------------------------------------------- Numba's type of a law
 
 
@@ -142,61 +132,57 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     return run
 
 
-def _borrowed_new(table: Floats | None) -> Floats | None:
-    return table
-
-
-@overload(_borrowed_new, jit_options=OVERLOAD_OPTIONS)
-def _borrowed_new_in_kernel(table):
-    if isinstance(table, types.NoneType):
-        return lambda table: None
-    return lambda table: borrowed(table)
-
-
 @always_inline
 def borrowed_history(history: HistoryStep) -> HistoryStep:
     """Return a history step whose tables are :func:`~shellcut.numerics.borrowed.borrowed`."""
     return HistoryStep(
         borrowed(history.old),
-        _borrowed_new(history.new),
+        borrowed(history.new),
         history.block,
         history.new_block,
         history.dt,
     )
 
 
-@overload(dissipates, jit_options=OVERLOAD_OPTIONS)
-def _dissipates(laws):
-    if any(law.history for law in _laws_of(laws)):
-        return lambda laws: True
-    return lambda laws: False
+def _known_to_kernels(question: Callable[[PointLaws], bool]) -> Callable[[PointLaws], bool]:
+    """Answer a question about laws when a kernel is compiled."""
+
+    @overload(question, jit_options=OVERLOAD_OPTIONS)
+    def _in_kernel(laws):
+        if question(_Named(_laws_of(laws))):
+            return lambda laws: True
+        return lambda laws: False
+
+    return question
 
 
-@overload(has_axes, jit_options=OVERLOAD_OPTIONS)
-def _has_axes(laws):
-    if any(law.oriented for law in _laws_of(laws)):
-        return lambda laws: True
-    return lambda laws: False
+class _Named(NamedTuple):
+    laws: list[PointLaw]
 
 
-@overload(point_stress, jit_options=OVERLOAD_OPTIONS)
-def _point_stress(laws, k, strain, history, first, lane):
-    function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
-
-    def stress(laws, k, strain, history, first, lane):
-        return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
-
-    return stress
+@_known_to_kernels
+def dissipates(laws: PointLaws) -> bool:
+    """Whether any law has a history; without one, no dissipation is summed."""
+    return any(law.history for law in laws.laws)
 
 
-@overload(point_thickness, jit_options=OVERLOAD_OPTIONS)
-def _point_thickness(laws, k, strain, history, first, lane):
-    function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
+@_known_to_kernels
+def has_axes(laws: PointLaws) -> bool:
+    """Whether strains must be turned into the film's axes for any law."""
+    return any(law.oriented for law in laws.laws)
 
-    def thickness(laws, k, strain, history, first, lane):
-        return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
 
-    return thickness
+def _in_kernels(of_any: Callable[..., Any], of_one: Callable[[PointLaw], Any]) -> None:
+    """Compile a function of a point of any law into kernels, from that of each law."""
+
+    @overload(of_any, jit_options=OVERLOAD_OPTIONS)
+    def _in_kernel(laws, k, strain, history, first, lane):
+        function = _one_of(tuple(map(of_one, _laws_of(laws))))
+
+        def call(laws, k, strain, history, first, lane):
+            return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
+
+        return call
 
 
 @functools.cache
@@ -336,3 +322,7 @@ def _repeater(n: int) -> Any:
         return before(one) + (one,)  # noqa: RUF005
 
     return repeated
+
+
+_in_kernels(point_stress, _stress_function)
+_in_kernels(point_thickness, _thickness_function)
