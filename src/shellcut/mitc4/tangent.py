@@ -148,7 +148,7 @@ def quad_tangents(
     """
     t, corner, tables = quads.t, quads.corner, quads.tables
     basis = np.empty((4, 2, 3))
-    along = np.empty((4, 6))
+    along = np.empty((2, 4, 3))
     width = corner.shape[2]
     row = np.empty((1, N_STRAIN, width))
     work = np.empty((2, N_STRAIN, width))
@@ -175,16 +175,14 @@ def quad_tangents(
         size = norm(sub(xm[0], xm[1]))
         for column in range(N_FREEDOM):
             step = size if column < 12 else 1.0
-            for a in range(4):
-                for c in range(6):
-                    along[a, c] = 0.0
+            along[:] = 0.0
             if column < 12:
-                along[column // 3, column % 3] = step
+                along[0, column // 3, column % 3] = step
             else:
                 a, d = (column - 12) // 2, (column - 12) % 2
                 for c in range(3):
-                    along[a, 3 + c] = basis[a, d, c]
-            xd, td = _modes_along(along, 0), _modes_along(along, 3)
+                    along[1, a, c] = basis[a, d, c]
+            xd, td = _modes_in(along, 0), _modes_in(along, 1)
             ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
             behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
             put_all(row, 0, 0, 0, ahead)
@@ -272,15 +270,4 @@ def _products_change(x: Modes, t: Modes, dx: Modes, dt: Modes) -> Sixteen:
         ptq + htm,
         _both(q, dq, tm, dtm) + htp,
         qtp + htm,
-    )
-
-
-@inline
-def _modes_along(along: Floats, first: int) -> Modes:
-    """Return the modes of three columns of along : (4, 6)."""
-    return modes(
-        (along[0, first], along[0, first + 1], along[0, first + 2]),
-        (along[1, first], along[1, first + 1], along[1, first + 2]),
-        (along[2, first], along[2, first + 1], along[2, first + 2]),
-        (along[3, first], along[3, first + 1], along[3, first + 2]),
     )

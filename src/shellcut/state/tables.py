@@ -53,13 +53,7 @@ DROPPED = "dropped"
 Columns: TypeAlias = Annotated[Floats, "by column"]
 """Read by lanes in kernels, of :func:`columns`."""
 
-_DTYPES: dict[Any, Any] = {
-    Floats: np.float64,
-    Ints: np.int64,
-    SmallIds: np.int32,
-    SmallInts: np.int8,
-    Bools: np.bool_,
-}
+_DTYPES = {Floats: float, Ints: np.int64, SmallIds: np.int32, SmallInts: np.int8, Bools: bool}
 
 
 @dataclass
@@ -128,11 +122,9 @@ class _Table:
 
     def append_blank(self) -> int:
         """Append a row of zeros and return its id."""
-        self.reserve(1)
-        new = self.count
+        new = self.append_copy(0)
         for name in self._names():
             getattr(self, name)[new] = 0
-        self.count += 1
         return new
 
     def saved(self) -> dict[str, Any]:
