@@ -180,7 +180,7 @@ class NodeTable(_Table):
     """Angular velocity of the director [rad/s], normal to it."""
     force_rows: Annotated[Floats, (8,)]
     """Total nodal force [N], force conjugate to the director [N·mm], and two padding numbers that
-    fill the cache line, shape (n, 8)."""
+    fill the cache line."""
     mass: Floats
     """Lumped mass [t]."""
     inertia: Floats
@@ -272,7 +272,7 @@ class QuadTable(_Table):
     """Part of the parent's mass that it has, shape (n,); see :mod:`shellcut.fracture.cut_state`."""
     centre: Annotated[Floats, (4,)]
     """Weights of its nodes at the centre of the film that it holds, of a sliver farther from its
-    flank than that, shape (n, 4)."""
+    flank than that."""
     dropped: Bools
     """Whether its piece has been taken out of the run (:mod:`shellcut.simulation.loose_pieces`),
     shape (n,)."""
@@ -295,7 +295,7 @@ class FlankTable(_Table):
     """xi, eta in the quad."""
     inward: Annotated[Floats, (2,)]
     """A place a little further along its flank, which tells to which part of a copy it goes when
-    that is cut again, shape (n, 2)."""
+    that is cut again."""
     nodes: Annotated[Ints, (4,)]
     """Nodes of the copy."""
     weight: Annotated[Floats, (4,)]
@@ -320,7 +320,7 @@ class CableTable(_Table):
     """Which of its corners."""
     inward: Annotated[Floats, (2, 2)]
     """A place a little further along the flank, which tells to which part of a copy the end goes
-    when that is cut again, shape (n, 2, 2)."""
+    when that is cut again."""
     m: Annotated[Floats, (3,)]
     """Mean normal to the flanks at birth, from minus to plus."""
     start_force: Annotated[Floats, (3,)]
@@ -341,12 +341,12 @@ class CableTable(_Table):
     """Length that the bend added when the joint was made, not counted as opening."""
     grip: Floats
     """Friction of what goes around the edge: the minus branch carries 1 + this times the stress,
-    the plus branch 1 - this, shape (n,)."""
+    the plus branch 1 - this."""
     arc_grip: Floats
     """Friction of what is drawn out over a round edge: both carry this more."""
     transport: Floats
     """Half the difference of the branches at the last evaluation, minus less plus: what has gone
-    around the edge, where the joint slips [mm], shape (n,)."""
+    around the edge, where the joint slips [mm]."""
     overshoot: Floats
     """How far the edge had passed the cable when the joint was made [mm]."""
     branch: Annotated[Floats, (2, 3)]
