@@ -6,7 +6,6 @@ import pytest
 from naive import cases
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.mitc4.centre_stress import CentreStress
 
 LAMINATE = ShellMaterial(
     [Layer(Elastic(5000.0, 0.35, 2e-9), 0.01), Layer(Elastic(800.0, 0.4, 1e-9), 0.06)]
@@ -53,10 +52,10 @@ def stress(X, T, x, t, material, place):
 @pytest.mark.parametrize("case", cases.ALL)
 def test_stress_is_its_definition(case, material, place):
     mesh = cases.ALL[case]()
-    _, state = cases.set_up(mesh)
+    shell, state = cases.set_up(mesh, material)
     cases.deform(state)
     which = np.array([4, 0, 3])
-    got = CentreStress(mesh, material).cauchy(state.node.x, state.node.t, state.quads, which, place)
+    got = shell.stress(state, which, place=place)
     for tensor, e in zip(got, which, strict=True):
         q = mesh.quads[e]
         x, t = state.node.x[q], state.node.t[q]
@@ -67,11 +66,9 @@ def test_stress_is_its_definition(case, material, place):
 
 def test_a_wrong_place_is_refused():
     mesh = cases.warped()
-    _, state = cases.set_up(mesh)
+    shell, state = cases.set_up(mesh)
     with pytest.raises(ValueError, match=r"place must be one of .*, got 'side'"):
-        CentreStress(mesh, cases.FILM).cauchy(
-            state.node.x, state.node.t, state.quads, np.arange(2), "side"
-        )
+        shell.stress(state, np.arange(2), place="side")
 
 
 FACES = {"mid": 0, "top": 1, "bottom": 2}
@@ -85,17 +82,13 @@ def lamina(x):
     return np.stack([e1 / np.linalg.norm(e1), e2 / np.linalg.norm(e2)])
 
 
-def seen(mesh, state, material):
-    return CentreStress(mesh, material).faces(state.node.x, state.node.t, state.quads)
-
-
 @pytest.mark.parametrize("place", FACES)
 @pytest.mark.parametrize("case", cases.ALL)
 def test_the_faces_stresses_are_the_tensors_in_the_lamina(case, place):
     mesh = cases.ALL[case]()
-    _, state = cases.set_up(mesh)
+    shell, state = cases.set_up(mesh)
     cases.deform(state)
-    got = seen(mesh, state, cases.FILM)
+    got = shell.face_stresses(state)
     for e, q in enumerate(mesh.quads):
         x, t = state.node.x[q], state.node.t[q]
         tensor = stress(mesh.nodes[q], mesh.directors[q], x, t, cases.FILM, place)
@@ -112,12 +105,12 @@ def test_the_faces_stresses_are_the_tensors_in_the_lamina(case, place):
 def one_quad(curvature, strain, material):
     """A unit square stretched along x and bent to a curvature about y, by the law of the module."""
     mesh = Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
-    _, state = cases.set_up(mesh, material)
+    shell, state = cases.set_up(mesh, material)
     angle = 0.5 * curvature
     state.node.x[:4, 0] *= 1.0 + strain
     lean = np.array([-1, 1, 1, -1]) * np.sin(angle)
     state.node.t[:4] = np.stack([lean, 0 * lean, np.full(4, np.cos(angle))], axis=1)
-    return seen(mesh, state, material)
+    return shell.face_stresses(state)
 
 
 def test_bending_shows_at_the_faces_and_not_in_the_membrane():

@@ -18,17 +18,17 @@ from shellcut.numerics.lanes import (
     clear_rows,
     corner_node,
     first_node,
-    gather,
     multiply_add,
-    nth,
     pick,
+    pick_all,
     put,
+    put_all,
     put_at,
     put_row_columns,
     row_columns,
     scatter_add,
     total,
-    turns,
+    vector_at,
     zero,
 )
 from shellcut.numerics.processor import (
@@ -39,38 +39,51 @@ from shellcut.numerics.processor import (
 )
 
 RNG = np.random.default_rng(8)
-LANES = (None, 0)
+LANES = ((None,), tuple(range(8)))
+"""All at once, and one after the other."""
 prefetch = make_prefetch(3)
 
 
 @kernel
-def _arithmetic(table, out, lane):
-    for turn in range(turns(table, lane)):
-        one = nth(lane, turn)
-        a, b = pick(table, 1, 0, one), pick(table, 1, 1, one)
-        c = zero(one) - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
-        put(out, 0, 0, one, multiply_add(a, b, c))
+def _arithmetic(table, out, one):
+    a, b = pick(table, 1, 0, one), pick(table, 1, 1, one)
+    c = zero(one) - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
+    put(out, 0, 0, one, multiply_add(a, b, c))
 
 
 @kernel
-def _choices(table, out, lane):
-    for turn in range(turns(table, lane)):
-        one = nth(lane, turn)
-        a, b = pick(table, 0, 0, one), pick(table, 0, 1, one)
-        put(out, 0, 0, one, where_above(a, b, a - 1.0, 2.0))
-        put(out, 0, 1, one, larger(a, b))
-        put(out, 0, 2, one, larger(a, 0.25) + larger(-0.25, b) + where_above(0.5, a, 1.0, b))
-        put(out, 0, 3, one, square_root(a * a + b * b))
+def _choices(table, out, one):
+    a, b = pick(table, 0, 0, one), pick(table, 0, 1, one)
+    put(out, 0, 0, one, where_above(a, b, a - 1.0, 2.0))
+    put(out, 0, 1, one, larger(a, b))
+    put(out, 0, 2, one, larger(a, 0.25) + larger(-0.25, b) + where_above(0.5, a, 1.0, b))
+    put(out, 0, 3, one, square_root(a * a + b * b))
 
 
-@pytest.mark.parametrize("lane", LANES)
-def test_choices_and_roots_are_those_of_floats(lane):
+@kernel
+def _swapped(table, out, one):
+    a, b, c = pick_all(table, 1, 2, 3, one)
+    put_all(out, 0, 1, one, (c, a, a + b))
+
+
+@pytest.mark.parametrize("lanes", LANES)
+def test_numbers_that_follow_each_other_come_as_a_tuple(lanes):
+    table, out = RNG.uniform(1, 2, (2, 6, 8)), np.zeros((1, 5, 8))
+    for lane in lanes:
+        _swapped(table, out, lane)
+    a, b, c = table[1, 2:5]
+    np.testing.assert_array_equal(out[0], [0 * a, c, a, a + b, 0 * a])
+
+
+@pytest.mark.parametrize("lanes", LANES)
+def test_choices_and_roots_are_those_of_floats(lanes):
     table = aligned_zeros((1, 2, 8))
     table[:] = RNG.normal(size=(1, 2, 8))
     table[0, 1, 0] = table[0, 0, 0]
     table[0, 0, 1], table[0, 1, 2] = np.nan, np.nan
     out = aligned_zeros((1, 4, 8))
-    _choices(table, out, lane)
+    for lane in lanes:
+        _choices(table, out, lane)
     a, b = table[0]
     wanted = [
         np.where(a > b, a - 1, 2.0),
@@ -85,25 +98,18 @@ def test_choices_and_roots_are_those_of_floats(lane):
 
 
 @kernel
-def _total(table, k, lane):
-    sum_ = 0.0
-    for turn in range(turns(table, lane)):
-        one = nth(lane, turn)
-        sum_ += total(pick(table, 0, k, one))
-    return sum_
+def _total(table, k, one):
+    return total(pick(table, 0, k, one))
 
 
 @kernel
-def _corners(corner, x, rows, out, lane):
+def _corners(corner, x, rows, out, one):
     prefetch(out, 1)
-    for turn in range(turns(corner, lane)):
-        one = nth(lane, turn)
-        for a in range(4):
-            ids = corner_node(corner, 0, a, one)
-            v = gather(x, 0, ids), gather(x, 1, ids), gather(x, 2, ids)
-            put(out, 0, a, one, v[0] + v[1] * v[2])
-            six = (v[0], v[1], v[2], 2.0 * v[0], 2.0 * v[1], 2.0 * v[2])
-            scatter_add(rows, corner, 0, a, one, six)
+    for a in range(4):
+        v = vector_at(x, corner_node(corner, 0, a, one), one)
+        put(out, 0, a, one, v[0] + v[1] * v[2])
+        six = (v[0], v[1], v[2], 2.0 * v[0], 2.0 * v[1], 2.0 * v[2])
+        scatter_add(rows, corner, 0, a, one, six)
 
 
 @kernel
@@ -121,13 +127,14 @@ def _nodes(x, mass, rows, more, other, first, out, lane):
 
 
 def test_arithmetic_is_that_of_floats():
-    for lane in LANES:
+    for lanes in LANES:
         table = RNG.uniform(1, 2, (2, 2, 8))
         a, b = table[1]
         wanted = 0.0 - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
         wanted += a * b
         out = np.full((1, 1, 8), np.nan)
-        _arithmetic(table, out, lane)
+        for lane in lanes:
+            _arithmetic(table, out, lane)
         # Rounded in other places: a few units in the last.
         np.testing.assert_allclose(out[0, 0], wanted, rtol=50 * np.finfo(float).eps)
 
@@ -138,11 +145,12 @@ def test_total_runs_from_the_first_lane_to_the_last():
     wanted = 0.0
     for v in table[0, 0]:
         wanted += v
-    assert _total(table, 0, None) == _total(table, 0, 0) == total(table[0, 0]) == wanted
+    assert _total(table, 0, None) == total(table[0, 0]) == wanted
+    assert _total(table, 0, 2) == 1e16
 
 
 def test_gather_and_scatter_with_nodes_that_repeat():
-    for lane in LANES:
+    for lanes in LANES:
         # All lanes of the first corner are one node: adding them at once would lose the others.
         corner = np.zeros((1, 4, 8), np.int32)
         corner[0, 0] = 3
@@ -155,7 +163,8 @@ def test_gather_and_scatter_with_nodes_that_repeat():
         ids = corner[0]
         wanted = x[ids, 0] + x[ids, 1] * x[ids, 2]
         rows, out = aligned_zeros((12, 8)), np.full((1, 4, 8), np.nan)
-        _corners(corner, x, rows, out, lane)
+        for lane in lanes:
+            _corners(corner, x, rows, out, lane)
         # Sums of up to eight terms of size one.
         round_off = 50 * np.finfo(float).eps
         np.testing.assert_allclose(out[0], wanted, rtol=0, atol=round_off)
@@ -202,20 +211,16 @@ def test_arrays_start_on_a_cache_line():
 
 
 @kernel
-def _first_nodes(corner, out, lane):
+def _first_nodes(corner, out, one):
     align_stack()
-    for turn in range(turns(corner, lane)):
-        out[turn] = first_node(corner, 1, 2, nth(lane, turn))
+    out[0] = first_node(corner, 1, 2, one)
 
 
 def test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for():
-    for lane in LANES:
-        corner = RNG.integers(0, 99, (2, 4, 8)).astype(np.int32)
-        out = np.full(8, -1)
+    corner, out = RNG.integers(0, 99, (2, 4, 8)).astype(np.int32), np.zeros(1, int)
+    for lane, place in ((None, 0), (0, 0), (5, 5)):
         _first_nodes(corner, out, lane)
-        seen = slice(0, 8 if lane == 0 else 1)
-        np.testing.assert_array_equal(out[seen], corner[1, 2, seen])
-        assert (out[seen.stop :] == -1).all()
+        assert out[0] == corner[1, 2, place]
 
 
 @kernel

@@ -78,7 +78,7 @@ class EdgeContact(PressTerm):
     """
 
     kept_tables: ClassVar = {"_looks": Looks, "_memory": Memory}
-    kept_values = ("_key",)
+    kept_values = "_key", "n_search"
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self._contact = contact

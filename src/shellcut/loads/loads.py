@@ -18,7 +18,7 @@ from shellcut.arrays import Floats, Ints, Number, product
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
-from shellcut.numerics.lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
+from shellcut.numerics.lanes import add_row_columns, clear_rows, put_row_columns, total, vector_at, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
 from shellcut.numerics.vec3 import dot, scale
 from shellcut.state import State
@@ -290,8 +290,7 @@ def _dead_at(
     rows: Floats,
 ) -> Number:
     """Write factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
-    force = at(dead, n, 0, lane), at(dead, n, 1, lane), at(dead, n, 2, lane)
-    v = at(velocity, n, 0, lane), at(velocity, n, 1, lane), at(velocity, n, 2, lane)
+    force, v = vector_at(dead, n, lane), vector_at(velocity, n, lane)
     if begins:
         put_row_columns(rows, n, lane, scale(factor, force))
     else:

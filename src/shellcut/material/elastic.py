@@ -26,10 +26,10 @@ def linear_stress(
     return (s1, s2, s12), 0.5 * (s1 * e1 + s2 * e2 + s12 * e12), 0.0, history
 
 
-def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
-    """Return √(1 + 2 E_33), E_33 = - nu/(1 - nu) (E_11 + E_22)."""
-    lateral = p[1] / (p[0] - p[1])
-    return square_root(larger(1.0 - 2.0 * lateral * (strain[0] + strain[1]), 0.0))
+def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
+    """Return √(1 + 2 E_33); p : (9,), the upper triangle of C and the slope of E_33."""
+    thinner = p[6] * strain[0] + p[7] * strain[1] + p[8] * strain[2]
+    return square_root(larger(1.0 - 2.0 * thinner, 0.0))
 
 
 @checked
@@ -45,7 +45,7 @@ class Elastic(Material):
     """
 
     law: ClassVar[PointLaw] = register(
-        PointLaw("St.Venant-Kirchhoff", linear_stress, _thickness_stretch, linear=True)
+        PointLaw("St.Venant-Kirchhoff", linear_stress, thickness_stretch, linear=True)
     )
 
     young: Annotated[float, Option("MPa", "Young's modulus", above=0)]
@@ -63,8 +63,8 @@ class Elastic(Material):
         )
 
     def parameters(self) -> Floats:
-        """Return the upper triangle of C, shape (6,) [MPa]."""
-        return np.asarray(self.plane_stress()[np.triu_indices(3)])
+        """Return :meth:`moduli_row`."""
+        return self.moduli_row()
 
     def transverse_shear(self) -> Floats:
         """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""

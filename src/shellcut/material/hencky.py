@@ -60,11 +60,6 @@ def _law(oriented: bool) -> PointLaw:
     return register(PointLaw(name, stress, _thickness_stretch, oriented=oriented, elastic=True))
 
 
-def elastic_row(elastic: Elastic | Orthotropic) -> Floats:
-    """Return the upper triangle of C [MPa] and the slope of the thickness strain, shape (9,)."""
-    return np.concatenate([elastic.plane_stress()[np.triu_indices(3)], elastic.thickness_slope()])
-
-
 @checked
 @dataclass(frozen=True)
 class Hencky(WithElasticPart):
@@ -95,4 +90,4 @@ class Hencky(WithElasticPart):
 
     def parameters(self) -> Floats:
         """Return the upper triangle of C [MPa] and the slope of ε_33, shape (9,)."""
-        return elastic_row(self.elastic)
+        return self.elastic.moduli_row()

@@ -23,8 +23,7 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above
 from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane, LanesType
-from shellcut.numerics.lanes import pick, put, zero
-from shellcut.numerics.table_row import table_row
+from shellcut.numerics.lanes import pick, pick_all, put_all, zero
 
 from .point_law import LAWS, History, PointLaw
 
@@ -71,8 +70,7 @@ def point_stress(
     function = getattr(law.stress, "py_func", law.stress)
     stress, stored, dissipated, after = function(laws.parameters[k], strain, before, history.dt)[:4]
     new = history.old if history.new is None else history.new
-    for i in range(len(law.history)):
-        put(new, history.new_block, first + i, lane, after[i])
+    put_all(new, history.new_block, first, lane, after)
     return stress, stored, zero(lane) + dissipated
 
 
@@ -86,17 +84,7 @@ def point_thickness(
 
 
 def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> History:
-    return tuple(pick(history.old, history.block, first + i, lane) for i in range(len(law.history)))
-
-
-def dissipates(laws: PointLaws) -> bool:
-    """Whether any law has a history; without one, no dissipation is summed."""
-    return any(law.history for law in laws.laws)
-
-
-def has_axes(laws: PointLaws) -> bool:
-    """Whether strains must be turned into the film's axes for any law."""
-    return any(law.oriented for law in laws.laws)
+    return pick_all(history.old, history.block, first, len(law.history), lane)
 
 
 # ---------------------------------------------------------------- Numba's type of a law
@@ -144,61 +132,57 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     return run
 
 
-def _borrowed_new(table: Floats | None) -> Floats | None:
-    return table
-
-
-@overload(_borrowed_new, jit_options=OVERLOAD_OPTIONS)
-def _borrowed_new_in_kernel(table):
-    if isinstance(table, types.NoneType):
-        return lambda table: None
-    return lambda table: borrowed(table)
-
-
 @always_inline
 def borrowed_history(history: HistoryStep) -> HistoryStep:
     """Return a history step whose tables are :func:`~shellcut.numerics.borrowed.borrowed`."""
     return HistoryStep(
         borrowed(history.old),
-        _borrowed_new(history.new),
+        borrowed(history.new),
         history.block,
         history.new_block,
         history.dt,
     )
 
 
-@overload(dissipates, jit_options=OVERLOAD_OPTIONS)
-def _dissipates(laws):
-    if any(law.history for law in _laws_of(laws)):
-        return lambda laws: True
-    return lambda laws: False
+def _known_to_kernels(question: Callable[[PointLaws], bool]) -> Callable[[PointLaws], bool]:
+    """Answer a question about laws when a kernel is compiled."""
+
+    @overload(question, jit_options=OVERLOAD_OPTIONS)
+    def _in_kernel(laws):
+        if question(_Named(_laws_of(laws))):
+            return lambda laws: True
+        return lambda laws: False
+
+    return question
 
 
-@overload(has_axes, jit_options=OVERLOAD_OPTIONS)
-def _has_axes(laws):
-    if any(law.oriented for law in _laws_of(laws)):
-        return lambda laws: True
-    return lambda laws: False
+class _Named(NamedTuple):
+    laws: list[PointLaw]
 
 
-@overload(point_stress, jit_options=OVERLOAD_OPTIONS)
-def _point_stress(laws, k, strain, history, first, lane):
-    function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
-
-    def stress(laws, k, strain, history, first, lane):
-        return function(laws.kind[k], table_row(laws.parameters, k), strain, history, first, lane)
-
-    return stress
+@_known_to_kernels
+def dissipates(laws: PointLaws) -> bool:
+    """Whether any law has a history; without one, no dissipation is summed."""
+    return any(law.history for law in laws.laws)
 
 
-@overload(point_thickness, jit_options=OVERLOAD_OPTIONS)
-def _point_thickness(laws, k, strain, history, first, lane):
-    function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
+@_known_to_kernels
+def has_axes(laws: PointLaws) -> bool:
+    """Whether strains must be turned into the film's axes for any law."""
+    return any(law.oriented for law in laws.laws)
 
-    def thickness(laws, k, strain, history, first, lane):
-        return function(laws.kind[k], table_row(laws.parameters, k), strain, history, first, lane)
 
-    return thickness
+def _in_kernels(of_any: Callable[..., Any], of_one: Callable[[PointLaw], Any]) -> None:
+    """Compile a function of a point of any law into kernels, from that of each law."""
+
+    @overload(of_any, jit_options=OVERLOAD_OPTIONS)
+    def _in_kernel(laws, k, strain, history, first, lane):
+        function = _one_of(tuple(map(of_one, _laws_of(laws))))
+
+        def call(laws, k, strain, history, first, lane):
+            return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
+
+        return call
 
 
 @functools.cache
@@ -234,25 +218,16 @@ def _no_law(kind, p, strain, history, first, lane):
 @functools.cache
 def _stress_function(law: PointLaw) -> Any:
     """Wrap a law's stress as a function that reads and writes the history of a block."""
-    function, n = _compiled(law.stress), len(law.history)
-    if n == 0:
-
-        @always_inline
-        def without(p, strain, history, first, lane):
-            stress, stored, _, _ = function(p, strain, (), history.dt)
-            return stress, stored, zero(lane)
-
-        return without
-    read, store = _history_reader(law), _storer(n)
+    function, read, store = _compiled(law.stress), _history_reader(law), _storer(len(law.history))
 
     @always_inline
-    def with_history(p, strain, history, first, lane):
+    def stress(p, strain, history, first, lane):
         before = read(history.old, history.block, first, lane)
         done = function(p, strain, before, history.dt)
         store(history, first, lane, done)
         return done[0], done[1], _of_lane(done[2], lane)
 
-    return with_history
+    return stress
 
 
 def _of_lane(number: Number, lane: Lane) -> Number:
@@ -269,72 +244,67 @@ def _of_lane_in_kernel(number, lane):
 
 @functools.cache
 def _storer(n: int) -> Any:
-    """Return a function that stores the history that a law has returned."""
-    write = _writer(n)
+    """Return a function that stores the n numbers of history that a law has returned.
+
+    In their place only if the law says that they have changed, or does not say.
+    """
 
     def store(history, first, lane, done):
         raise NotImplementedError
 
     @overload(store, jit_options=OVERLOAD_OPTIONS)
     def _store_in_kernel(history, first, lane, done):
+        if n == 0:
+            return lambda history, first, lane, done: None
         if not isinstance(history.types[1], types.NoneType):
-            return lambda history, first, lane, done: write(
+            return lambda history, first, lane, done: put_all(
                 history.new, history.new_block, first, lane, done[3]
             )
+        if len(done) < 5:
+            return lambda history, first, lane, done: put_all(
+                history.old, history.block, first, lane, done[3]
+            )
 
-        def in_place(history, first, lane, done):
-            if _changes(done):
-                write(history.old, history.block, first, lane, done[3])
+        def where_changed(history, first, lane, done):
+            if done[4]:
+                put_all(history.old, history.block, first, lane, done[3])
 
-        return in_place
+        return where_changed
 
     return store
 
 
-def _changes(done: tuple[Any, ...]) -> bool:
-    """Whether a law has changed its history; True if it does not say."""
-    return len(done) < 5 or done[4]
-
-
-@overload(_changes, jit_options=OVERLOAD_OPTIONS)
-def _changes_in_kernel(done):
-    if len(done) < 5:
-        return lambda done: True
-    return lambda done: done[4]
-
-
 @functools.cache
 def _thickness_function(law: PointLaw) -> Any:
-    function, n = _compiled(law.thickness_stretch), len(law.history)
-    if n == 0:
-
-        @always_inline
-        def without(p, strain, history, first, lane):
-            return function(p, strain, ())
-
-        return without
-    read = _history_reader(law)
+    function, read = _compiled(law.thickness_stretch), _history_reader(law)
 
     @always_inline
-    def with_history(p, strain, history, first, lane):
+    def thickness(p, strain, history, first, lane):
         return function(p, strain, read(history.old, history.block, first, lane))
 
-    return with_history
+    return thickness
 
 
 @functools.cache
 def _history_reader(law: PointLaw) -> Any:
     """Return a function that reads the history of a point of a block as a tuple."""
     n = len(law.history)
-    read_all, repeated = _reader(n), _repeater(n)
+    if n == 0:
+        return always_inline(lambda table, b, first, lane: ())
+
+    @always_inline
+    def read_all(table, b, first, lane):
+        return pick_all(table, b, first, n, lane)
+
     if not law.first_leads:
         return read_all
+    repeated = _repeater(n)
 
     @always_inline
     def read(table, b, first, lane):
         lead = pick(table, b, first, lane)
         if any_above(lead, 0.0):
-            return read_all(table, b, first, lane)
+            return pick_all(table, b, first, n, lane)
         return repeated(lead)  # all are zero
 
     return read
@@ -354,40 +324,5 @@ def _repeater(n: int) -> Any:
     return repeated
 
 
-@functools.cache
-def _reader(n: int) -> Any:
-    """Return a function that reads n numbers of a block as a tuple."""
-    if n == 1:
-
-        @always_inline
-        def read_one(table, b, first, lane):
-            return (pick(table, b, first, lane),)
-
-        return read_one
-    before = _reader(n - 1)
-
-    @always_inline
-    def read(table, b, first, lane):
-        return before(table, b, first, lane) + (pick(table, b, first + n - 1, lane),)  # noqa: RUF005
-
-    return read
-
-
-@functools.cache
-def _writer(n: int) -> Any:
-    """Return a function that writes a tuple of n numbers to a block."""
-    if n == 1:
-
-        @always_inline
-        def write_one(table, b, first, lane, values):
-            put(table, b, first, lane, values[0])
-
-        return write_one
-    before = _writer(n - 1)
-
-    @always_inline
-    def write(table, b, first, lane, values):
-        before(table, b, first, lane, values)
-        put(table, b, first + n - 1, lane, values[n - 1])
-
-    return write
+_in_kernels(point_stress, _stress_function)
+_in_kernels(point_thickness, _thickness_function)

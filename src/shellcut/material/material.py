@@ -6,6 +6,8 @@ import math
 from abc import ABC, abstractmethod
 from typing import Annotated, ClassVar, TypeAlias
 
+import numpy as np
+
 from shellcut.arguments import Option
 from shellcut.arrays import Floats
 from shellcut.numerics.small_matrices import inverse
@@ -62,6 +64,10 @@ class Material(ABC):
     def thickness_slope(self) -> Floats:
         """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12); linear laws only."""
         raise NotImplementedError(f"{type(self).__name__} has a linear law but no thickness_slope")
+
+    def moduli_row(self) -> Floats:
+        """Return the upper triangle of C [MPa] and :meth:`thickness_slope`, shape (9,)."""
+        return np.concatenate([self.plane_stress()[np.triu_indices(3)], self.thickness_slope()])
 
 
 Density: TypeAlias = Annotated[

@@ -65,15 +65,12 @@ class LargestNominalStress:
         State of strain.
     across : bool
         Whether the pull is across the film's direction.
-    still_rising : bool
-        Whether it rises beyond twelve times the length.
     """
 
     stress: float
     strain: float
     pull: Pull
     across: bool = False
-    still_rising: bool = False
 
 
 def largest_nominal_stress(
@@ -117,7 +114,6 @@ def largest_nominal_stress(
         strain=float(strain[top]),
         pull=pull,
         across=across,
-        still_rising=top == len(strain) - 1,
     )
 
 

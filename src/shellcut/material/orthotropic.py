@@ -9,13 +9,12 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Number, Vector, product
-from shellcut.numerics.lane_functions import larger, square_root
+from shellcut.arrays import Floats, product
 from shellcut.numerics.small_matrices import inverse
 
-from .elastic import linear_stress
+from .elastic import linear_stress, thickness_stretch
 from .material import Density, Material, refuse_density
-from .point_law import History, PointLaw, register
+from .point_law import PointLaw, register
 
 
 def turned_moduli(moduli: Floats, angle_deg: float) -> Floats:
@@ -29,16 +28,20 @@ def turned_moduli(moduli: Floats, angle_deg: float) -> Floats:
 
 def strain_turn(angle_deg: float) -> Floats:
     """Return R, shape (3, 3), that gives (E_11, E_22, 2 E_12) in axes turned by an angle."""
-    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    return np.array(
-        [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
-    )
+    angle = math.radians(angle_deg)
+    return strain_turns(np.array(math.cos(angle)), np.array(math.sin(angle)))
 
 
-def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
-    """Return √(1 + 2 E_33); p : (9,), the upper triangle of C and the slope of E_33."""
-    thinner = p[6] * strain[0] + p[7] * strain[1] + p[8] * strain[2]
-    return square_root(larger(1.0 - 2.0 * thinner, 0.0))
+def strain_turns(c: Floats, s: Floats) -> Floats:
+    """Return the matrices that turn strains (e_11, e_22, 2 e_12) into other axes, (..., 3, 3).
+
+    c, s : (...), cosine and sine of the angle by which these axes are ahead.
+    """
+    turn = np.empty((*c.shape, 3, 3))
+    turn[..., 0, 0], turn[..., 0, 1], turn[..., 0, 2] = c * c, s * s, c * s
+    turn[..., 1, 0], turn[..., 1, 1], turn[..., 1, 2] = s * s, c * c, -c * s
+    turn[..., 2, 0], turn[..., 2, 1], turn[..., 2, 2] = -2.0 * c * s, 2.0 * c * s, c * c - s * s
+    return turn
 
 
 @checked
@@ -67,7 +70,7 @@ class Orthotropic(Material):
         PointLaw(
             "orthotropic St.Venant-Kirchhoff",
             linear_stress,
-            _thickness_stretch,
+            thickness_stretch,
             linear=True,
             oriented=True,
         )
@@ -127,8 +130,8 @@ class Orthotropic(Material):
         return turned_moduli(np.asarray(inverse(self.compliance())), self.angle_deg)
 
     def parameters(self) -> Floats:
-        """Return the upper triangle of C [MPa] and :meth:`thickness_slope`, shape (9,)."""
-        return np.concatenate([self.plane_stress()[np.triu_indices(3)], self.thickness_slope()])
+        """Return :meth:`moduli_row`."""
+        return self.moduli_row()
 
     def transverse_shear(self) -> Floats:
         """Return G, shape (2, 2) [MPa], for (2 E_13, 2 E_23) in the film's axes."""

@@ -140,6 +140,16 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
     return stress, thickness_stretch
 
 
+@always_inline
+def _times(p: Floats, first: int, v: Vector) -> Vector:
+    """Return the product of a matrix, whose rows begin at ``first``, and a vector."""
+    return (
+        p[first] * v[0] + p[first + 1] * v[1] + p[first + 2] * v[2],
+        p[first + 3] * v[0] + p[first + 4] * v[1] + p[first + 5] * v[2],
+        p[first + 6] * v[0] + p[first + 7] * v[1] + p[first + 8] * v[2],
+    )
+
+
 def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]:
     """Return the functions of Hill's criterion, or of orthotropic moduli."""
 
@@ -154,14 +164,9 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
         y2 = p[_V + 2] * e1 + p[_V + 5] * e2 + p[_V + 8] * e12
         z = (y0, y1, y2)
         if kinematic:
-            b0 = p[_BACK] * p1 + p[_BACK + 1] * p2 + p[_BACK + 2] * p12
-            b1 = p[_BACK + 3] * p1 + p[_BACK + 4] * p2 + p[_BACK + 5] * p12
-            b2 = p[_BACK + 6] * p1 + p[_BACK + 7] * p2 + p[_BACK + 8] * p12
-            z = (
-                y0 - (p[_TO_MODES] * b0 + p[_TO_MODES + 1] * b1 + p[_TO_MODES + 2] * b2),
-                y1 - (p[_TO_MODES + 3] * b0 + p[_TO_MODES + 4] * b1 + p[_TO_MODES + 5] * b2),
-                y2 - (p[_TO_MODES + 6] * b0 + p[_TO_MODES + 7] * b1 + p[_TO_MODES + 8] * b2),
-            )
+            b0, b1, b2 = _times(p, _BACK, (p1, p2, p12))
+            back = _times(p, _TO_MODES, (b0, b1, b2))
+            z = (y0 - back[0], y1 - back[1], y2 - back[2])
         m0, m1, m2, h = p[_MU], p[_MU + 1], p[_MU + 2], p[_H]
         q = (m0 * z[0] * z[0], m1 * z[1] * z[1], m2 * z[2] * z[2])
         beyond = excess(q[0] + q[1] + q[2], p[_YIELD_AXES] + R, may_flow(dt))
@@ -173,20 +178,14 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
             z0 = done.by_mode[0] * z[0]
             z1 = done.by_mode[1] * z[1]
             z2 = done.by_mode[2] * z[2]
-            p1 = p1 + (p[_PLASTIC] * z0 + p[_PLASTIC + 1] * z1 + p[_PLASTIC + 2] * z2)
-            p2 = p2 + (p[_PLASTIC + 3] * z0 + p[_PLASTIC + 4] * z1 + p[_PLASTIC + 5] * z2)
-            p12 = p12 + (p[_PLASTIC + 6] * z0 + p[_PLASTIC + 7] * z1 + p[_PLASTIC + 8] * z2)
+            d1, d2, d12 = _times(p, _PLASTIC, (z0, z1, z2))
+            p1, p2, p12 = p1 + d1, p2 + d2, p12 + d12
             y0, y1, y2 = y0 - m0 * z0, y1 - m1 * z1, y2 - m2 * z2
-        t1 = p[_V] * y0 + p[_V + 1] * y1 + p[_V + 2] * y2
-        t2 = p[_V + 3] * y0 + p[_V + 4] * y1 + p[_V + 5] * y2
-        t12 = p[_V + 6] * y0 + p[_V + 7] * y1 + p[_V + 8] * y2
         stored = 0.5 * (y0 * y0 + y1 * y1 + y2 * y2)
         if kinematic:
-            b0 = p[_BACK] * p1 + p[_BACK + 1] * p2 + p[_BACK + 2] * p12
-            b1 = p[_BACK + 3] * p1 + p[_BACK + 4] * p2 + p[_BACK + 5] * p12
-            b2 = p[_BACK + 6] * p1 + p[_BACK + 7] * p2 + p[_BACK + 8] * p12
+            b0, b1, b2 = _times(p, _BACK, (p1, p2, p12))
             stored = stored + 0.5 * (b0 * p1 + b1 * p2 + b2 * p12)
-        S = second_piola_kirchhoff((t1, t2, t12), way)
+        S = second_piola_kirchhoff(_times(p, _V, (y0, y1, y2)), way)
         return S, stored, lost, (eq, R, p1, p2, p12), flows
 
     def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:

@@ -35,8 +35,9 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, product, unit
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.mesh import Mesh
+from shellcut.state import State
 
+from .quad_strains import PointQuads
 from .section import frame_components
 from .surface import Surface
 
@@ -69,8 +70,8 @@ class FaceStresses(NamedTuple):
 class CentreStress:
     """Stresses at the quads' centres, from reference geometry and layers."""
 
-    def __init__(self, mesh: Mesh, material: ShellMaterial) -> None:
-        self.reference = Surface.of(mesh)
+    def __init__(self, reference: Surface, material: ShellMaterial) -> None:
+        self.reference = reference
         """Of every quad and copy."""
         layers = material.layers
         bottom = np.cumsum([0.0, *(layer.thickness for layer in layers)])
@@ -93,23 +94,11 @@ class CentreStress:
             coupling[:] = 0.0
         self._membrane, self._plies = (mean, coupling), (ply, middle, slope)
 
-    def cauchy(self, x: Floats, t: Floats, quads: Ints, which: Ints, place: str) -> Floats:
-        """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).
-
-        Parameters
-        ----------
-        x, t : ndarray, shape (n_node, 3)
-            Present positions [mm] and directors.
-        quads : ndarray of int, shape (n_quad, 4)
-            Present node ids.
-        which : ndarray of int, shape (n,)
-            The quads asked for.
-        place : {"mid", "top", "bottom", "nominal"}
-            As :meth:`MITC4Shell.stress`.
-        """
+    def cauchy(self, state: State, _quads: PointQuads, which: Ints, place: str) -> Floats:
+        """Return the stress tensors of some quads, as :meth:`.PointOutput.cauchy`."""
         check_place(place)
-        which = check_quads(which, len(quads))
-        height = self._height[place]
+        which = check_quads(which, len(state.quads))
+        x, t, quads, height = state.node.x, state.node.t, state.quads, self._height[place]
         now = self._deformed(which, _tangents(x, t, quads[which], height), height)
         S = product(now.strain, self._law[place])
         if place != "nominal":
@@ -131,8 +120,12 @@ class CentreStress:
         ----------
         dx, dt : ndarray, shape (n_node, 3)
             Motion of nodes [mm] and directors.
-        x, t, quads, which
-            As :meth:`cauchy`.
+        x, t : ndarray, shape (n_node, 3)
+            Present positions [mm] and directors.
+        quads : ndarray of int, shape (n_quad, 4)
+            Present node ids.
+        which : ndarray of int, shape (n,)
+            The quads asked for.
         place : {"mid", "top", "bottom"}
             As :meth:`MITC4Shell.stress`.
         """
@@ -151,16 +144,12 @@ class CentreStress:
         dJ_over_J = (np.einsum("nc,nc->n", grown, area) / size)[:, None, None]
         stress, strained = (_pushed(one, now.f, now.J) for one in (S, dS))
         turned = np.einsum("nij,nic,njd->ncd", _tensors(S), df, now.f) / now.J[:, None, None]
-        return stress * (1.0 - dJ_over_J) + strained + turned + turned.swapaxes(1, 2)
+        total = stress * (1.0 - dJ_over_J) + strained + turned + turned.swapaxes(1, 2)
+        return np.asarray(total)
 
-    def faces(self, x: Floats, t: Floats, quads: Ints) -> FaceStresses:
-        """Return membrane stresses, stresses at both faces, and thickness of all quads.
-
-        Parameters
-        ----------
-        x, t, quads
-            As :meth:`cauchy`.
-        """
+    def faces(self, state: State, _quads: PointQuads) -> FaceStresses:
+        """Return membrane stresses, stresses at both faces, and thickness of all quads."""
+        x, t, quads = state.node.x, state.node.t, state.quads
         every = np.arange(len(quads))
         mid, top, bottom = (
             self._deformed(every, _tangents(x, t, quads, height), height)
@@ -179,6 +168,10 @@ class CentreStress:
         # With this law the thickness vanishes at an area strain of 117 % (nu 0.3).
         thickness = product(np.sqrt(np.maximum(0.0, 1.0 - thinning)), ply)
         return in_lamina(np.stack(sigma, axis=1), np.asarray(thickness), x, quads)
+
+    def history_means(self, _state: State) -> dict[str, Floats]:
+        """Return none: linear laws have no history."""
+        return {}
 
     def _deformed(self, which: Ints, g: Floats, height: float) -> _Deformed:
         """Return the deformation of some quads with the present base vectors g : (n, 2, 3)."""

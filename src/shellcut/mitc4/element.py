@@ -39,19 +39,21 @@ The strain terms in (xi³)² are dropped: of relative size (thickness / radius o
 from __future__ import annotations
 
 from math import sqrt
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from shellcut.arrays import Floats, Number, SmallIds, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import (
-    at,
     corner_node,
     first_node,
-    gather,
     multiply_add,
     pick,
+    pick_all,
     put,
+    put_all,
+    vector_at,
+    zero,
 )
 from shellcut.numerics.vec3 import add, add_scaled, scale, sub
 
@@ -74,12 +76,6 @@ Six: TypeAlias = tuple[Number, Number, Number, Number, Number, Number]
 Four: TypeAlias = tuple[Number, Number, Number, Number]
 Three: TypeAlias = tuple[Number, Number, Number]
 Pair: TypeAlias = tuple[Number, Number]
-
-
-@always_inline
-def node_vector(values: Floats, ids: Number) -> Vector:
-    """Return the vectors of values : (n, 3) at some nodes."""
-    return gather(values, 0, ids), gather(values, 1, ids), gather(values, 2, ids)
 
 
 @always_inline
@@ -109,10 +105,7 @@ def quad_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tu
     """
     n0, n1 = corner_node(corner, b, 0, lane), corner_node(corner, b, 1, lane)
     n2, n3 = corner_node(corner, b, 2, lane), corner_node(corner, b, 3, lane)
-    return (
-        modes(node_vector(x, n0), node_vector(x, n1), node_vector(x, n2), node_vector(x, n3)),
-        modes(node_vector(t, n0), node_vector(t, n1), node_vector(t, n2), node_vector(t, n3)),
-    )
+    return _modes_at(x, n0, n1, n2, n3, lane), _modes_at(t, n0, n1, n2, n3, lane)
 
 
 @always_inline
@@ -120,25 +113,14 @@ def chain_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> t
     """Return :func:`quad_modes` of a block with consecutive node ids at every corner."""
     n0, n1 = first_node(corner, b, 0, lane), first_node(corner, b, 1, lane)
     n2, n3 = first_node(corner, b, 2, lane), first_node(corner, b, 3, lane)
-    return (
-        modes(
-            _vector_at(x, n0, lane),
-            _vector_at(x, n1, lane),
-            _vector_at(x, n2, lane),
-            _vector_at(x, n3, lane),
-        ),
-        modes(
-            _vector_at(t, n0, lane),
-            _vector_at(t, n1, lane),
-            _vector_at(t, n2, lane),
-            _vector_at(t, n3, lane),
-        ),
-    )
+    return _modes_at(x, n0, n1, n2, n3, lane), _modes_at(t, n0, n1, n2, n3, lane)
 
 
 @always_inline
-def _vector_at(values: Floats, n: int, lane: Lane) -> Vector:
-    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
+def _modes_at(v: Floats, n0: Any, n1: Any, n2: Any, n3: Any, lane: Lane) -> Modes:
+    return modes(
+        vector_at(v, n0, lane), vector_at(v, n1, lane), vector_at(v, n2, lane), vector_at(v, n3, lane)
+    )
 
 
 @always_inline
@@ -220,36 +202,6 @@ def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ..
 
 
 # ---------------------------------------------------------------- linear material: r = H s
-
-
-@always_inline
-def pick6(table: Floats, b: int, first: int, lane: Lane) -> Six:
-    """Return six numbers of a block, starting at ``first``."""
-    return (
-        pick(table, b, first, lane),
-        pick(table, b, first + 1, lane),
-        pick(table, b, first + 2, lane),
-        pick(table, b, first + 3, lane),
-        pick(table, b, first + 4, lane),
-        pick(table, b, first + 5, lane),
-    )
-
-
-@always_inline
-def pick4(table: Floats, b: int, first: int, lane: Lane) -> Four:
-    """Return four numbers of a block, starting at ``first``."""
-    return (
-        pick(table, b, first, lane),
-        pick(table, b, first + 1, lane),
-        pick(table, b, first + 2, lane),
-        pick(table, b, first + 3, lane),
-    )
-
-
-@always_inline
-def pick16(table: Floats, b: int, lane: Lane) -> Sixteen:
-    """Return the first sixteen numbers of a block."""
-    return pick6(table, b, 0, lane) + pick6(table, b, 6, lane) + pick4(table, b, 12, lane)
 
 
 class FlatModuli(NamedTuple):
@@ -350,14 +302,14 @@ def flat_resultants(table: Floats, moduli: FlatModuli, b: int, lane: Lane, s: Si
     points, k = C_11 J⁻³ / 2¹⁴. The strains here are 16 E, the metric 8 A, and r = Bᵀ n / 16, hence
     2¹⁴ = 16² 8²; and k det(8 A) = C_11 J⁻¹ / 16², which the moduli turn into 2 mu and shear.
     """
-    g11, g22, g12 = _at_gauss_points(pick6(table, b, 0, lane))
+    g11, g22, g12 = _at_gauss_points(pick_all(table, b, 0, 6, lane))
     metric = (
         (g22[0], g11[0], -0.5 * g12[0]),
         (g22[1], g11[0], -0.5 * g12[1]),
         (g22[1], g11[1], -0.5 * g12[2]),
         (g22[0], g11[1], -0.5 * g12[3]),
     )
-    k = pick4(table, b, N_FLAT_PRODUCT, lane)
+    k = pick_all(table, b, N_FLAT_PRODUCT, 4, lane)
     j = (
         k[0] * _determinant(metric[0]),
         k[1] * _determinant(metric[1]),
@@ -388,9 +340,9 @@ def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Floats) -> 
     h : (n_block, 136, width), the upper triangle of H, row by row.  work : (2, 16, width),
     overwritten.
     """
+    put_all(work, 0, 0, lane, s)
     for k in range(N_STRAIN):
-        put(work, 0, k, lane, s[k])
-        put(work, 1, k, lane, 0.0 * s[k])
+        put(work, 1, k, lane, zero(lane))
     entry = 0
     for i in range(N_STRAIN):
         si = pick(work, 0, i, lane)
@@ -402,4 +354,4 @@ def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Floats) -> 
             put(work, 1, j, lane, pick(work, 1, j, lane) + a * si)
         put(work, 1, i, lane, ri)
         entry += 1
-    return pick16(work, 1, lane)
+    return pick_all(work, 1, 0, N_STRAIN, lane)

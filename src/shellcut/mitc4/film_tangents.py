@@ -7,27 +7,19 @@ time step, is that of the frozen law, or of the elastic moduli, with the stresse
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 
 from .element import N_STRAIN
 from .places import Places
-from .point_output import PointOutput
 from .point_tangent import differentiate_resultants, frozen_rule
 from .quad_strains import PointQuads
-from .tangent import (
-    N_FREEDOM,
-    add_stressed_products,
-    add_tangent_products,
-    quad_tangents,
-    stressed_tangents,
-)
+from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
 
 # Stands for the moduli of the linear film.
 _NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
+_ANY_BASIS = np.empty((0, 2, 3))
 
 
 class FilmTangents:
@@ -37,12 +29,12 @@ class FilmTangents:
     ----------
     places : Places
         Where the quads stand.
-    output : PointOutput, optional
-        Of films with a nonlinear law.
+    linear : bool
+        Whether the law is linear in all layers.
     """
 
-    def __init__(self, places: Places, output: PointOutput | None) -> None:
-        self._places, self._output = places, output
+    def __init__(self, places: Places, linear: bool) -> None:
+        self._places, self._linear = places, linear
         self._frozen = frozen_rule(places.points.rule)
 
     @property
@@ -58,6 +50,7 @@ class FilmTangents:
         history: Floats,
         dt: float,
         bent: Floats | None,
+        basis: Floats,
     ) -> Floats:
         """Return the tangents of a step, shape (n, 20, 20).
 
@@ -73,23 +66,27 @@ class FilmTangents:
             Its length [s].
         bent : ndarray, shape (n, 16), optional
             Part of the strains that is left out of the stresses, of linear films.
+        basis : ndarray, shape (n_node, 2, 3)
+            Unit tangents along which directors turn; of no nodes for any.
         """
-        if self._output is None:
-            return self._made(quad_tangents, present, quads, bent, _NO_MODULI)
+        if self._linear:
+            return self._made(present, quads, bent, False, _NO_MODULI, basis)
         resultants, moduli = self._differentiated(present, quads, area, history, dt)
-        return self._made(stressed_tangents, present, quads, resultants, moduli)
+        return self._made(present, quads, resultants, True, moduli, basis)
 
     def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Floats) -> Floats:
         """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
-        if self._output is None:
-            return self._made(quad_tangents, present, quads, None, _NO_MODULI)
+        if self._linear:
+            return self._made(present, quads, None, False, _NO_MODULI)
         if self._frozen is None:
-            resultants, moduli = self._output.resultants(present, quads, history), _NO_MODULI
+            resultants, moduli = self._differentiated(
+                present, quads, area, history, 0.0, moduli=_NO_MODULI
+            )
         else:
             # Its stress is that of the law but for the flow of one step, which only lowers it.
             frozen = present._replace(points=present.points._replace(rule=self._frozen))
             resultants, moduli = self._differentiated(frozen, quads, area, history, 0.0)
-        return self._made(stressed_tangents, present, quads, resultants, moduli)
+        return self._made(present, quads, resultants, True, moduli)
 
     def damping(self, present: PointQuads, quads: Ints) -> Floats:
         """Return Bᵀ H B of some quads, which the damping acts with, shape (n, 20, 20).
@@ -97,7 +94,7 @@ class FilmTangents:
         H is that of the elastic moduli, at every stretch, whatever law gives the stress.
         """
         none = np.zeros((quads.size, N_STRAIN))
-        return self._made(stressed_tangents, present, quads, none, _NO_MODULI)
+        return self._made(present, quads, none, True, _NO_MODULI)
 
     def add_product(
         self,
@@ -111,14 +108,14 @@ class FilmTangents:
     ) -> None:
         """Add the tangent of the whole film times a motion to rows : (n_node, 6)."""
         slot = self._places.blocks.slot
-        add, moduli = add_tangent_products, _NO_MODULI
-        if self._output is not None:
-            add, every = add_stressed_products, np.arange(slot.size)
-            bent, moduli = self._differentiated(present, every, area, history, dt)
-        add(
+        given, moduli = not self._linear, _NO_MODULI
+        if given:
+            bent, moduli = self._differentiated(present, np.arange(slot.size), area, history, dt)
+        add_tangent_products(
             slot=slot,
             quads=present.quads,
             bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
+            given=given,
             moduli=moduli,
             dx=np.asfortranarray(motion[0]),
             dt=np.asfortranarray(motion[1]),
@@ -126,11 +123,18 @@ class FilmTangents:
         )
 
     def _differentiated(
-        self, present: PointQuads, quads: Ints, area: Floats, history: Floats, dt: float
+        self,
+        present: PointQuads,
+        quads: Ints,
+        area: Floats,
+        history: Floats,
+        dt: float,
+        moduli: Floats | None = None,
     ) -> tuple[Floats, Floats]:
         """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
         resultants = np.empty((quads.size, N_STRAIN))
-        moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
+        if moduli is None:
+            moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
         differentiate_resultants(
             slot=self._places.blocks.slot[quads],
             quads=present,
@@ -143,13 +147,21 @@ class FilmTangents:
         return resultants, moduli
 
     def _made(
-        self, make: Any, present: PointQuads, quads: Ints, bent: Floats | None, moduli: Floats
+        self,
+        present: PointQuads,
+        quads: Ints,
+        bent: Floats | None,
+        given: bool,
+        moduli: Floats,
+        basis: Floats = _ANY_BASIS,
     ) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
-        make(
+        quad_tangents(
             slot=self._places.blocks.slot[quads],
             quads=present.quads,
+            tangents=basis,
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
+            given=given,
             moduli=moduli,
             tangent=tangent,
         )

@@ -1,4 +1,4 @@
-"""Kernels that add the forces of quads to the nodes, by blocks or one by one.
+"""Kernels that add the forces of quads to the nodes, by blocks.
 
 Damping is proportional to the stiffness, on the strain rate: the stress acts on
 u = s + rho (s_n - s_{n-1}), rho = beta / dt, the rate of the half step before t_n (so the step
@@ -25,10 +25,10 @@ from shellcut.arrays import Floats, Ints, Number
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import nth, total, turns, zero
+from shellcut.numerics.lanes import pick_all, put_all, total, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, make_prefetch, set_rounding
 
-from .element import N_FLAT, N_STRAIN, pick16
+from .element import N_FLAT, N_STRAIN
 from .quad_strains import (
     LinearTables,
     Quads,
@@ -39,7 +39,6 @@ from .quad_strains import (
     modes_of,
     plus_scaled,
     stiffness_product,
-    store_strain,
     strain_of,
 )
 
@@ -79,10 +78,10 @@ def _linear_block(
         r = stiffness_product(tables, flat, b, lane, s, work)
         add_to_nodes(rows, corner, b, lane, (xm, tm), r)
         return dot16(s, r), zero(lane), zero(lane)
-    s_last, s_before = pick16(step.last, b, lane), pick16(step.before, b, lane)
+    s_last, s_before = pick_all(step.last, b, 0, N_STRAIN, lane), pick_all(step.before, b, 0, N_STRAIN, lane)
     u = plus_scaled(s, step.rho, minus(s, s_last))
     r = stiffness_product(tables, flat, b, lane, u, work)
-    store_strain(step.before, b, lane, s)
+    put_all(step.before, b, 0, lane, s)
     add_to_nodes(rows, corner, b, lane, (xm, tm), r)
     return dot16(s, r), dot16(s_last, r), dot16(s_before, r)
 
@@ -98,29 +97,27 @@ def _make_linear_kernel(flat: bool) -> Any:
         step: QuadStep,
         rows: Floats,
         sums: Floats,
-        lane: Lane,
     ) -> None:
         """Add minus dW/dx and dW/dt of quads, with stiffness damping, to the force rows.
 
         Treats every ``stride``-th strip of a parity, which is 0 or 1, from the ``first``-th on.
         start : (n_strip + 1,), blocks.
         rows : (n_node, 8).  sums : (n_strip, 3), to which s_n·r, s_{n-1}·r and s_{n-2}·r are
-        added.  lane : None for a block at a time, any number for one by one.
+        added.
         """
         align_stack()
         quads, step = borrowed(quads), borrowed(step)
-        work = np.empty((2, N_STRAIN, quads.corner.shape[2]), step.last.dtype)
+        work = np.empty((2, N_STRAIN, quads.corner.shape[2]))
         rounding = flush_subnormals()
         far = step.last.shape[0] > _FAR
         for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
-            none = zero(lane)
+            none = zero(None)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 if far:
                     _prefetch_block(b + 1, flat, quads.tables, step)
-                for turn in range(turns(quads.corner, lane)):
-                    q0, q1, q2 = _linear_block(b, nth(lane, turn), flat, quads, step, rows, work)
-                    p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
+                q0, q1, q2 = _linear_block(b, None, flat, quads, step, rows, work)
+                p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
             sums[k, 2] += total(p2)

@@ -1,30 +1,47 @@
 """Places of all quads and copies in the blocks, and what stands there.
 
-The blocks of the mesh are built once; copies of cut quads (:mod:`.copies`) take places after them,
-in the order in which they are made. Which place a copy has is part of the state of a run: the
-order of a sum follows from it.
+A crack that crosses a quad replaces it by copies that hold a share w of it each. Energy, forces,
+damping, mass and inertia of a copy are those of the *whole* quad, at the copy's own nodes, times w
+([Song2006]). At the cut all copies move as the quad did, and the shares sum to one, so that
+nothing changes: neither strain energy nor forces, nor mass, momentum or angular momentum of the
+film. Where stiffness and mass of a copy scale alike, its largest frequency is that of the quad,
+however small the share; a sliver gets more mass than that (:mod:`shellcut.fracture.cut_state`).
+
+For the kernels a copy is one more quad of the general kind, with a stiffness times w, also where
+the whole quad was flat. Copies stand in blocks of their own after all others; they are taken last,
+in one strip on one thread, so that a node receives its forces in an order that does not depend on
+the number of threads. The place of the whole quad is left empty: it repeats the quad with a
+stiffness of zero.
+
+Which place a copy has is part of the state of a run: the order of a sum follows from it.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, SmallIds
+from shellcut.arrays import Floats, Numbers, SmallIds
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.lanes import aligned_zeros
 from shellcut.state import State
 
 from .blocks import QuadBlocks
-from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
+from .element import N_FLAT_PRODUCT
 from .film_axes import film_axes
 from .quad_strains import LinearTables
 from .section import full_stiffness
-from .thickness_points import PointTables
+from .tangent import quad_products
+from .thickness_points import PointTables, full_frames
 
 # Quads whose stiffness is computed at a time.
 _PATCH = 32
+
+# Blocks by which the place for copies grows at least; it grows by half, too.
+_MORE_BLOCKS = 8
 
 
 class Places:
@@ -66,7 +83,7 @@ class Places:
         """
         before = int(self.blocks.slot[row])
         if before < self.n_whole * self.blocks.width:
-            empty_place(before, self.blocks, self.tables, self.points)
+            self._empty(before)
             self._place(state, row, before)
         self._place(state, new, before)
         for copy in (row, new):
@@ -101,7 +118,7 @@ class Places:
         if not rows.size:
             return
         for quad in np.intersect1d(rows, np.flatnonzero(self.blocks.slot < end)).tolist():
-            empty_place(int(self.blocks.slot[quad]), self.blocks, self.tables, self.points)
+            self._empty(int(self.blocks.slot[quad]))
         self._grow(state.strain.shape[0] - self.blocks.quad.shape[0])
         self.blocks = replace(self.blocks, slot=slot.copy())
         self._count_copies(rows.size)
@@ -124,22 +141,36 @@ class Places:
         return np.asarray(self._stiffness[patch][quad % _PATCH])
 
     def _fill(self, state: State, row: int) -> None:
-        parent = int(state.quad.parent[row])
-        fill_place(
-            int(self.blocks.slot[row]),
-            parent,
-            float(state.quad.share[row]),
-            self._stiffness_of(parent),
-            self._mesh,
-            self.blocks,
-            self.tables,
-            self.points,
-        )
+        """Put a copy at its place: what does not change of its whole quad, the stiffness times w."""
+        parent, share = int(state.quad.parent[row]), float(state.quad.share[row])
+        linear, points = self.tables, self.points
+        b, lane = divmod(int(self.blocks.slot[row]), self.blocks.width)
+        at = b - linear.n_flat
+        nodes = self._mesh.quads[parent][None]
+        X, T = self._mesh.nodes[nodes], self._mesh.directors[nodes]
+        self.blocks.filled[b, lane] = True
+        linear.full_reference[at, :, lane] = quad_products(X, T)[0]
+        linear.full_stiffness[at, :, lane] = share * self._stiffness_of(parent)
+        if points.rule.place.size:
+            frames = full_frames(X, T, points.rule).reshape(4, points.rule.place.size, -1).copy()
+            frames[..., -1] *= share  # the volume that a point stands for
+            points.full_frame[at, :, lane] = frames.ravel()
         if self._material.has_axes:
-            b, lane = divmod(int(self.blocks.slot[row]), self.blocks.width)
-            nodes = self._mesh.quads[parent][None]
-            X, T = self._mesh.nodes[nodes], self._mesh.directors[nodes]
-            self.points.axes[b, :, lane] = film_axes(X, T, self._material)[0]
+            points.axes[b, :, lane] = film_axes(X, T, self._material)[0]
+
+    def _empty(self, slot: int) -> None:
+        """Take the stiffness from the quad at a place; it goes on repeating a quad."""
+        linear, points = self.tables, self.points
+        b, lane = divmod(slot, self.blocks.width)
+        self.blocks.filled[b, lane] = False
+        frames, at = points.full_frame, b - linear.n_flat
+        if b < linear.n_flat:
+            frames, at = points.flat_frame, b
+            linear.flat[b, N_FLAT_PRODUCT:, lane] = 0.0
+        else:
+            linear.full_stiffness[at, :, lane] = 0.0
+        if points.rule.place.size:
+            frames[at, :, lane] = 0.0
 
     def _place(self, state: State, row: int, before: int) -> None:
         """Give a copy the next place; its strains and history are those of the place before."""
@@ -147,10 +178,10 @@ class Places:
         slot = self.n_whole * width + self._n_copy
         self._count_copies(self._n_copy + 1)
         if slot >= self.blocks.quad.size:
-            n = max(MORE_BLOCKS, (self.blocks.quad.shape[0] - self.n_whole) // 2)
+            n = max(_MORE_BLOCKS, (self.blocks.quad.shape[0] - self.n_whole) // 2)
             self._grow(n)
             for name in ("strain", "strain_before", "history"):
-                setattr(state, name, with_more_blocks(getattr(state, name), n))
+                setattr(state, name, _with_more_blocks(getattr(state, name), n))
         places = self.blocks.slot
         if row >= places.size:
             places = np.append(places, np.int32(0))
@@ -163,6 +194,24 @@ class Places:
             rows[b, :, lane:] = rows[b_before, :, lane_before, None]
 
     def _grow(self, n: int) -> None:
-        if n > 0:
-            self.blocks = grow_blocks(self.blocks, n)
-            self.tables, self.points = grow_tables(self.tables, self.points, n)
+        """Add n blocks of quads of the general kind, without stiffness, that nothing fills yet."""
+        if n <= 0:
+            return
+
+        def grown(table: Any, *names: str) -> dict[str, Any]:
+            return {name: _with_more_blocks(getattr(table, name), n) for name in names}
+
+        blocks, points = self.blocks, self.points
+        self.blocks = replace(blocks, **grown(blocks, "quad", "filled", "corner", "chain"))
+        self.tables = self.tables._replace(
+            **grown(self.tables, "full_reference", "full_stiffness")
+        )
+        names = ["full_frame"] * bool(points.rule.place.size) + ["axes"] * bool(points.axes.size)
+        self.points = points._replace(**grown(points, *names))
+
+
+def _with_more_blocks(array: Numbers, n: int) -> Numbers:
+    """Return an array of blocks with n blocks of zeros after them."""
+    more: Numbers = aligned_zeros((array.shape[0] + n, *array.shape[1:]), array.dtype)
+    more[: array.shape[0]] = array
+    return more

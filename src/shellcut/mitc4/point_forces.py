@@ -16,13 +16,13 @@ from shellcut.material.law_dispatch import HistoryStep, dissipates
 from shellcut.numerics.borrowed import borrowed, lent
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import nth, total, turns, zero
+from shellcut.numerics.lanes import pick_all, put_all, total, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
 
-from .element import N_STRAIN, Sixteen, nodal_forces, pick16
+from .element import N_STRAIN, Sixteen, nodal_forces
 from .quad_strains import (
     PointQuads,
-    PointStep,
+    QuadStep,
     add_to_nodes,
     dot16,
     minus,
@@ -30,14 +30,12 @@ from .quad_strains import (
     one_quad,
     plus_scaled,
     stiffness_product,
-    store_strain,
     strain_of,
 )
 from .thickness_points import (
     PointPlace,
     PointTables,
-    flat_point_resultants,
-    full_point_resultants,
+    resultants_at,
 )
 
 
@@ -55,10 +53,8 @@ def point_resultants(
     points : ``quads.points``, which may be :func:`~shellcut.numerics.borrowed.lent`.
     """
     b = history.block
-    if flat:
-        return flat_point_resultants(s, PointPlace(quads.points, points, b, b), history, lane)
-    place = PointPlace(quads.points, points, b - quads.quads.tables.n_flat, b)
-    return full_point_resultants(s, place, history, lane)
+    at = b if flat else b - quads.quads.tables.n_flat
+    return resultants_at(flat, s, PointPlace(quads.points, points, at, b), history, lane)
 
 
 @always_inline
@@ -68,7 +64,7 @@ def _point_block(
     flat: bool,
     both: PointQuads,
     points: PointTables,
-    now: PointStep,
+    step: QuadStep,
     history: Floats,
     rows: Floats,
     work: Floats,
@@ -77,18 +73,18 @@ def _point_block(
 
     The last is the energy dissipated by the material since t_{n-1}.
     """
-    quads, step = both.quads, now.step
+    quads = both.quads
     xm, tm = modes_of(quads, b, lane)
     s = strain_of(quads.tables, flat, b, lane, (xm, tm))
     r, stored, lost = point_resultants(
-        both, points, flat, s, HistoryStep(history, None, b, b, now.dt), lane
+        both, points, flat, s, HistoryStep(history, None, b, b, step.dt), lane
     )
     if not step.damped:
         add_to_nodes(rows, quads.corner, b, lane, (xm, tm), r)
         return stored, zero(lane), lost
-    s_last, s_before = pick16(step.last, b, lane), pick16(step.before, b, lane)
+    s_last, s_before = pick_all(step.last, b, 0, N_STRAIN, lane), pick_all(step.before, b, 0, N_STRAIN, lane)
     viscous = stiffness_product(quads.tables, flat, b, lane, minus(s, s_last), work)
-    store_strain(step.before, b, lane, s)
+    put_all(step.before, b, 0, lane, s)
     add_to_nodes(rows, quads.corner, b, lane, (xm, tm), plus_scaled(r, step.rho, viscous))
     return stored, dot16(minus(s, s_before), viscous), lost
 
@@ -101,10 +97,9 @@ def _make_point_kernel(flat: bool) -> Any:
         parity: int,
         start: Ints,
         quads: PointQuads,
-        step: PointStep,
+        step: QuadStep,
         rows: Floats,
         sums: Floats,
-        lane: Lane,
     ) -> None:
         """Add the forces of quads with thickness points; arguments as of the linear kernel.
 
@@ -114,20 +109,18 @@ def _make_point_kernel(flat: bool) -> Any:
         align_stack()
         quads, step = borrowed(quads), borrowed(step)
         points, history = lent(quads.points), lent(step.history)
-        corner, last = quads.quads.corner, step.step.last
-        work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
+        work = np.empty((2, N_STRAIN, quads.quads.corner.shape[2]))
         rounding = flush_subnormals()
         for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
-            none = zero(lane)
+            none = zero(None)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
-                for turn in range(turns(corner, lane)):
-                    q0, q1, q2 = _point_block(
-                        b, nth(lane, turn), flat, quads, points, step, history, rows, work
-                    )
-                    p0, p1 = p0 + q0, p1 + q1
-                    if dissipates(quads.points.rule.laws):
-                        p2 = p2 + q2
+                q0, q1, q2 = _point_block(
+                    b, None, flat, quads, points, step, history, rows, work
+                )
+                p0, p1 = p0 + q0, p1 + q1
+                if dissipates(quads.points.rule.laws):
+                    p2 = p2 + q2
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
             sums[k, 2] += total(p2)
@@ -145,10 +138,10 @@ add_full_point_quads = _make_point_kernel(flat=False)
 def _make_corner_kernel(by_points: bool) -> Any:
     @kernel
     def write_corner_forces(
-        slot: Ints, nodes: Ints, quads: PointQuads, step: PointStep, force: Floats
+        slot: Ints, nodes: Ints, quads: PointQuads, step: QuadStep, force: Floats
     ) -> None:
         """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
-        linear, last, history = quads.quads, step.step.last, step.history
+        linear, last, history = quads.quads, step.last, step.history
         corner, tables = linear.corner, linear.tables
         width = corner.shape[2]
         work = np.empty((2, N_STRAIN, width))
@@ -160,10 +153,10 @@ def _make_corner_kernel(by_points: bool) -> Any:
                 r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
             else:
                 r = stiffness_product(tables, flat, b, lane, s, work)
-            if step.step.damped:
-                change = minus(s, pick16(last, b, lane))
+            if step.damped:
+                change = minus(s, pick_all(last, b, 0, N_STRAIN, lane))
                 viscous = stiffness_product(tables, flat, b, lane, change, work)
-                r = plus_scaled(r, step.step.rho, viscous)
+                r = plus_scaled(r, step.rho, viscous)
             forces = nodal_forces(xm, tm, r)
             for a in range(4):
                 if corner[b, a, lane] == nodes[i]:

@@ -26,15 +26,14 @@ from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3, product
 from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.lanes import pick
+from shellcut.numerics.lanes import pick_all
 from shellcut.numerics.vec3 import combine, cross, norm, scale
 from shellcut.state import State
 
 from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads, in_lamina
-from .element import GAUSS, N_STRAIN, Modes, Sixteen
+from .element import GAUSS, Modes, Sixteen
 from .film_axes import into_axes
-from .point_forces import point_resultants
 from .quad_strains import PointQuads, one_quad
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, PointTables, strain_at, turn_strain
 
@@ -115,17 +114,6 @@ class PointOutput:
             means[name] = rows[self._blocks.slot]
         return means
 
-    def resultants(self, quads: PointQuads, which: Ints, history: Floats) -> Floats:
-        """Return the resultants r of some quads from the law, shape (n, 16)."""
-        resultants = np.empty((which.size, N_STRAIN))
-        _resultants(
-            slot=self._blocks.slot[which],
-            quads=quads,
-            history=history,
-            resultants=resultants,
-        )
-        return resultants
-
     def _stress(
         self, state: State, quads: PointQuads, which: Ints, places: list[str]
     ) -> tuple[Floats, Floats]:
@@ -143,48 +131,17 @@ class PointOutput:
         return sigma, thickness
 
 
-@kernel
-def _resultants(
-    slot: SmallIds,
-    quads: PointQuads,
-    history: Floats,
-    resultants: Floats,
-) -> None:
-    """Write the resultants of the quads at the places ``slot`` to resultants : (n, 16)."""
-    nodes = quads.quads
-    width = nodes.corner.shape[2]
-    trial = np.empty((1, history.shape[1], width))
-    for i in range(slot.shape[0]):
-        b, lane, flat, _, s = one_quad(nodes, slot[i])
-        at = HistoryStep(history, trial, b, 0, 0.0)
-        r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
-        for k in range(N_STRAIN):
-            resultants[i, k] = r[k]
-
-
 @inline
 def _frame_at(
     points: PointTables, flat: bool, b: int, q: int, j: int, lane: int
 ) -> tuple[float, float, float, float, float]:
     """Return a, b, p of ê_1 and f, r of ê_2 at a point, of :mod:`.thickness_points`."""
     if flat:
-        at = N_FLAT_FRAME * q
-        frame = points.flat_frame
-        a, c, f = (
-            pick(frame, b, at, lane),
-            pick(frame, b, at + 1, lane),
-            pick(frame, b, at + 2, lane),
-        )
-        return np.float64(a), np.float64(c), 0.0, np.float64(f), 0.0
+        a, c, f = pick_all(points.flat_frame, b, N_FLAT_FRAME * q, 3, lane)
+        return a, c, 0.0, f, 0.0
     at = N_FULL_FRAME * (q * points.rule.place.shape[0] + j)
-    frame = points.full_frame
-    a, c, p = (
-        pick(frame, b, at, lane),
-        pick(frame, b, at + 1, lane),
-        pick(frame, b, at + 2, lane),
-    )
-    f, r = pick(frame, b, at + 3, lane), pick(frame, b, at + 4, lane)
-    return np.float64(a), np.float64(c), np.float64(p), np.float64(f), np.float64(r)
+    a, c, p, f, r = pick_all(points.full_frame, b, at, 5, lane)
+    return a, c, p, f, r
 
 
 @inline
@@ -246,8 +203,7 @@ def _stresses(
                 frame = _frame_at(points, flat, block, q, j, lane)
                 strain, f1, f2 = _strain_and_stretch(s, (xm, tm), frame, rule.place[j], (xi, eta))
                 if has_axes(rule.laws):
-                    along = np.float64(pick(points.axes, b, 2 * q, lane))
-                    aside = np.float64(pick(points.axes, b, 2 * q + 1, lane))
+                    along, aside = pick_all(points.axes, b, 2 * q, 2, lane)
                     strain = into_axes(along, aside, strain)
                     f1, f2 = (
                         combine(along, f1, aside, f2),

@@ -18,10 +18,11 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.material.law_dispatch import HistoryStep
 from shellcut.numerics.jit import kernel
+from shellcut.numerics.lanes import pick_all, put_all
 
-from .element import N_STRAIN, Sixteen, pick16
+from .element import N_STRAIN, Sixteen
 from .point_forces import point_resultants
-from .quad_strains import PointQuads, one_quad, store_strain
+from .quad_strains import PointQuads, one_quad
 from .thickness_points import PointRule
 
 # Change of a Cartesian strain for the differences.
@@ -49,6 +50,8 @@ def differentiate_resultants(
 ) -> None:
     """Write r to resultants : (n, 16) and dr/ds to moduli : (n, 16, 16) of the quads at ``slot``.
 
+    If moduli is empty, r alone.
+
     history : of t_{n-1}, as in the force kernels; not changed.  dt : length of the step [s].
     area : (n,), of the quads [mm²], which sets the differences.
     """
@@ -63,6 +66,8 @@ def differentiate_resultants(
         r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
         for k in range(N_STRAIN):
             resultants[i, k] = r[k]
+        if not moduli.shape[0]:
+            continue
         for m in range(N_STRAIN):
             # Sixteen times the covariant strain, whose unit is the square of half an edge.
             step = 4.0 * area[i] * _STEP
@@ -71,9 +76,9 @@ def differentiate_resultants(
             elif m >= 6:
                 step /= height
             for sign in range(2):
-                store_strain(row, 0, 0, s)
+                put_all(row, 0, 0, 0, s)
                 row[0, m, 0] += step if sign == 0 else -step
-                moved: Sixteen = pick16(row, 0, 0)
+                moved: Sixteen = pick_all(row, 0, 0, N_STRAIN, 0)
                 r, _, _ = point_resultants(quads, quads.points, flat, moved, at, lane)
                 for k in range(N_STRAIN):
                     if sign == 0:

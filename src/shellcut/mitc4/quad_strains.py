@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from shellcut.arrays import Bools, Floats, Number, SmallIds
-from shellcut.numerics.jit import always_inline, kernel
+from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import pick, put, scatter_add
+from shellcut.numerics.lanes import pick_all, scatter_add
 
 from .element import (
     N_STRAIN,
@@ -18,7 +18,6 @@ from .element import (
     flat_resultants,
     full_resultants,
     nodal_forces,
-    pick16,
     products,
     quad_modes,
 )
@@ -71,12 +70,6 @@ class QuadStep(NamedTuple):
     """s_{n-1}."""
     before: Annotated[Floats, "(n_block, 16, width)"]
     """s_{n-2}; the force kernels replace it by s_n."""
-
-
-class PointStep(NamedTuple):
-    """The same for quads with thickness points."""
-
-    step: QuadStep
     history: Annotated[Floats, "(n_block, n_history, width)"]
     """History of the thickness points, 4 n_point numbers of each kind; updated from t_{n-1} to
     t_n."""
@@ -116,15 +109,14 @@ def strain_of(
 @always_inline
 def flat_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
     """Return the strains of flat quads."""
-    m = products(x, t)
-    ref = tables.flat
+    m, ref = products(x, t), pick_all(tables.flat, b, 0, 6, lane)
     membrane = (
-        m[0] - pick(ref, b, 0, lane),
-        m[1] - pick(ref, b, 1, lane),
-        m[2] - pick(ref, b, 2, lane),
-        m[3] - pick(ref, b, 3, lane),
-        m[4] - pick(ref, b, 4, lane),
-        m[5] - pick(ref, b, 5, lane),
+        m[0] - ref[0],
+        m[1] - ref[1],
+        m[2] - ref[2],
+        m[3] - ref[3],
+        m[4] - ref[4],
+        m[5] - ref[5],
     )
     return membrane + m[6:16]
 
@@ -132,7 +124,7 @@ def flat_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) ->
 @always_inline
 def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
     """Return the strains of any quads."""
-    return minus(products(x, t), pick16(tables.full_reference, b - tables.n_flat, lane))
+    return minus(products(x, t), pick_all(tables.full_reference, b - tables.n_flat, 0, N_STRAIN, lane))
 
 
 @always_inline
@@ -148,24 +140,7 @@ def stiffness_product(
 @always_inline
 def minus(a: Sixteen, b: Sixteen) -> Sixteen:
     """Return a - b."""
-    return (
-        a[0] - b[0],
-        a[1] - b[1],
-        a[2] - b[2],
-        a[3] - b[3],
-        a[4] - b[4],
-        a[5] - b[5],
-        a[6] - b[6],
-        a[7] - b[7],
-        a[8] - b[8],
-        a[9] - b[9],
-        a[10] - b[10],
-        a[11] - b[11],
-        a[12] - b[12],
-        a[13] - b[13],
-        a[14] - b[14],
-        a[15] - b[15],
-    )
+    return plus_scaled(a, -1.0, b)
 
 
 @always_inline
@@ -201,27 +176,6 @@ def dot16(a: Sixteen, b: Sixteen) -> Number:
         (a[8] * b[8] + a[9] * b[9] + a[10] * b[10] + a[11] * b[11])
         + (a[12] * b[12] + a[13] * b[13] + a[14] * b[14] + a[15] * b[15])
     )
-
-
-@always_inline
-def store_strain(table: Floats, b: int, lane: Lane, s: Sixteen) -> None:
-    """Write sixteen numbers of a block."""
-    put(table, b, 0, lane, s[0])
-    put(table, b, 1, lane, s[1])
-    put(table, b, 2, lane, s[2])
-    put(table, b, 3, lane, s[3])
-    put(table, b, 4, lane, s[4])
-    put(table, b, 5, lane, s[5])
-    put(table, b, 6, lane, s[6])
-    put(table, b, 7, lane, s[7])
-    put(table, b, 8, lane, s[8])
-    put(table, b, 9, lane, s[9])
-    put(table, b, 10, lane, s[10])
-    put(table, b, 11, lane, s[11])
-    put(table, b, 12, lane, s[12])
-    put(table, b, 13, lane, s[13])
-    put(table, b, 14, lane, s[14])
-    put(table, b, 15, lane, s[15])
 
 
 @always_inline

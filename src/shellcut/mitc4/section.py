@@ -34,6 +34,7 @@ from itertools import islice
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, product, unit
+from shellcut.material.orthotropic import strain_turns
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.small_matrices import inverse
@@ -164,7 +165,13 @@ def flat_moduli(material: ShellMaterial) -> FlatModuli:
 
 
 def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
-    """Return the upper triangle of H of any quads, shape (n_quad, 136).
+    """Return the upper triangle of :func:`stiffness` of any quads, shape (n_quad, 136)."""
+    i, j = np.triu_indices(N_STRAIN)
+    return np.asarray(stiffness(X, T, material)[:, i, j])
+
+
+def stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
+    """Return H of any quads, shape (n_quad, 16, 16).
 
     Parameters
     ----------
@@ -177,7 +184,7 @@ def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     for q, point in enumerate(GAUSS):
         B = strain_map(*point)
         H += product(B.T, point_stiffness(X, T, material, q), B)
-    return _upper(H)
+    return H
 
 
 def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Floats:
@@ -199,18 +206,6 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
             q_p = product(turn, q_p)
         h += volume[:, None, None] * (product(q_p.transpose(0, 2, 1), C, q_p))
     return h
-
-
-def strain_turns(c: Floats, s: Floats) -> Floats:
-    """Return the matrices that turn strains (e_11, e_22, 2 e_12) into other axes, (..., 3, 3).
-
-    c, s : (...), cosine and sine of the angle by which these axes are ahead.
-    """
-    turn = np.empty((*c.shape, 3, 3))
-    turn[..., 0, 0], turn[..., 0, 1], turn[..., 0, 2] = c * c, s * s, c * s
-    turn[..., 1, 0], turn[..., 1, 1], turn[..., 1, 2] = s * s, c * c, -c * s
-    turn[..., 2, 0], turn[..., 2, 1], turn[..., 2, 2] = -2.0 * c * s, 2.0 * c * s, c * c - s * s
-    return turn
 
 
 def turn_into_axes(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> Floats:
@@ -299,8 +294,3 @@ def _cross(a: Floats, b: Floats) -> Floats:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         product[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
     return product
-
-
-def _upper(matrix: Floats) -> Floats:
-    i, j = np.triu_indices(matrix.shape[1])
-    return np.asarray(matrix[:, i, j])

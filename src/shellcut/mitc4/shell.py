@@ -10,7 +10,7 @@ from shellcut.arrays import Floats, Ints, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce
-from shellcut.numerics.lane_instructions import WIDTH, Lane
+from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import aligned_zeros
 from shellcut.numerics.threads import Workers, in_order
 from shellcut.state import State
@@ -31,7 +31,7 @@ from .point_forces import (
 )
 from .point_output import PointOutput
 from .present_quads import PresentQuads
-from .quad_strains import LinearTables, PointStep, QuadStep
+from .quad_strains import LinearTables, QuadStep
 from .section import reference_quads
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
@@ -56,8 +56,6 @@ class MITC4Shell:
         Stiffness-proportional damping [s].
     workers : Workers, optional
         Threads; one by default.
-    by_lanes : bool
-        False computes the quads one by one, as plain floats: slow, same results to round-off.
     """
 
     def __init__(
@@ -67,12 +65,10 @@ class MITC4Shell:
         *,
         damping_beta: float,
         workers: Workers | None = None,
-        by_lanes: bool = True,
     ) -> None:
         self.material = material
         self.damping_beta = damping_beta
         self._workers = workers or Workers(mesh.n_quad)
-        self._lane: Lane = None if by_lanes else 0
         flat, mass, area = reference_quads(mesh, material, BLOCKS_AT_A_TIME * WIDTH)
         self.mass = mass
         """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
@@ -100,11 +96,12 @@ class MITC4Shell:
             write_point_corner_forces if self.has_points else write_corner_forces
         )
         self._present = PresentQuads(self._places)
-        self._centre_stress = CentreStress(mesh, material) if material.is_linear else None
-        self._point_output = (
-            None if material.is_linear else PointOutput(material, self.blocks, self.points)
-        )
-        self._tangents = FilmTangents(self._places, self._point_output)
+        self._output: CentreStress | PointOutput
+        if material.is_linear:
+            self._output = CentreStress(self._reference, material)
+        else:
+            self._output = PointOutput(material, self.blocks, self.points)
+        self._tangents = FilmTangents(self._places, material.is_linear)
         self._history = self._history_at_rest()
         # On the film of a linear law the tangent without its pre-stress is what is damped.
         damped = self._damped_stiffness if self.has_points and damping_beta > 0.0 else None
@@ -193,21 +190,20 @@ class MITC4Shell:
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
-        damping = self._damping(state)
-        damped, rho = damping.damped, damping.rho
+        step = self._step(state)
+        damped, rho = step.damped, step.rho
         n_strip, copies = self._n_strip, self._places.has_copies
         sums = np.zeros((n_strip + copies, 3))
-        rows, lane = state.node.force_rows, self._lane
+        rows = state.node.force_rows
         quads = self._present.held(state)
-        step = PointStep(damping, state.history, state.dt) if self.has_points else damping
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(2 if n_strip > 1 else 1):
             for add, start in self._kernels:
-                self._workers.run(add, parity, start, quads, step, rows, sums, lane)
+                self._workers.run(add, parity, start, quads, step, rows, sums)
         if copies:  # they are the last strip
             start = self._places.copy_start
-            self._add_copies(0, 1, 0, start, quads, step, rows, sums[n_strip:], lane)
+            self._add_copies(0, 1, 0, start, quads, step, rows, sums[n_strip:])
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
         p0, p1, p2 = in_order(sums)
@@ -215,10 +211,13 @@ class MITC4Shell:
             return Work(p0, 0.5 * rho * p1, p2)
         return linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
 
-    def _damping(self, state: State) -> QuadStep:
-        """Return the strains and the damping of the step that has led to t_n."""
+    def _step(self, state: State) -> QuadStep:
+        """Return strains, history and damping of the step that has led to t_n."""
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
-        return QuadStep(self.damping_beta > 0.0, rho, state.strain, state.strain_before)
+        damped = self.damping_beta > 0.0
+        return QuadStep(
+            damped, rho, state.strain, state.strain_before, state.history, state.dt
+        )
 
     def cut(
         self,
@@ -279,14 +278,14 @@ class MITC4Shell:
         quads.flags.writeable = False  # as the mesh's: no kernel is compiled for another type
         self._reference = Surface(nodes, directors, quads)
         self.frequencies.reference = self._reference
-        if self._centre_stress is not None:
-            self._centre_stress.reference = self._reference
+        if isinstance(self._output, CentreStress):
+            self._output.reference = self._reference
 
     def _take_tables(self, state: State) -> None:
         """Hand on the tables after cuts have changed them."""
         self._history = state.history
-        if self._point_output is not None:
-            self._point_output.take(self.blocks, self.points)
+        if isinstance(self._output, PointOutput):
+            self._output.take(self.blocks, self.points)
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].
@@ -307,7 +306,7 @@ class MITC4Shell:
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
             self._present.of(state),
-            PointStep(self._damping(state), state.history, state.dt),
+            self._step(state),
             force,
         )
         return force
@@ -330,10 +329,7 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
-        if self._point_output is not None:
-            return self._point_output.cauchy(state, self._present.of(state), quads, place)
-        assert self._centre_stress is not None
-        return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
+        return self._output.cauchy(state, self._present.of(state), quads, place)
 
     def linear_stress(
         self,
@@ -354,25 +350,28 @@ class MITC4Shell:
         displacement, rotation : ndarray, shape (n_node, 3)
             The motion of the nodes [mm], and the spin vectors of the directors [rad].
         """
-        assert self._centre_stress is not None, "statics takes linear materials only"
+        assert isinstance(self._output, CentreStress), "statics takes linear materials only"
         turn = np.cross(rotation, t)
-        return self._centre_stress.linear(x, t, displacement, turn, quads, which, place)
+        return self._output.linear(x, t, displacement, turn, quads, which, place)
 
     def face_stresses(self, state: State) -> FaceStresses:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
-        if self._point_output is not None:
-            return self._point_output.faces(state, self._present.of(state))
-        assert self._centre_stress is not None
-        return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
+        return self._output.faces(state, self._present.of(state))
 
     def history_means(self, state: State) -> dict[str, Floats]:
         """Return the history numbers of the quads by name, shape (n_quad,) each.
 
         Means over the thickness and the Gauss points; empty if no law has a history.
         """
-        return self._point_output.history_means(state) if self._point_output is not None else {}
+        return self._output.history_means(state)
 
-    def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
+    def tangents(
+        self,
+        state: State,
+        quads: Ints,
+        bent: Floats | None = None,
+        basis: Floats | None = None,
+    ) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
         Freedoms as in :mod:`shellcut.mitc4.tangent`. For a nonlinear law it is the consistent one
@@ -387,10 +386,13 @@ class MITC4Shell:
         bent : ndarray, shape (n, 16), optional
             Part of the strains that is subtracted for the stresses in the stiffness; of linear
             films.
+        basis : ndarray, shape (n_node, 2, 3), optional
+            Unit tangents along which the directors turn.
         """
         present = self._present.of(state)
         area = self.area[quads]
-        return self._tangents.of_step(present, quads, area, state.history, state.dt, bent)
+        basis = np.empty((0, 2, 3)) if basis is None else basis
+        return self._tangents.of_step(present, quads, area, state.history, state.dt, bent, basis)
 
     def tangent_product(
         self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None

@@ -18,12 +18,12 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from shellcut.arrays import Floats, product
+from shellcut.arrays import Floats
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.small_matrices import inverse
 
-from .element import GAUSS, N_STRAIN
-from .section import point_stiffness, strain_map
+from .element import N_STRAIN
+from .section import stiffness
 from .tangent import quad_products
 
 # Of a quad's size: the central difference is exact to its square, 1e-8; round-off is 1e-12.
@@ -74,7 +74,7 @@ class SlidingEnergy(NamedTuple):
         ends = list(slide_ends(X, T, slides))
         places = [(X, T), *(place for far, near, _ in ends for place in (far, near))]
         every_X, every_T = (np.concatenate(part) for part in zip(*places, strict=True))
-        every = _stiffness(every_X, every_T, material)
+        every = stiffness(every_X, every_T, material)
         H, *slid_to = every.reshape(len(places), len(X), N_STRAIN, N_STRAIN)
         changes, forces = [], []
         for k, (far, near, step) in enumerate(ends):
@@ -127,12 +127,3 @@ def slid(X: Floats, T: Floats, slides: Floats) -> tuple[Floats, Floats]:
     covariant = np.einsum("eapi,keai->keap", base, slides)
     by = np.einsum("eapq,keaq->keap", inverse(metric), covariant)
     return np.einsum("keap,eapi->keai", by, base), np.einsum("keap,eapi->keai", by, turn)
-
-
-def _stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
-    """Return H of quads, shape (n, 16, 16)."""
-    H = np.zeros((len(X), N_STRAIN, N_STRAIN))
-    for q, point in enumerate(GAUSS):
-        B = strain_map(*point)
-        H += product(B.T, point_stiffness(X, T, material, q), B)
-    return H

@@ -17,12 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, each, product
+from shellcut.material.orthotropic import strain_turns
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.small_matrices import inverse, pseudo_inverse
 from shellcut.state import State
 
 from .element import GAUSS
-from .section import axes_in_frame, frame_components, gauss_geometry, shape_functions, strain_turns
+from .section import axes_in_frame, frame_components, gauss_geometry, shape_functions
 from .shell import MITC4Shell
 from .sliding_energy import slide_ends
 

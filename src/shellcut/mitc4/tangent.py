@@ -20,13 +20,12 @@ the second term, the *director's curvature*, keeps the tangent symmetric also aw
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import dot, load, norm, sub, tangent_basis
+from shellcut.numerics.lanes import pick_all, put_all
+from shellcut.numerics.vec3 import dot, load, norm, store, sub, tangent_basis
 
 from .element import (
     N_STRAIN,
@@ -35,11 +34,10 @@ from .element import (
     modes,
     moved_modes,
     nodal_forces,
-    pick16,
     products,
     quad_modes,
 )
-from .quad_strains import LinearTables, Quads, stiffness_product, store_strain, strain_of
+from .quad_strains import LinearTables, Quads, stiffness_product, strain_of
 
 N_FREEDOM = 20
 """Freedoms of a quad: twelve translations, then two turns per node."""
@@ -83,7 +81,8 @@ def quad_products(x: Floats, t: Floats) -> Floats:
 def quad_products_change(x: Floats, t: Floats, dx: Floats, dt: Floats) -> Floats:
     """Return the linear change of the products of quads by a motion, shape (n, 16)."""
     m = np.empty((len(x), N_STRAIN))
-    _write_products_change(*map(np.ascontiguousarray, (x, t, dx, dt)), m)
+    x, t, dx, dt = (np.ascontiguousarray(one) for one in (x, t, dx, dt))
+    _write_products_change(x, t, dx, dt, m)
     return m
 
 
@@ -101,149 +100,142 @@ def _product_with(
         for m in range(N_STRAIN):
             total += moduli[i, k, m] * work[1, m, 0]
         work[0, k, 0] = total
-    return pick16(work, 0, 0)
+    return pick_all(work, 0, 0, N_STRAIN, 0)
 
 
-def _make_tangent_kernel(given: bool) -> Any:
-    @kernel
-    def quad_tangents(
-        slot: Ints,
-        quads: Quads,
-        bent: Floats,
-        moduli: Floats,
-        tangent: Floats,
-    ) -> None:
-        """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
+@inline
+def _resultants(
+    quads: Quads,
+    b: int,
+    lane: int,
+    modes_now: tuple[Modes, Modes],
+    bent: Floats,
+    given: bool,
+    row: Floats,
+    work: Floats,
+) -> Sixteen:
+    """Return the given ones, bent : (16,), or those of the linear film without the strains bent."""
+    if given:
+        for k in range(N_STRAIN):
+            row[0, k, 0] = bent[k]
+        return pick_all(row, 0, 0, N_STRAIN, 0)
+    flat = b < quads.tables.n_flat
+    put_all(row, 0, 0, 0, strain_of(quads.tables, flat, b, lane, modes_now))
+    for k in range(N_STRAIN):
+        row[0, k, 0] -= bent[k]
+    return stiffness_product(
+        quads.tables, flat, b, lane, pick_all(row, 0, 0, N_STRAIN, 0), work
+    )
 
-        Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four
-        nodes. bent : (n, 16), subtracted from the strains, or the resultants themselves.  moduli :
-        (n, 16, 16), dr/ds of the quads, or (0, 16, 16) for those of the linear film.  The other
-        arguments as the force kernel's.
-        """
-        t, corner, tables = quads.t, quads.corner, quads.tables
-        basis = np.empty((4, 2, 3))
-        along = np.empty((4, 6))
-        width = corner.shape[2]
-        row = np.empty((1, N_STRAIN, width))
-        work = np.empty((2, N_STRAIN, width))
-        for i in range(slot.shape[0]):
-            b, lane = slot[i] // width, slot[i] % width
-            flat = b < tables.n_flat
-            for a in range(4):
-                tangent_basis(t, corner[b, a, lane], basis[a])
-            xm, tm = quad_modes(quads.x, t, corner, b, lane)
-            s = strain_of(tables, flat, b, lane, (xm, tm))
-            if given:
-                for k in range(N_STRAIN):
-                    row[0, k, 0] = bent[i, k]
-                r = pick16(row, 0, 0)
-            else:
-                store_strain(row, 0, 0, s)
-                for k in range(N_STRAIN):
-                    row[0, k, 0] -= bent[i, k]
-                r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
-            forces = nodal_forces(xm, tm, r)
-            for a in range(4):
-                pull = 0.0
-                for c in range(3):
-                    pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
+
+@kernel
+def quad_tangents(
+    slot: Ints,
+    quads: Quads,
+    tangents: Floats,
+    bent: Floats,
+    given: bool,
+    moduli: Floats,
+    tangent: Floats,
+) -> None:
+    """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
+
+    Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four nodes.
+    tangents : (n_node, 2, 3), b_1 and b_2 of every node, or (0, 2, 3) for any.
+    bent : (n, 16), subtracted from the strains, or if ``given`` the resultants themselves.
+    moduli : (n, 16, 16), dr/ds of the quads, or (0, 16, 16) for those of the linear film.  The
+    other arguments as the force kernel's.
+    """
+    t, corner, tables = quads.t, quads.corner, quads.tables
+    basis = np.empty((4, 2, 3))
+    along = np.empty((2, 4, 3))
+    width = corner.shape[2]
+    row = np.empty((1, N_STRAIN, width))
+    work = np.empty((2, N_STRAIN, width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        for a in range(4):
+            n = corner[b, a, lane]
+            tangent_basis(t, n, basis[a])
+            if tangents.shape[0]:
                 for d in range(2):
-                    for column in range(N_FREEDOM):
-                        tangent[i, 12 + 2 * a + d, column] = 0.0
-                    tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
-            # A step of the quad's size: round-off is that of the strains.
-            size = norm(sub(xm[0], xm[1]))
-            for column in range(N_FREEDOM):
-                step = size if column < 12 else 1.0
-                for a in range(4):
-                    for c in range(6):
-                        along[a, c] = 0.0
-                if column < 12:
-                    along[column // 3, column % 3] = step
-                else:
-                    a, d = (column - 12) // 2, (column - 12) % 2
-                    for c in range(3):
-                        along[a, 3 + c] = basis[a, d, c]
-                xd, td = _modes_along(along, 0), _modes_along(along, 3)
-                ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
-                behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
-                store_strain(row, 0, 0, ahead)
-                for k in range(N_STRAIN):
-                    row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
-                dr = _product_with(moduli, i, tables, b, lane, pick16(row, 0, 0), work)
-                moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
-                for a in range(4):
-                    for c in range(3):
-                        tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
-                    for d in range(2):
-                        for c in range(3):
-                            force = moved[a][3 + c] + turned[a][3 + c]
-                            tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
-
-    return quad_tangents
-
-
-quad_tangents = _make_tangent_kernel(given=False)
-"""With the stresses of the linear material."""
-stressed_tangents = _make_tangent_kernel(given=True)
-"""With given resultants instead of ``bent``."""
-
-
-def _make_product_kernel(given: bool) -> Any:
-    @kernel
-    def add_tangent_products(
-        slot: Ints,
-        quads: Quads,
-        bent: Floats,
-        moduli: Floats,
-        dx: Floats,
-        dt: Floats,
-        rows: Floats,
-    ) -> None:
-        """Add the stiffness of quads times a motion to rows : (n_node, 6).
-
-        Of forces and director forces.  dx, dt : (n_node, 3), of nodes and directors, dt normal to
-        t.  The other arguments as those of :func:`quad_tangents`, in the same order.
-        """
-        t, corner, tables = quads.t, quads.corner, quads.tables
-        width = corner.shape[2]
-        row = np.empty((1, N_STRAIN, width))
-        work = np.empty((2, N_STRAIN, width))
-        for i in range(slot.shape[0]):
-            b, lane = slot[i] // width, slot[i] % width
-            flat = b < tables.n_flat
-            xm, tm = quad_modes(quads.x, t, corner, b, lane)
-            xd, td = quad_modes(dx, dt, corner, b, lane)
-            s = strain_of(tables, flat, b, lane, (xm, tm))
-            if given:
-                for k in range(N_STRAIN):
-                    row[0, k, 0] = bent[i, k]
-                r = pick16(row, 0, 0)
+                    store(basis[a], d, load(tangents[n], d))
+        xm, tm = quad_modes(quads.x, t, corner, b, lane)
+        r = _resultants(quads, b, lane, (xm, tm), bent[i], given, row, work)
+        forces = nodal_forces(xm, tm, r)
+        for a in range(4):
+            pull = 0.0
+            for c in range(3):
+                pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
+            for d in range(2):
+                for column in range(N_FREEDOM):
+                    tangent[i, 12 + 2 * a + d, column] = 0.0
+                tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
+        # A step of the quad's size: round-off is that of the strains.
+        size = norm(sub(xm[0], xm[1]))
+        for column in range(N_FREEDOM):
+            step = size if column < 12 else 1.0
+            along[:] = 0.0
+            if column < 12:
+                along[0, column // 3, column % 3] = step
             else:
-                store_strain(row, 0, 0, s)
-                for k in range(N_STRAIN):
-                    row[0, k, 0] -= bent[i, k]
-                r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
-            at_rest = nodal_forces(xm, tm, r)
-            change = _products_change(xm, tm, xd, td)
-            dr = _product_with(moduli, i, tables, b, lane, change, work)
+                a, d = (column - 12) // 2, (column - 12) % 2
+                for c in range(3):
+                    along[1, a, c] = basis[a, d, c]
+            xd, td = _modes_in(along, 0), _modes_in(along, 1)
+            ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
+            behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
+            put_all(row, 0, 0, 0, ahead)
+            for k in range(N_STRAIN):
+                row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
+            dr = _product_with(moduli, i, tables, b, lane, pick_all(row, 0, 0, N_STRAIN, 0), work)
             moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
             for a in range(4):
-                n = corner[b, a, lane]
-                pull = 0.0
                 for c in range(3):
-                    pull -= at_rest[a][3 + c] * t[n, c]
-                for c in range(3):
-                    rows[n, c] -= moved[a][c] + turned[a][c]
-                    rows[n, 3 + c] -= moved[a][3 + c] + turned[a][3 + c] + pull * dt[n, c]
+                    tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
+                for d in range(2):
+                    for c in range(3):
+                        force = moved[a][3 + c] + turned[a][3 + c]
+                        tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
 
-    return add_tangent_products
 
+@kernel
+def add_tangent_products(
+    slot: Ints,
+    quads: Quads,
+    bent: Floats,
+    given: bool,
+    moduli: Floats,
+    dx: Floats,
+    dt: Floats,
+    rows: Floats,
+) -> None:
+    """Add the stiffness of quads times a motion to rows : (n_node, 6).
 
-add_tangent_products = _make_product_kernel(given=False)
-"""With the stresses of the linear material."""
-add_stressed_products = _make_product_kernel(given=True)
-"""With given resultants instead of ``bent``."""
+    Of forces and director forces.  dx, dt : (n_node, 3), of nodes and directors, dt normal to t.
+    The other arguments as those of :func:`quad_tangents`, in the same order.
+    """
+    t, corner, tables = quads.t, quads.corner, quads.tables
+    width = corner.shape[2]
+    row = np.empty((1, N_STRAIN, width))
+    work = np.empty((2, N_STRAIN, width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        xm, tm = quad_modes(quads.x, t, corner, b, lane)
+        xd, td = quad_modes(dx, dt, corner, b, lane)
+        r = _resultants(quads, b, lane, (xm, tm), bent[i], given, row, work)
+        at_rest = nodal_forces(xm, tm, r)
+        change = _products_change(xm, tm, xd, td)
+        dr = _product_with(moduli, i, tables, b, lane, change, work)
+        moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+        for a in range(4):
+            n = corner[b, a, lane]
+            pull = 0.0
+            for c in range(3):
+                pull -= at_rest[a][3 + c] * t[n, c]
+            for c in range(3):
+                rows[n, c] -= moved[a][c] + turned[a][c]
+                rows[n, 3 + c] -= moved[a][3 + c] + turned[a][3 + c] + pull * dt[n, c]
 
 
 @inline
@@ -278,15 +270,4 @@ def _products_change(x: Modes, t: Modes, dx: Modes, dt: Modes) -> Sixteen:
         ptq + htm,
         _both(q, dq, tm, dtm) + htp,
         qtp + htm,
-    )
-
-
-@inline
-def _modes_along(along: Floats, first: int) -> Modes:
-    """Return the modes of three columns of along : (4, 6)."""
-    return modes(
-        (along[0, first], along[0, first + 1], along[0, first + 2]),
-        (along[1, first], along[1, first + 1], along[1, first + 2]),
-        (along[2, first], along[2, first + 1], along[2, first + 2]),
-        (along[3, first], along[3, first + 1], along[3, first + 2]),
     )

@@ -18,9 +18,12 @@ function of its own, called at each Gauss point: while the law is evaluated, the
 resultants of the quad would be in its way, and four copies would exceed the processor's cache.
 """
 
+# Functions that call a law of any kind take arguments of several kinds.
+# mypy: disable-error-code="no-untyped-def"
+
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -36,9 +39,9 @@ from shellcut.material.law_dispatch import (
 )
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import always_inline, apart
+from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_instructions import Lane
-from shellcut.numerics.lanes import pick, zero
+from shellcut.numerics.lanes import pick_all, zero
 from shellcut.numerics.processor import not_inlined
 
 from .element import G, Sixteen
@@ -196,14 +199,43 @@ def _add_resultants(
     )
 
 
+def _by_laws(layers: Any, name: str) -> Any:
+    """Return a function that sums up the layers of a block: within the kernel if laws are linear.
+
+    Otherwise by a call: ``layers`` takes the tables of points, the block there, the Gauss point,
+    strains, history and lane.
+    """
+
+    @always_inline
+    def within(place, q, s, history, lane):
+        return layers(place.points, place.block, q, s, history, lane)
+
+    @apart_as(name)
+    def called(points, b, q, s, history, lane):
+        not_inlined()
+        return layers(borrowed(points), b, q, s, borrowed_history(history), lane)
+
+    @always_inline
+    def call(place, q, s, history, lane):
+        return called(place.lent, place.block, q, s, history, lane)
+
+    return chosen_by_laws(within, call)
+
+
 @always_inline
 def _flat_layers(
-    rule: PointRule, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
+    points: PointTables,
+    _b: int,
+    q: int,
+    strains: tuple[Vector, Vector],
+    history: HistoryStep,
+    lane: Lane,
 ) -> tuple[Vector, Vector, Number, Number]:
     """Return n, m, the stored energy of these and the just dissipated energy of flat quads.
 
-    e, k : strain of the mid-surface and curvature at Gauss point ``q``.
+    strains : of the mid-surface, and curvature, at Gauss point ``q``.
     """
+    rule, (e, k) = points.rule, strains
     none, n_point = zero(lane), rule.place.shape[0]
     n, m, density, lost = (none, none, none), (none, none, none), none, none
     for j in range(n_point):
@@ -220,29 +252,7 @@ def _flat_layers(
     return n, m, density, lost
 
 
-@always_inline
-def _flat_layers_within(
-    place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    return _flat_layers(place.points.rule, q, e, k, history, lane)
-
-
-@apart
-def _flat_layers_apart(
-    points: PointTables, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    not_inlined()
-    return _flat_layers(borrowed(points).rule, q, e, k, borrowed_history(history), lane)
-
-
-@always_inline
-def _call_flat_layers(
-    place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    return _flat_layers_apart(place.lent, q, e, k, history, lane)
-
-
-_through_flat = chosen_by_laws(_flat_layers_within, _call_flat_layers)
+_through_flat = _by_laws(_flat_layers, "flat")
 
 
 @always_inline
@@ -259,22 +269,19 @@ def _flat_gauss_point(
     xi, eta = at
     table, b, rule = place.points.flat_frame, place.block, place.points.rule
     none = zero(lane)
+    a, c, f, volume = pick_all(table, b, N_FLAT_FRAME * q, 4, lane)
     # A quarter in the frame gives the factor 1/16 of the strains of the modes.
-    a = 0.25 * pick(table, b, N_FLAT_FRAME * q, lane)
-    c = 0.25 * pick(table, b, N_FLAT_FRAME * q + 1, lane)
-    f = 0.25 * pick(table, b, N_FLAT_FRAME * q + 2, lane)
-    volume = pick(table, b, N_FLAT_FRAME * q + 3, lane)
+    a, c, f = 0.25 * a, 0.25 * c, 0.25 * f
     e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
     k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
     g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
     e13, e23 = a * g1 + c * g2, f * g2
     along, aside = none, none
     if has_axes(rule.laws):
-        along = pick(place.points.axes, place.axes_block, 2 * q, lane)
-        aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
+        along, aside = pick_all(place.points.axes, place.axes_block, 2 * q, 2, lane)
         e, k = into_axes(along, aside, e), into_axes(along, aside, k)
         e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
-    n, m, density, lost = _through_flat(rule.laws, place, q, e, k, history, lane)
+    n, m, density, lost = _through_flat(rule.laws, place, q, (e, k), history, lane)
     g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
@@ -294,20 +301,6 @@ def _flat_gauss_point(
         eta,
     )
     return r, stored, volume * lost if dissipates(rule.laws) else none
-
-
-@always_inline
-def flat_point_resultants(
-    s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
-) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of flat quads, their stored and just dissipated energy [N·mm]."""
-    # One call per point, no loop: with constant xi and eta most of their products vanish.
-    r = _sixteen(zero(lane))
-    r, w0, d0 = _flat_gauss_point(0, (-G, -G), r, s, place, history, lane)
-    r, w1, d1 = _flat_gauss_point(1, (G, -G), r, s, place, history, lane)
-    r, w2, d2 = _flat_gauss_point(2, (G, G), r, s, place, history, lane)
-    r, w3, d3 = _flat_gauss_point(3, (-G, G), r, s, place, history, lane)
-    return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)
 
 
 class Lifted(NamedTuple):
@@ -338,13 +331,8 @@ def _full_layers(
     n, m = (none, none, none), (none, none, none)
     for j in range(n_point):
         z, at = rule.place[j], N_FULL_FRAME * (q * n_point + j)
-        a = 0.25 * pick(table, b, at, lane)
-        c = 0.25 * pick(table, b, at + 1, lane)
-        p = pick(table, b, at + 2, lane)
-        f = 0.25 * pick(table, b, at + 3, lane)
-        t = pick(table, b, at + 4, lane)
-        d = pick(table, b, at + 5, lane)
-        w = pick(table, b, at + 6, lane)
+        a, c, p, f, t, d, w = pick_all(table, b, at, N_FULL_FRAME, lane)
+        a, c, f = 0.25 * a, 0.25 * c, 0.25 * f
         e1, e2, e12 = turn_strain(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
         ag, fg = a * g1 + c * g2, f * g2
         strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
@@ -375,29 +363,7 @@ def _full_layers(
     return n, m, (q1, q2), stored, lost
 
 
-@always_inline
-def _full_layers_within(
-    place: PointPlace, q: int, s: Lifted, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
-    return _full_layers(place.points, place.block, q, s, history, lane)
-
-
-@apart
-def _full_layers_apart(
-    points: PointTables, b: int, q: int, s: Lifted, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
-    not_inlined()
-    return _full_layers(borrowed(points), b, q, s, borrowed_history(history), lane)
-
-
-@always_inline
-def _call_full_layers(
-    place: PointPlace, q: int, s: Lifted, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
-    return _full_layers_apart(place.lent, place.block, q, s, history, lane)
-
-
-_through_full = chosen_by_laws(_full_layers_within, _call_full_layers)
+_through_full = _by_laws(_full_layers, "full")
 
 
 @always_inline
@@ -414,8 +380,7 @@ def _full_gauss_point(
     xi, eta = at
     along, aside = zero(lane), zero(lane)
     if has_axes(place.points.rule.laws):
-        along = pick(place.points.axes, place.axes_block, 2 * q, lane)
-        aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
+        along, aside = pick_all(place.points.axes, place.axes_block, 2 * q, 2, lane)
     lifted = Lifted(
         strain_at(s, 0, xi, eta),
         strain_at(s, 6, xi, eta),
@@ -430,13 +395,30 @@ def _full_gauss_point(
 
 
 @always_inline
-def full_point_resultants(
-    s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
+def _gauss_point(
+    flat: bool,
+    q: int,
+    at: tuple[float, float],
+    r: Sixteen,
+    s: Sixteen,
+    place: PointPlace,
+    history: HistoryStep,
+    lane: Lane,
 ) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of any quads, their stored and just dissipated energy [N·mm]."""
+    if flat:
+        return _flat_gauss_point(q, at, r, s, place, history, lane)
+    return _full_gauss_point(q, at, r, s, place, history, lane)
+
+
+@always_inline
+def resultants_at(
+    flat: bool, s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
+) -> tuple[Sixteen, Number, Number]:
+    """Return the resultants of a block, its stored and just dissipated energy [N·mm]."""
+    # One call per point, no loop: with constant xi and eta most of their products vanish.
     r = _sixteen(zero(lane))
-    r, w0, d0 = _full_gauss_point(0, (-G, -G), r, s, place, history, lane)
-    r, w1, d1 = _full_gauss_point(1, (G, -G), r, s, place, history, lane)
-    r, w2, d2 = _full_gauss_point(2, (G, G), r, s, place, history, lane)
-    r, w3, d3 = _full_gauss_point(3, (-G, G), r, s, place, history, lane)
+    r, w0, d0 = _gauss_point(flat, 0, (-G, -G), r, s, place, history, lane)
+    r, w1, d1 = _gauss_point(flat, 1, (G, -G), r, s, place, history, lane)
+    r, w2, d2 = _gauss_point(flat, 2, (G, G), r, s, place, history, lane)
+    r, w3, d3 = _gauss_point(flat, 3, (-G, G), r, s, place, history, lane)
     return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)

@@ -61,6 +61,8 @@ class _HeldModel(models.OpaqueModel):
 def _borrowed_in_kernel(table):
     if isinstance(table, HeldType):
         return lambda table: _read(table)
+    if isinstance(table, types.NoneType):
+        return lambda table: None
     return lambda table: _borrowed(table)
 
 

@@ -28,6 +28,24 @@ def broadcast(builder: Any, value: Any) -> Any:
     return builder.shuffle_vector(one, one, vector_constant(I32, [0] * WIDTH))
 
 
+def called(builder: Any, name: str, x: Any) -> Any:
+    """Return what a function of LLVM's gives of lanes."""
+    function = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.{name}.{LANES_NAME}"
+    )
+    return builder.call(function, [x])
+
+
+def of_lanes(code: Callable[..., Any]) -> Any:
+    """Return an intrinsic of lanes that gives lanes, from its code of builder and value."""
+
+    @intrinsic
+    def computed(typing_context: Any, a: Any) -> Any:
+        return a(a), lambda context, builder, sig, args: code(builder, args[0])
+
+    return computed
+
+
 def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
     @infer_global(op)
     class _Typing(AbstractTemplate):

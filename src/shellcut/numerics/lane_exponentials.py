@@ -22,17 +22,15 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
-from .lane_arithmetic import broadcast
+from .lane_arithmetic import broadcast, called, of_lanes
 from .lane_functions import where_above
 from .lane_instructions import (
     I64,
     LANES,
-    LANES_NAME,
     OVERLOAD_OPTIONS,
     WIDTH,
     LanesType,
@@ -62,45 +60,28 @@ def _bits_above_root_half(builder: Any, value: Any) -> tuple[Any, Any]:
     return bits, power
 
 
-@intrinsic
-def _binary_exponent(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        _, power = _bits_above_root_half(builder, args[0])
-        return builder.sitofp(power, LANES)
-
-    return a(a), generate
+@of_lanes
+def _binary_exponent(builder: Any, x: Any) -> Any:
+    return builder.sitofp(_bits_above_root_half(builder, x)[1], LANES)
 
 
-@intrinsic
-def _mantissa(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits, power = _bits_above_root_half(builder, args[0])
-        shifted = builder.shl(power, _constants(_MANTISSA))
-        return builder.bitcast(builder.sub(bits, shifted), LANES)
-
-    return a(a), generate
+@of_lanes
+def _mantissa(builder: Any, x: Any) -> Any:
+    bits, power = _bits_above_root_half(builder, x)
+    shifted = builder.shl(power, _constants(_MANTISSA))
+    return builder.bitcast(builder.sub(bits, shifted), LANES)
 
 
-@intrinsic
-def _nearest_integer(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.rint.{LANES_NAME}"
-        )
-        return builder.call(function, args)
-
-    return a(a), generate
+@of_lanes
+def _nearest_integer(builder: Any, x: Any) -> Any:
+    return called(builder, "rint", x)
 
 
-@intrinsic
-def _two_to_the(typing_context: Any, a: Any) -> Any:
+@of_lanes
+def _two_to_the(builder: Any, k: Any) -> Any:
     """2^k of lanes that hold whole numbers k of normal powers."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        power = builder.add(builder.fptosi(args[0], _INTEGERS), _constants(_BIAS))
-        return builder.bitcast(builder.shl(power, _constants(_MANTISSA)), LANES)
-
-    return a(a), generate
+    power = builder.add(builder.fptosi(k, _INTEGERS), _constants(_BIAS))
+    return builder.bitcast(builder.shl(power, _constants(_MANTISSA)), LANES)
 
 
 @intrinsic

@@ -12,15 +12,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
-from .lane_arithmetic import broadcast
-from .lane_instructions import DOUBLES, LANES, LANES_NAME, OVERLOAD_OPTIONS, WIDTH, LanesType
+from .lane_arithmetic import broadcast, called, of_lanes
+from .lane_instructions import DOUBLES, OVERLOAD_OPTIONS, LanesType, no_lanes
 
 
 @intrinsic
@@ -38,23 +36,9 @@ def _choose_lanes(typing_context: Any, a: Any, b: Any, yes: Any, no: Any) -> Any
     return DOUBLES(*taken), generate
 
 
-@intrinsic
-def _root_of_lanes(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.sqrt.{LANES_NAME}"
-        )
-        return builder.call(function, args)
-
-    return a(a), generate
-
-
-@intrinsic
-def _zeros_like(typing_context: Any, a: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(LANES, [0.0] * WIDTH)
-
-    return a(a), generate
+@of_lanes
+def _root_of_lanes(builder: Any, x: Any) -> Any:
+    return called(builder, "sqrt", x)
 
 
 def zero_like(a: Number) -> Number:
@@ -66,7 +50,7 @@ def zero_like(a: Number) -> Number:
 @overload(zero_like, jit_options=OVERLOAD_OPTIONS)
 def _zero_like(a):
     if isinstance(a, LanesType):
-        return lambda a: _zeros_like(a)
+        return lambda a: no_lanes()
     return lambda a: 0.0
 
 

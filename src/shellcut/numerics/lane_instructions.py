@@ -13,6 +13,7 @@ Kernels call these through :mod:`shellcut.numerics.lanes`, which explains them.
 
 from __future__ import annotations
 
+import functools
 from typing import Any, TypeAlias
 
 from llvmlite import ir
@@ -139,74 +140,81 @@ _ZERO = ir.Constant(I64, 0)
 
 
 @intrinsic
-def load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
-    """Load number ``k`` of block ``b``."""
+def load_lanes(typing_context: Any, array: Any, index: Any) -> Any:
+    """Load eight numbers, doubles or node ids, that begin at an element of an array."""
+    kind, vector, size = (
+        (LANE_IDS, _IDS, 4) if array.dtype == types.int32 else (DOUBLES, LANES, 8)
+    )
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        index = [args[1], args[2], _ZERO]
-        where = vector_address(context, builder, table, args[0], index, LANES)
-        return builder.load(where, align=8)
+        place = cgutils.unpack_tuple(builder, args[1], array.ndim)
+        where = vector_address(context, builder, array, args[0], place, vector)
+        return builder.load(where, align=size)
 
-    return DOUBLES(table, types.intp, types.intp), generate
+    return kind(array, types.UniTuple(types.intp, array.ndim)), generate
 
 
 @intrinsic
-def store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> Any:
-    """Store number ``k`` of block ``b``."""
+def store_lanes(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
+    """Store eight doubles that begin at an element of an array."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        index = [args[1], args[2], _ZERO]
-        where = vector_address(context, builder, table, args[0], index, LANES)
-        builder.store(args[3], where, align=8)
+        place = cgutils.unpack_tuple(builder, args[1], array.ndim)
+        where = vector_address(context, builder, array, args[0], place, LANES)
+        builder.store(args[2], where, align=8)
         return context.get_dummy_value()
 
-    return types.void(table, types.intp, types.intp, DOUBLES), generate
+    return types.void(array, types.UniTuple(types.intp, array.ndim), DOUBLES), generate
+
+
+def _numbers_from(context: Any, builder: Any, sig: Any, args: Any, n: int) -> list[Any]:
+    """Return the addresses of n numbers, of one quad or of all lanes; args: table, b, first, lane."""
+    table, b, first, lane = args[:4]
+    one = not takes_all(sig.args[3])
+    kind = _DOUBLE if one else LANES
+    places = (builder.add(first, ir.Constant(I64, i)) for i in range(n))
+    index = ([b, place, lane if one else _ZERO] for place in places)
+    return [vector_address(context, builder, sig.args[0], table, at, kind) for at in index]
+
+
+def _places_of(table: Any, lane: Any) -> tuple[Any, ...]:
+    return table, types.intp, types.intp, lane if takes_all(lane) else types.intp
+
+
+@functools.cache
+def numbers_loader(n: int) -> Any:
+    """Return an intrinsic that loads n numbers of a block from ``first`` on, as a tuple."""
+
+    @intrinsic
+    def load(typing_context: Any, table: Any, b: Any, first: Any, lane: Any) -> Any:
+        returns = types.UniTuple(DOUBLES if takes_all(lane) else types.float64, n)
+
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            places = _numbers_from(context, builder, sig, args, n)
+            loaded = [builder.load(where, align=8) for where in places]
+            return context.make_tuple(builder, returns, loaded)
+
+        return returns(*_places_of(table, lane)), generate
+
+    return load
 
 
 @intrinsic
-def load_at(typing_context: Any, values: Any, n: Any, c: Any) -> Any:
-    """Load column ``c`` of eight consecutive nodes, starting at ``n``."""
+def store_numbers(
+    typing_context: Any, table: Any, b: Any, first: Any, lane: Any, values: Any
+) -> Any:
+    """Store the numbers of a tuple from number ``first`` of a block on."""
+    n = len(values)
+    kinds = types.UniTuple(DOUBLES if takes_all(lane) else types.float64, n)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = vector_address(context, builder, values, args[0], args[1:3], LANES)
-        return builder.load(where, align=8)
-
-    return DOUBLES(values, types.intp, types.intp), generate
-
-
-@intrinsic
-def load_along(typing_context: Any, values: Any, n: Any) -> Any:
-    """Load eight consecutive doubles."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = vector_address(context, builder, values, args[0], [args[1]], LANES)
-        return builder.load(where, align=8)
-
-    return DOUBLES(values, types.intp), generate
-
-
-@intrinsic
-def store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> Any:
-    """Store column ``c`` of eight consecutive nodes, starting at ``n``."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = vector_address(context, builder, values, args[0], [args[1], args[2]], LANES)
-        builder.store(args[3], where, align=8)
+        given = cgutils.unpack_tuple(builder, args[4], n)
+        places = _numbers_from(context, builder, sig, args, n)
+        for where, value in zip(places, given, strict=True):
+            builder.store(value, where, align=8)
         return context.get_dummy_value()
 
-    return types.void(values, types.intp, types.intp, DOUBLES), generate
-
-
-@intrinsic
-def load_ids(typing_context: Any, corner: Any, b: Any, a: Any) -> Any:
-    """Load the node ids of a corner."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        index = [args[1], args[2], _ZERO]
-        where = vector_address(context, builder, corner, args[0], index, _IDS)
-        return builder.load(where, align=4)
-
-    return LANE_IDS(corner, types.intp, types.intp), generate
+    return types.void(*_places_of(table, lane), kinds), generate
 
 
 @intrinsic

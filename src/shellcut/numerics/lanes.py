@@ -9,13 +9,14 @@ Only loads and stores differ, and the functions here hide that. Their argument `
 quads of a block: an integer takes one, as a float; ``None`` takes all eight:
 
 =====================================  ===================================================
-:func:`turns`, :func:`nth`             number of visits per block, lane of a visit
 :func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
-:func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
-:func:`first_node`                     the first of them, for :func:`at` with consecutive ids
-:func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
-:func:`at`, :func:`along`              read values at consecutive nodes
+:func:`pick_all`, :func:`put_all`      a tuple of numbers that follow each other there
+:func:`corner_node`                    node ids of a corner
+:func:`first_node`                     the first of them, for consecutive ids
+:func:`at`, :func:`vector_at`,         read values at nodes
+:func:`along`
 :func:`put_at`                         write them
+:func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
 :func:`row_columns`                    read the first six columns of consecutive force rows
 :func:`add_row_columns`                add to the first three
 :func:`put_row_columns`                set the first three, the others to zero
@@ -44,6 +45,7 @@ from numba.extending import overload
 from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
 
 from .lane_arithmetic import fused, sum_of_lanes
+from .jit import always_inline
 from .lane_instructions import (
     CACHE_LINE,
     OVERLOAD_OPTIONS,
@@ -53,16 +55,14 @@ from .lane_instructions import (
     LanesType,
     add_to_rows,
     gather_column,
-    load_along,
-    load_at,
-    load_block,
-    load_ids,
+    load_lanes,
     load_row_columns,
     no_lanes,
+    numbers_loader,
     put_into_rows,
     scatter_add_rows,
-    store_at,
-    store_block,
+    store_lanes,
+    store_numbers,
     takes_all,
     zero_rows,
 )
@@ -84,26 +84,6 @@ def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
 # ---------------------------------------------------------------- the functions kernels call
 
 
-def turns(table: Numbers, lane: Lane) -> int:
-    """Return the number of visits per block: one with lanes, else one per place."""
-    return int(table.shape[2]) if _one(lane) else 1
-
-
-@overload(turns, jit_options=OVERLOAD_OPTIONS)
-def _turns(table, lane):
-    return (lambda table, lane: 1) if takes_all(lane) else (lambda table, lane: table.shape[2])
-
-
-def nth(lane: Lane, turn: int) -> Lane:
-    """Return the lane of a visit: all lanes, or the one of this turn."""
-    return turn if _one(lane) else lane
-
-
-@overload(nth, jit_options=OVERLOAD_OPTIONS)
-def _nth(lane, turn):
-    return (lambda lane, turn: lane) if takes_all(lane) else (lambda lane, turn: turn)
-
-
 def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
     """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
     return table[b, k, lane] if _one(lane) else table[b, k].copy()
@@ -112,7 +92,7 @@ def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
 @overload(pick, jit_options=OVERLOAD_OPTIONS)
 def _pick(table, b, k, lane):
     if takes_all(lane):
-        return lambda table, b, k, lane: load_block(table, b, k)
+        return lambda table, b, k, lane: load_lanes(table, (b, k, 0))
     return lambda table, b, k, lane: table[b, k, lane]
 
 
@@ -127,7 +107,7 @@ def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> None:
 @overload(put, jit_options=OVERLOAD_OPTIONS)
 def _put(table, b, k, lane, value):
     if takes_all(lane):
-        return lambda table, b, k, lane, value: store_block(table, b, k, value)
+        return lambda table, b, k, lane, value: store_lanes(table, (b, k, 0), value)
 
     def one(table, b, k, lane, value):
         table[b, k, lane] = value
@@ -135,15 +115,37 @@ def _put(table, b, k, lane, value):
     return one
 
 
+def pick_all(table: Floats, b: int, first: int, n: int, lane: Lane) -> tuple[Number, ...]:
+    """Return n numbers of block ``b`` of a table : (n_block, m, 8), from ``first`` on; n is fixed."""
+    return tuple(pick(table, b, first + k, lane) for k in range(n))
+
+
+@overload(pick_all, jit_options=OVERLOAD_OPTIONS, prefer_literal=True)
+def _pick_all(table, b, first, n, lane):
+    load = numbers_loader(n.literal_value)
+    return lambda table, b, first, n, lane: load(table, b, first, lane)
+
+
+def put_all(table: Floats, b: int, first: int, lane: Lane, values: tuple[Number, ...]) -> None:
+    """Write numbers of block ``b`` of a table : (n_block, m, 8), from ``first`` on."""
+    for k, value in enumerate(values):
+        put(table, b, first + k, lane, value)
+
+
+@overload(put_all, jit_options=OVERLOAD_OPTIONS)
+def _put_all(table, b, first, lane, values):
+    return lambda table, b, first, lane, values: store_numbers(table, b, first, lane, values)
+
+
 def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
-    """Return the node ids at corner ``a`` of block ``b``, for :func:`gather`."""
+    """Return the node ids at corner ``a`` of block ``b``, for :func:`at`."""
     return int(corner[b, a, lane]) if _one(lane) else corner[b, a]
 
 
 @overload(corner_node, jit_options=OVERLOAD_OPTIONS)
 def _corner_node(corner, b, a, lane):
     if takes_all(lane):
-        return lambda corner, b, a, lane: load_ids(corner, b, a)
+        return lambda corner, b, a, lane: load_lanes(corner, (b, a, 0))
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
 
 
@@ -157,18 +159,6 @@ def _first_node(corner, b, a, lane):
     if takes_all(lane):
         return lambda corner, b, a, lane: np.int64(corner[b, a, 0])
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
-
-
-def gather(values: Floats, c: int, ids: Any) -> Number:
-    """Return column ``c`` of values : (n, 3), one column after the other, at some nodes."""
-    return values[ids, c]
-
-
-@overload(gather, jit_options=OVERLOAD_OPTIONS)
-def _gather(values, c, ids):
-    if isinstance(ids, LaneIdsType):
-        return lambda values, c, ids: gather_column(values, c, ids)
-    return lambda values, c, ids: values[ids, c]
 
 
 def scatter_add(
@@ -192,16 +182,29 @@ def _scatter_add(rows, corner, b, a, lane, force):
     return one
 
 
-def at(values: Floats, n: int, c: int, lane: Lane) -> Number:
-    """Return column ``c`` of values : (m, 3) at node ``n``, or at the eight from ``n``."""
-    return values[n, c] if _one(lane) else values[n : n + WIDTH, c].copy()
+def at(values: Floats, n: Any, c: int, lane: Lane) -> Number:
+    """Return column ``c`` of values : (m, 3), one column after the other, at nodes.
+
+    n : of :func:`corner_node`; or a node id, and with lanes the eight from there on.
+    """
+    if _one(lane) or np.ndim(n):
+        return values[n, c]
+    return values[n : n + WIDTH, c].copy()
 
 
 @overload(at, jit_options=OVERLOAD_OPTIONS)
 def _at(values, n, c, lane):
+    if isinstance(n, LaneIdsType):
+        return lambda values, n, c, lane: gather_column(values, c, n)
     if takes_all(lane):
-        return lambda values, n, c, lane: load_at(values, n, c)
+        return lambda values, n, c, lane: load_lanes(values, (n, c))
     return lambda values, n, c, lane: values[n, c]
+
+
+@always_inline
+def vector_at(values: Floats, n: Any, lane: Lane) -> Vector:
+    """Return the three columns of :func:`at`."""
+    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
 
 
 def along(values: Floats, n: int, lane: int | None) -> Number:
@@ -212,7 +215,7 @@ def along(values: Floats, n: int, lane: int | None) -> Number:
 @overload(along, jit_options=OVERLOAD_OPTIONS)
 def _along(values, n, lane):
     if takes_all(lane):
-        return lambda values, n, lane: load_along(values, n)
+        return lambda values, n, lane: load_lanes(values, (n,))
     return lambda values, n, lane: values[n]
 
 
@@ -227,7 +230,7 @@ def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> N
 @overload(put_at, jit_options=OVERLOAD_OPTIONS)
 def _put_at(values, n, c, lane, value):
     if takes_all(lane):
-        return lambda values, n, c, lane, value: store_at(values, n, c, value)
+        return lambda values, n, c, lane, value: store_lanes(values, (n, c), value)
 
     def one(values, n, c, lane, value):
         values[n, c] = value

@@ -72,55 +72,24 @@ def set_mxcsr(typing_context: Any, setting: Any) -> Any:
     return types.void(types.int32), generate
 
 
-@intrinsic
-def align_stack_of_function(typing_context: Any) -> Any:
-    """Align the stack of the function whose body contains this to a cache line."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        attributes = builder.function.attributes
-        attributes.alignstack = CACHE_LINE
-        attributes.add("nounwind")  # true for all kernels; llvmlite needs one to write attributes
-        return context.get_dummy_value()
-
-    return types.void(), generate
-
-
-@intrinsic
-def keep_function_apart(typing_context: Any) -> Any:
-    """Forbid to inline the function whose body contains this, and align its stack."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        attributes = builder.function.attributes
-        attributes.alignstack = CACHE_LINE
-        for one in ("noinline", "nounwind"):
-            attributes.add(one)
-        return context.get_dummy_value()
-
-    return types.void(), generate
-
-
-def prefetch_lines(lines: int) -> Any:
-    """Return an intrinsic that prefetches the ``lines`` cache lines of block ``b`` of a table."""
+def _marking(*attributes: str) -> Any:
+    """Return an intrinsic that aligns the stack of the function around it, and marks it."""
 
     @intrinsic
-    def ask(typing_context: Any, table: Any, b: Any) -> Any:
+    def mark(typing_context: Any) -> Any:
         def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            index = [args[1], _ZERO, _ZERO]
-            first = vector_address(context, builder, table, args[0], index, I8)
-            function = cgutils.get_or_insert_function(
-                builder.module,
-                ir.FunctionType(ir.VoidType(), [first.type, I32, I32, I32]),
-                "llvm.prefetch.p0",
-            )
-            read, keep_near, data = I32(0), I32(3), I32(1)
-            for line in range(lines):
-                where = builder.gep(first, [ir.Constant(I64, line * CACHE_LINE)])
-                builder.call(function, [where, read, keep_near, data])
+            builder.function.attributes.alignstack = CACHE_LINE
+            for one in attributes:
+                builder.function.attributes.add(one)
             return context.get_dummy_value()
 
-        return types.void(table, types.intp), generate
+        return types.void(), generate
 
-    return ask
+    return mark
+
+
+# True for all kernels; llvmlite needs an attribute to write others.
+_aligned, _apart = _marking("nounwind"), _marking("noinline", "nounwind")
 
 
 def align_stack() -> None:
@@ -134,7 +103,7 @@ def align_stack() -> None:
 
 @overload(align_stack, inline="always")
 def _aligned_stack():
-    return lambda: align_stack_of_function()
+    return lambda: _aligned()
 
 
 def not_inlined() -> None:
@@ -147,7 +116,7 @@ def not_inlined() -> None:
 
 @overload(not_inlined, inline="always")
 def _kept_apart():
-    return lambda: keep_function_apart()
+    return lambda: _apart()
 
 
 def seldom(condition: bool) -> bool:
@@ -181,9 +150,9 @@ def _seldom(condition):
 def flush_subnormals() -> int:
     """Flush subnormal numbers to zero; return the previous setting.
 
-    Ahead of a wave a film moves by 1e-30 mm, then by 1e-40: in single precision such numbers are
-    subnormal, and arithmetic with them takes a hundred times as long on x86. On other processors
-    this does nothing.
+    Far ahead of a wave a film moves by 1e-160 mm and less: products of such numbers are subnormal,
+    and arithmetic with them takes a hundred times as long on x86. On other processors this does
+    nothing.
     """
     return 0
 
@@ -213,7 +182,24 @@ def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
     The hardware prefetches only a few streams; a quad has more tables. Asking for the block after
     the last one is harmless.
     """
-    ask = prefetch_lines(lines)
+
+    @intrinsic
+    def ask(typing_context: Any, table: Any, b: Any) -> Any:
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            index = [args[1], _ZERO, _ZERO]
+            first = vector_address(context, builder, table, args[0], index, I8)
+            function = cgutils.get_or_insert_function(
+                builder.module,
+                ir.FunctionType(ir.VoidType(), [first.type, I32, I32, I32]),
+                "llvm.prefetch.p0",
+            )
+            read, keep_near, data = I32(0), I32(3), I32(1)
+            for line in range(lines):
+                where = builder.gep(first, [ir.Constant(I64, line * CACHE_LINE)])
+                builder.call(function, [where, read, keep_near, data])
+            return context.get_dummy_value()
+
+        return types.void(table, types.intp), generate
 
     def prefetch(table: Floats, b: int) -> None:
         pass

@@ -7,7 +7,7 @@ and doubled when full, so kernels receive them whole together with a count.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, TypeVar, get_type_hints
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from shellcut.numerics.jit import inline_or_plain
 from shellcut.numerics.lanes import aligned_zeros
 
 _Numbers = TypeVar("_Numbers", float, Floats)
+_T = TypeVar("_T", bound="_Table")
 
 
 def columns(rows: int, count: int) -> Floats:
@@ -46,9 +47,18 @@ NOTCH = "notch"
 """Kind of the cuts that made a notch before the run."""
 
 
+Columns: TypeAlias = Annotated[Floats, "by column"]
+"""Read by lanes in kernels, of :func:`columns`."""
+
+_DTYPES = {Floats: float, Ints: np.int64, SmallIds: np.int32, SmallInts: np.int8, Bools: bool}
+
+
 @dataclass
 class _Table:
-    """Arrays with one row per entity, the first ``count`` of them in use."""
+    """Arrays with one row per entity, the first ``count`` of them in use.
+
+    The annotation of an array says the shape of a row, if that is not a single number.
+    """
 
     count: int
     _arrays: ClassVar[tuple[str, ...]] = ()
@@ -59,6 +69,27 @@ class _Table:
         if not cls._arrays:
             cls._arrays = tuple(f.name for f in fields(cls) if f.name != "count")
         return cls._arrays
+
+    @classmethod
+    def blank(cls: type[_T], count: int, rows: int, **given: Any) -> _T:
+        """Return a table of zeros with some rows, the first ``count`` in use, but the given arrays.
+
+        A given number is put into all rows, an array into the first ones.
+        """
+        kinds = get_type_hints(cls, include_extras=True)
+        arrays = {}
+        for name in cls._names():
+            kind = kinds[name]
+            said = getattr(kind, "__metadata__", ())
+            shape = (rows, *(said[-1] if said else ()))
+            if "by column" in said:
+                array = columns(*shape)
+            else:
+                array = aligned_zeros(shape, _DTYPES[kind.__origin__ if said else kind])
+            some = given.get(name, 0)
+            array[: len(some) if np.ndim(some) else rows] = some
+            arrays[name] = array
+        return cls(count=count, **arrays)
 
     def reserve(self, extra: int) -> None:
         """Make room for ``extra`` more rows, doubling the arrays if necessary."""
@@ -88,11 +119,9 @@ class _Table:
 
     def append_blank(self) -> int:
         """Append a row of zeros and return its id."""
-        self.reserve(1)
-        new = self.count
+        new = self.append_copy(0)
         for name in self._names():
             getattr(self, name)[new] = 0
-        self.count += 1
         return new
 
     def saved(self) -> dict[str, Any]:
@@ -136,65 +165,65 @@ class QuadsAtNodes(NamedTuple):
 class NodeTable(_Table):
     """Nodes; positions at t_n, velocities at t_{n+1/2} (see :mod:`shellcut.central_difference`)."""
 
-    X: Floats
-    """Reference position [mm], shape (n, 3)."""
-    x: Floats
-    """Position [mm], shape (n, 3)."""
-    t: Floats
-    """Unit director, shape (n, 3)."""
-    velocity_half: Floats
-    """Velocity [mm/s], shape (n, 3)."""
-    spin_half: Floats
-    """Angular velocity of the director [rad/s], normal to it, shape (n, 3)."""
-    force_rows: Floats
+    X: Annotated[Columns, (3,)]
+    """Reference position [mm]."""
+    x: Annotated[Columns, (3,)]
+    """Position [mm]."""
+    t: Annotated[Columns, (3,)]
+    """Unit director."""
+    velocity_half: Annotated[Columns, (3,)]
+    """Velocity [mm/s]."""
+    spin_half: Annotated[Columns, (3,)]
+    """Angular velocity of the director [rad/s], normal to it."""
+    force_rows: Annotated[Floats, (8,)]
     """Total nodal force [N], force conjugate to the director [N·mm], and two padding numbers that
-    fill the cache line, shape (n, 8)."""
+    fill the cache line."""
     mass: Floats
-    """Lumped mass [t], shape (n,)."""
+    """Lumped mass [t]."""
     inertia: Floats
-    """Scaled rotary inertia [t·mm²], shape (n,)."""
-    push: Floats
-    """1 / mass and 1 / inertia, zero at supported nodes, which move separately, shape (n, 2)."""
+    """Scaled rotary inertia [t·mm²]."""
+    push: Annotated[Columns, (2,)]
+    """1 / mass and 1 / inertia, zero at supported nodes, which move separately."""
     contact_mass: Floats
-    """Mass that a contact force moves: its own, or what it feels of a copy [t], shape (n,)."""
+    """Mass that a contact force moves: its own, or what it feels of a copy [t]."""
     contact_area: Floats
-    """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
+    """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads."""
     contact_share: Floats
-    """Part of that area that presses: less than one where what it feels is light, shape (n,)."""
+    """Part of that area that presses: less than one where what it feels is light."""
     origin: Ints
-    """Reference node this one was split from, itself if never split, shape (n,)."""
+    """Reference node this one was split from, itself if never split."""
     halved: Bools
-    """Whether the node is one half of a split or pre-cut node, shape (n,)."""
+    """Whether the node is one half of a split or pre-cut node."""
     real: Bools
-    """Whether the film reaches the node: not that of a copy beyond a crack, shape (n,)."""
-    quads: SmallIds
-    """Quads at the node, ascending, the first ``n_quad_at`` in use, shape (n, MAX_VALENCE)."""
+    """Whether the film reaches the node: not that of a copy beyond a crack."""
+    quads: Annotated[SmallIds, (1,)]
+    """Quads at the node, ascending, the first ``n_quad_at`` in use; as many columns as the most."""
     n_quad_at: SmallIds
-    """Number of quads at the node, shape (n,)."""
+    """Number of quads at the node."""
     supported: Bools
-    """Whether any component is prescribed, shape (n,)."""
-    support: Bools
-    """Prescribed components, three of velocity and three of spin, shape (n, 6)."""
-    support_rate: Floats
-    """Their prescribed values [mm/s, rad/s] at t_{n+1/2}, shape (n, 6)."""
-    reaction: Floats
-    """Reaction force and moment at t_n [N, N·mm], shape (n, 6)."""
-    load_force: Floats
-    """Following load on the node at the last evaluation [N], shape (n, 3)."""
+    """Whether any component is prescribed."""
+    support: Annotated[Bools, (6,)]
+    """Prescribed components, three of velocity and three of spin."""
+    support_rate: Annotated[Floats, (6,)]
+    """Their prescribed values [mm/s, rad/s] at t_{n+1/2}."""
+    reaction: Annotated[Floats, (6,)]
+    """Reaction force and moment at t_n [N, N·mm]."""
+    load_force: Annotated[Floats, (3,)]
+    """Following load on the node at the last evaluation [N]."""
     contact_side: SmallInts
-    """Side of the blade on which the node lies: +1, -1, or 0 while unknown, shape (n,)."""
+    """Side of the blade on which the node lies: +1, -1, or 0 while unknown."""
     contact_depth: Floats
-    """Penetration at the last search [mm], 0 outside, shape (n,)."""
+    """Penetration at the last search [mm], 0 outside."""
     contact_offset: Floats
-    """Part of the penetration that is being absorbed [mm], shape (n,)."""
+    """Part of the penetration that is being absorbed [mm]."""
     contact_work: Floats
-    """Work put into the contact of the node since it began [N·mm], shape (n,)."""
-    contact_force: Floats
-    """Contact force on the node [N], shape (n, 3)."""
-    friction_spring: Floats
-    """Elongation of the spring of friction, in the tool's frame [mm], shape (n, 3)."""
-    friction_force: Floats
-    """Friction on the node [N], shape (n, 3)."""
+    """Work put into the contact of the node since it began [N·mm]."""
+    contact_force: Annotated[Floats, (3,)]
+    """Contact force on the node [N]."""
+    friction_spring: Annotated[Floats, (3,)]
+    """Elongation of the spring of friction, in the tool's frame [mm]."""
+    friction_force: Annotated[Floats, (3,)]
+    """Friction on the node [N]."""
 
     @property
     def force(self) -> Floats:
@@ -230,17 +259,17 @@ class NodeTable(_Table):
 class QuadTable(_Table):
     """Quads: those of the mesh, and after them the copies that cracks across them have made."""
 
-    nodes: SmallIds
-    """Node ids, shape (n, 4)."""
+    nodes: Annotated[SmallIds, (4,)]
+    """Node ids."""
     parent: Ints
-    """Quad of the mesh, itself for the first ones, shape (n,)."""
+    """Quad of the mesh, itself for the first ones."""
     share: Floats
-    """Part of the parent that it holds, 1 of a whole quad, shape (n,)."""
+    """Part of the parent that it holds, 1 of a whole quad."""
     mass_share: Floats
     """Part of the parent's mass that it has, shape (n,); see :mod:`shellcut.fracture.cut_state`."""
-    centre: Floats
+    centre: Annotated[Floats, (4,)]
     """Weights of its nodes at the centre of the film that it holds, of a sliver farther from its
-    flank than that, shape (n, 4)."""
+    flank than that."""
     dropped: Bools
     """Whether contact leaves it out, shape (n,)."""
 
@@ -255,76 +284,76 @@ class FlankTable(_Table):
     """
 
     node: Ints
-    """Row among the nodes, shape (n,)."""
+    """Row among the nodes."""
     row: Ints
-    """Copy that it is tied to, shape (n,)."""
-    place: Floats
-    """xi, eta in the quad, shape (n, 2)."""
-    inward: Floats
+    """Copy that it is tied to."""
+    place: Annotated[Floats, (2,)]
+    """xi, eta in the quad."""
+    inward: Annotated[Floats, (2,)]
     """A place a little further along its flank, which tells to which part of a copy it goes when
-    that is cut again, shape (n, 2)."""
-    nodes: Ints
-    """Nodes of the copy, shape (n, 4)."""
-    weight: Floats
-    """Their shape functions there, shape (n, 4)."""
+    that is cut again."""
+    nodes: Annotated[Ints, (4,)]
+    """Nodes of the copy."""
+    weight: Annotated[Floats, (4,)]
+    """Their shape functions there."""
 
 
 @dataclass
 class CableTable(_Table):
     """Cohesive cables; each joins the two flanks of half a segment of a crack ([Frangi2010] 4)."""
 
-    ends: Ints
-    """Node on the minus and on the plus flank, shape (n, 2)."""
+    ends: Annotated[Ints, (2,)]
+    """Node on the minus and on the plus flank."""
     status: SmallInts
-    """STRAIGHT, JOINTED or BROKEN, shape (n,)."""
+    """STRAIGHT, JOINTED or BROKEN."""
     area: Floats
-    """Cohesive area A_i = thickness x length [mm²], shape (n,)."""
+    """Cohesive area A_i = thickness x length [mm²]."""
     length: Floats
-    """Reference length of the crack that it holds, half of a segment [mm], shape (n,)."""
-    row: Ints
-    """Quad or copy at whose corner either end is, -1 if it is a flank point, shape (n, 2)."""
-    corner: Ints
-    """Which of its corners, shape (n, 2)."""
-    inward: Floats
+    """Reference length of the crack that it holds, half of a segment [mm]."""
+    row: Annotated[Ints, (2,)]
+    """Quad or copy at whose corner either end is, -1 if it is a flank point."""
+    corner: Annotated[Ints, (2,)]
+    """Which of its corners."""
+    inward: Annotated[Floats, (2, 2)]
     """A place a little further along the flank, which tells to which part of a copy the end goes
-    when that is cut again, shape (n, 2, 2)."""
-    m: Floats
-    """Mean normal to the flanks at birth, from minus to plus, shape (n, 3)."""
-    start_force: Floats
-    """Equilibrium-start force on the minus node at zero opening [N], shape (n, 3)."""
+    when that is cut again."""
+    m: Annotated[Floats, (3,)]
+    """Mean normal to the flanks at birth, from minus to plus."""
+    start_force: Annotated[Floats, (3,)]
+    """Equilibrium-start force on the minus node at zero opening [N]."""
     opening: Floats
-    """Length measure of the law at the last evaluation [mm], shape (n,)."""
+    """Length measure of the law at the last evaluation [mm]."""
     opening_max: Floats
-    """Its largest value so far [mm], shape (n,)."""
+    """Its largest value so far [mm]."""
     traction: Floats
-    """Cable stress [MPa], shape (n,)."""
+    """Cable stress [MPa]."""
     edge: Ints
-    """Cutting-edge segment of the joint, ``NOT_MET`` before there is one, shape (n,)."""
-    joint_body: Floats
-    """Joint in the body frame of the tool [mm], shape (n, 3)."""
-    joint: Floats
-    """Joint in space at the last evaluation [mm], shape (n, 3)."""
+    """Cutting-edge segment of the joint, ``NOT_MET`` before there is one."""
+    joint_body: Annotated[Floats, (3,)]
+    """Joint in the body frame of the tool [mm]."""
+    joint: Annotated[Floats, (3,)]
+    """Joint in space at the last evaluation [mm]."""
     joint_slack: Floats
-    """Length that the bend added when the joint was made, not counted as opening, shape (n,)."""
+    """Length that the bend added when the joint was made, not counted as opening."""
     grip: Floats
     """Friction of what goes around the edge: the minus branch carries 1 + this times the stress,
-    the plus branch 1 - this, shape (n,)."""
+    the plus branch 1 - this."""
     arc_grip: Floats
-    """Friction of what is drawn out over a round edge: both carry this more, shape (n,)."""
+    """Friction of what is drawn out over a round edge: both carry this more."""
     transport: Floats
     """Half the difference of the branches at the last evaluation, minus less plus: what has gone
-    around the edge, where the joint slips [mm], shape (n,)."""
+    around the edge, where the joint slips [mm]."""
     overshoot: Floats
-    """How far the edge had passed the cable when the joint was made [mm], shape (n,)."""
-    branch: Floats
-    """Unit vectors from the minus and plus node towards their partner, shape (n, 2, 3)."""
-    force: Floats
-    """Force on the minus and on the plus node [N], shape (n, 2, 3)."""
+    """How far the edge had passed the cable when the joint was made [mm]."""
+    branch: Annotated[Floats, (2, 3)]
+    """Unit vectors from the minus and plus node towards their partner."""
+    force: Annotated[Floats, (2, 3)]
+    """Force on the minus and on the plus node [N]."""
     work: Floats
-    """Work done on the cable so far [N·mm], shape (n,)."""
+    """Work done on the cable so far [N·mm]."""
     start_work: Floats
-    """Work done on the equilibrium-start force so far [N·mm], shape (n,)."""
+    """Work done on the equilibrium-start force so far [N·mm]."""
     birth: Floats
-    """Time of birth [s], shape (n,)."""
+    """Time of birth [s]."""
     end_time: Floats
-    """Time at which it broke [s], zero while it lives, shape (n,)."""
+    """Time at which it broke [s], zero while it lives."""

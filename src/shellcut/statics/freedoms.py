@@ -62,7 +62,6 @@ class Freedoms:
         self.free = np.empty(0, np.int64)
         self._cone = np.zeros(self.n_node)
         self._cone_diagonal: Floats | None = None
-        self._turned = np.empty(self.n_node, np.complex128)
         order = _dissection(state.node.X[: self.n_node], state.quads)
         self._order = (5 * order[:, None] + np.arange(5)).ravel()
         self._ids = _ids(state.quads)
@@ -74,7 +73,6 @@ class Freedoms:
         """Recompute tangents and free freedoms for the state's present directors."""
         support = self._state.node.support[: self.n_node]
         _write_bases(t=self._state.node.t, basis=self.basis)
-        self._turned[:] = 1.0
         free = np.ones((self.n_node, 5), np.bool_)
         free[:, :3] = ~support[:, :3]
         held = np.flatnonzero(support[:, 3:].any(axis=1))
@@ -87,7 +85,6 @@ class Freedoms:
         lost = (n_axis == 3) | ((n_axis == 2) & (size[:, 1] > np.sqrt(1.0 - _PARALLEL**2)))
         one = ~lost & (size[:, 0] > _PARALLEL)
         cos, sin = np.where(one, direction[:, 1].T, [[1.0], [0.0]])
-        self._turned[held] = cos + 1j * sin
         self.basis[held, 0] = cos[:, None] * b1 + sin[:, None] * b2
         self.basis[held, 1] = cos[:, None] * b2 - sin[:, None] * b1
         free[held, 3], free[held, 4] = ~lost, ~lost & ~one
@@ -109,10 +106,9 @@ class Freedoms:
             Part of the strains, from :meth:`move`, to leave out of the stresses in the stiffness.
         """
         quads = self._state.quads
-        tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent)
+        tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent, self.basis)
         if self.load_stiffness is not None:
             tangent[:, :12, :12] += self.load_stiffness
-        _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
         self._cone_diagonal = self._cone_stiffness(shell)
         return self._pattern.assemble(tangent, self._cone_diagonal)
 
@@ -266,20 +262,3 @@ def turn_directors(t: Floats, spin: Floats) -> None:
     """Rotate t : (n_node, 3) by the spin vectors : (n, 3), n <= n_node."""
     for n in range(spin.shape[0]):
         store(t, n, rotate_director(load(t, n), load(spin, n)))
-
-
-@kernel
-def _turn_tangents(quads: Ints, turned: Numbers, tangent: Floats) -> None:
-    """Refer tangent : (n_quad, 20, 20) to tangents b turned by the unit numbers : (n_node,)."""
-    for e in range(quads.shape[0]):
-        for a in range(4):
-            cos, sin = turned[quads[e, a]].real, turned[quads[e, a]].imag
-            if sin == 0.0 and cos == 1.0:
-                continue
-            i, j = 12 + 2 * a, 13 + 2 * a
-            for k in range(20):
-                one, two = tangent[e, i, k], tangent[e, j, k]
-                tangent[e, i, k], tangent[e, j, k] = cos * one + sin * two, cos * two - sin * one
-            for k in range(20):
-                one, two = tangent[e, k, i], tangent[e, k, j]
-                tangent[e, k, i], tangent[e, k, j] = cos * one + sin * two, cos * two - sin * one

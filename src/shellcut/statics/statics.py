@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from numbers import Integral, Real
+from numbers import Integral
+from typing import Annotated
 
 import numpy as np
 
-from shellcut.arguments import checked
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
@@ -190,14 +191,15 @@ class Statics:
         """
         return self._path.load_steps(_checked_factors(factors))
 
+    @checked
     def arc_length(
         self,
-        first: float,
+        first: Annotated[float, Option("", "change of the load factor in the first step")],
         *,
         until: Callable[[Equilibrium], bool],
-        n_wanted: int = 5,
-        most_steps: int = 200,
-        longest: float = 5.0,
+        n_wanted: Annotated[int, Option("", "iterations per step", least=1)] = 5,
+        most_steps: Annotated[int, Option("", "of the path", least=1)] = 200,
+        longest: Annotated[float, Option("", "arc length over the first", least=1)] = 5.0,
     ) -> list[Equilibrium]:
         """Follow the load path by arc length, through limit points.
 
@@ -226,7 +228,8 @@ class Statics:
         NoConvergence
             If the path is lost.
         """
-        _check_steps(first, n_wanted, most_steps, longest)
+        if first == 0:
+            raise ValueError("first must be a number other than 0, got 0")
         return self._path.arc_length(first, until, n_wanted, most_steps, longest)
 
     def modes(self, n: int, *, true_inertia: bool = True) -> Modes:
@@ -248,7 +251,7 @@ class Statics:
         """
         self._path.begin()
         freedoms, mass = self._freedoms, self._mass(true_inertia)
-        if not (_is_count(n) and n <= mass.size):
+        if not (isinstance(n, Integral) and 1 <= n <= mass.size):
             raise ValueError(
                 f"n must be a whole number from 1 to {mass.size}, the freedoms that the supports "
                 f"leave, got {n!r}"
@@ -295,33 +298,6 @@ def _checked_factors(factors: Sequence[float]) -> list[float]:
     if not all(map(math.isfinite, values)):
         raise ValueError(f"factors must be a list of finite numbers, got {factors!r}")
     return values
-
-
-def _check_steps(first: float, n_wanted: int, most_steps: int, longest: float) -> None:
-    problems = [
-        f"{name} must be a {kind}, got {value!r}"
-        for name, kind, value, right in (
-            ("first", "number other than 0", first, _is_finite(first) and first != 0),
-            ("longest", "number of at least 1", longest, _is_real(longest) and longest >= 1),
-            ("n_wanted", "whole number of at least 1", n_wanted, _is_count(n_wanted)),
-            ("most_steps", "whole number of at least 1", most_steps, _is_count(most_steps)),
-        )
-        if not right
-    ]
-    if problems:
-        raise ValueError("; ".join(problems))
-
-
-def _is_real(value: object) -> bool:
-    return isinstance(value, Real)
-
-
-def _is_finite(value: float) -> bool:
-    return _is_real(value) and math.isfinite(value)
-
-
-def _is_count(value: int) -> bool:
-    return isinstance(value, Integral) and value >= 1
 
 
 def _refuse_rates(material: ShellMaterial) -> None:
