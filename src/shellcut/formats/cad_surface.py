@@ -6,12 +6,8 @@ own; :mod:`shellcut.tool.seams` joins them.
 
 from __future__ import annotations
 
-import tempfile
 from math import isfinite
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from . import cad_process
 from .cad_unit import stated_unit
@@ -35,6 +31,8 @@ _GMSH = OwnProcess(
     "is it damaged, of a kind that OpenCASCADE cannot read, or chord_deviation too small? write it "
     "anew, or as STL",
     "libglu1-mesa libxcursor1 libxft2 libxinerama1",
+    "reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
+    "pip install 'shellcut[mesh]'",
 )
 
 
@@ -87,10 +85,11 @@ def read_cad(
             f"got {unit_mm:g} mm",
         )
     of_file = units[0] if len(units) == 1 else 1.0
-    answer = _triangulated(path, chord_deviation or 0.0, (unit_mm or of_file) / of_file)
-    if answer["problems"]:
-        raise FileError(path, "; ".join(answer["problems"]))
-    notes = answer["notes"]
+    scale = (unit_mm or of_file) / of_file
+    answer = _GMSH.answer(path, repr(float(chord_deviation or 0.0)), repr(float(scale)))
+    if len(answer["problems"]):
+        raise FileError(path, "; ".join(map(str, answer["problems"])))
+    notes = [str(note) for note in answer["notes"]]
     stated = sum(content.count(name + b"(") for name in _SOLIDS)
     if 0 < answer["n_solid"] < stated:
         notes.append(
@@ -106,23 +105,3 @@ def read_cad(
         unit_mm=of_file if units else None,
         chord_deviation=float(answer["chord"]) / of_file,
     )
-
-
-def _triangulated(path: Path, deviation: float, scale: float) -> dict[str, Any]:
-    if not _GMSH.installed:
-        raise ImportError(
-            f"{path}: reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
-            "pip install 'shellcut[mesh]'"
-        )
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "answer.npz"
-        _GMSH.run(path, str(out), repr(float(deviation)), repr(float(scale)))
-        with np.load(out) as held:
-            return {
-                "vertices": held["vertices"],
-                "triangles": held["triangles"],
-                "chord": held["chord"],
-                "n_solid": held["n_solid"],
-                "notes": [str(note) for note in held["notes"]],
-                "problems": [str(problem) for problem in held["problems"]],
-            }

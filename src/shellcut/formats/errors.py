@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,15 @@ class FileError(ValueError):
 
     def __init__(self, path: str | Path, problem: str, *, line: int | None = None):
         place = f"{path}, line {line}" if line is not None else f"{path}"
+        self.problem = problem
         super().__init__(f"{place}: {problem}")
 
 
-def named(items: Iterable[Any]) -> str:
+def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
     """List the first few items, and the number of the others."""
     listed = list(items)
     more = f" and {len(listed) - _NAMED} more" if len(listed) > _NAMED else ""
-    return ", ".join(str(item) for item in listed[:_NAMED]) + more
+    return ", ".join(describe(item) for item in listed[:_NAMED]) + more
 
 
 def read_bytes(path: str | Path) -> bytes:

@@ -24,7 +24,7 @@ from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
 
-from .loops import Meeting, area_of, levels, meetings
+from .loops import area_of, not_one_film
 from .mesh import Mesh, MeshError
 from .outline import QuadSize, mesh_from_outline
 
@@ -291,38 +291,19 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
     if not whole:
         raise FileError(path, "curves must form closed loops with an area, got none")
     name = [f"the loop of {area_of(p):.4g} mm² around {_text(p.mean(axis=0))}" for p in whole]
+    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
     try:
-        problems = [_met(found, name, apart) for found in meetings(whole, apart)]
+        problems = not_one_film(whole, name, outer=largest, apart=apart)
     except MeshError as problem:
         raise FileError(path, str(problem)) from None
     if problems:
         raise FileError(
             path,
-            f"loops must lie apart: {'; '.join(problems)}; choose layers, or mend the drawing",
-        )
-    level = levels(whole)
-    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
-    problems = [f"{name[k]} lies outside" for k in np.flatnonzero(level == 0) if k != largest]
-    problems += [f"{name[k]} lies in a hole" for k in np.flatnonzero(level > 1)]
-    if problems:
-        raise FileError(
-            path,
-            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm², and not in "
-            f"each other: {'; '.join(problems[:_NAMED])}; choose the layers of one film",
+            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm², apart, and "
+            f"not in each other: {'; '.join(problems[:_NAMED])}; choose the layers of one film, or "
+            "mend the drawing",
         )
     return FilmOutline(whole[largest], tuple(p for k, p in enumerate(whole) if k != largest))
-
-
-def _met(found: Meeting, name: list[str], apart: float) -> str:
-    one, other = name[found.one], name[found.other]
-    if found.whole:
-        return f"{one} is drawn twice"
-    if found.one == found.other:
-        other = "itself"
-    how = "crosses" if found.crosses else "touches"
-    if not found.crosses and other != "itself":
-        how += f" (or comes closer than {apart:.2g} mm to)"
-    return f"{one} {how} {other} at {_text(found.place)}"
 
 
 def _of(open_ones: list[tuple[int, Curve]], end: int) -> str:
