@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from .exit_code import refuse
-from .named_path import named
 from .run_log import RunLog
 from .run_model import USED, run_model
+from .shared_arguments import named
 
 
 def add_to(commands: Any) -> None:
