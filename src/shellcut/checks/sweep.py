@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy
@@ -238,16 +238,8 @@ def _continued(line: Floats, edge: float, s: Floats) -> Iterator[tuple[Floats, F
     yield s, c - arm + each(math.cos, turn) * arm + each(math.sin, turn) * across
 
 
-class _Places(NamedTuple):
-    # of one chain, as the fields of Sweep
-    chain: Ints
-    time: Floats
-    place: Floats
-    quad: Ints
-    velocity: Floats
-    back: Floats
-    normal: Floats
-    along_edge: Bools
+_Places: TypeAlias = dict[str, Any]
+"""Of one chain, by the names of the fields of :class:`Sweep`."""
 
 
 class _Search:
@@ -280,10 +272,7 @@ class _Search:
         found = [self._chain(k, *chain) for k, chain in enumerate(self._chains)]
         parts = [part for part, _, _ in found]
         fates = [self._taken_over(fate, parts) for _, fate, _ in found]
-        places = {
-            name: np.concatenate([getattr(part, name) for part in parts])
-            for name in _Places._fields
-        }
+        places = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
         return Sweep(
             self._mesh,
             self._duration,
@@ -341,16 +330,16 @@ class _Search:
         p, at, on, quad, ends = p[order], at[order], on[order], quad[order], ends[order]
         tick = np.minimum(at.astype(np.int64), len(self._times) - 1)
         R, arm = self._rotation[tick], p - self._translation[tick]
-        part = _Places(
-            np.full(len(p), k),
-            at * self._times[1],
-            p,
-            quad,
-            self._velocity[tick] + np.cross(self._spin[tick], arm),
-            np.einsum("nij,nj->ni", R, self._tool.edge_back[segment[on]]),
-            np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
-            along[order],
-        )
+        part = {
+            "chain": np.full(len(p), k),
+            "time": at * self._times[1],
+            "place": p,
+            "quad": quad,
+            "velocity": self._velocity[tick] + np.cross(self._spin[tick], arm),
+            "back": np.einsum("nij,nj->ni", R, self._tool.edge_back[segment[on]]),
+            "normal": np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
+            "along_edge": along[order],
+        }
         return part, self._fate(k, at, ends, above, p, x), self._top_speed(x)
 
     def _top_speed(self, x: Floats) -> float:
@@ -387,7 +376,7 @@ class _Search:
             return fate
         body = self._body_of_chain
         for k in np.flatnonzero(body == body[fate.chain]).tolist():
-            time = parts[k].time
+            time = parts[k]["time"]
             late = (time > fate.last) & (time <= fate.last + 3.0 * self._times[1])
             if k != fate.chain and late.any():
                 return replace(fate, passed_out=False)

@@ -117,8 +117,6 @@ class Tool:
     """Unit vector of the mid-plane, normal to the segment, into the solid, shape (n_edge, 3)."""
     name: str = "tool"
     """Name in reports."""
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    """Parameters it was built from, for reports; empty for a surface that was read."""
     flank_angle_deg: float = 40.0
     """Limit of turn up to which flanks extend, from :meth:`from_triangles` [deg]."""
     edge_radius: float = 0.0
@@ -172,7 +170,6 @@ class Tool:
         sharp_angle_deg: float = 100.0,
         flank_angle_deg: float = 40.0,
         name: str = "tool",
-        parameters: Mapping[str, float] | None = None,
     ) -> Tool:
         """Build a tool from a closed surface; merge duplicate vertices, find edges and flanks.
 
@@ -195,8 +192,8 @@ class Tool:
             A flank extends from its cutting edge over all edges that turn by less. A triangle
             reached from both sides takes the side with the shorter way over triangle centres
             (plus where the ways are equal).
-        name, parameters
-            For reports.
+        name : str
+            In reports.
 
         Raises
         ------
@@ -246,7 +243,6 @@ class Tool:
             edge_normal=normal,
             edge_back=back,
             name=name,
-            parameters=dict(parameters or {}),
             flank_angle_deg=flank_angle_deg,
         )
 
@@ -308,7 +304,6 @@ class Tool:
             edges=self.edges[keep],
             flank_angle_deg=self.flank_angle_deg,
             name=self.name,
-            parameters=self.parameters,
         )
         return replace(rest, edge_radius=self.edge_radius)
 
