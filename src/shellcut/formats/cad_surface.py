@@ -12,7 +12,7 @@ from pathlib import Path
 from . import cad_process
 from .cad_unit import stated_unit
 from .errors import FileError, read_bytes
-from .own_process import OwnProcess
+from .own_process import gmsh
 from .surface_file import SurfaceFile
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
@@ -24,15 +24,11 @@ LARGEST_FILE = 200_000_000
 _SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
 """Statements of STEP that make a solid; assemblies repeat them without statements."""
 
-_GMSH = OwnProcess(
-    "Gmsh",
-    "gmsh",
+_GMSH = gmsh(
     cad_process.__file__,
     "is it damaged, of a kind that OpenCASCADE cannot read, or chord_deviation too small? write it "
     "anew, or as STL",
-    "libglu1-mesa libxcursor1 libxft2 libxinerama1",
-    "reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
-    "pip install 'shellcut[mesh]'",
+    "reading STEP and IGES",
 )
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import numerals
 from .errors import FileError, read_bytes
@@ -41,7 +41,7 @@ class Content:
         self.at += len(line) + (end >= 0)
         return line.strip()
 
-    def bytes(self, n: int) -> bytes:
+    def raw(self, n: int) -> bytes:
         """Take bytes.
 
         Raises
@@ -67,8 +67,8 @@ class Content:
         self.next_token += n
         return self.tokens[self.next_token - n : self.next_token]
 
-    def numbers(self, kind: str, n: int = 1) -> npt.NDArray[np.float64 | np.int64]:
-        """Take numbers; ``kind`` as of NumPy, without byte order: ``f4``, ``i8``.
+    def numbers(self, kind: str, n: int = 1) -> Any:
+        """Take numbers, shape (n,); ``kind`` as of NumPy, without byte order: ``f4``, ``i8``.
 
         Raises
         ------
@@ -78,10 +78,10 @@ class Content:
         if not self.order:
             return self.read(kind, self.texts(n))
         dtype = np.dtype(self.order + kind)
-        found = np.frombuffer(self.bytes(n * dtype.itemsize), dtype)
+        found = np.frombuffer(self.raw(n * dtype.itemsize), dtype)
         return found.astype(np.float64 if kind[0] == "f" else np.int64)
 
-    def read(self, kind: str, texts: list[bytes]) -> npt.NDArray[np.float64 | np.int64]:
+    def read(self, kind: str, texts: list[bytes]) -> Any:
         """Return texts as numbers of a kind.
 
         Raises

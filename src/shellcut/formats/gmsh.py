@@ -212,7 +212,7 @@ class _Reader(Content):
         count = self._count_2()
         if self.order:
             dtype = np.dtype([("id", "<i4"), ("x", "<f8", 3)])
-            rows = np.frombuffer(self.bytes(count * dtype.itemsize), dtype)
+            rows = np.frombuffer(self.raw(count * dtype.itemsize), dtype)
             self.node_labels.append(rows["id"].astype(np.int64))
             self.positions.append(rows["x"].astype(np.float64))
             return

@@ -105,3 +105,18 @@ class OwnProcess:
                 )
             raise FileError(path, f"{self.library} cannot read it: {said}")
         return done.stdout
+
+
+def gmsh(script: str, remedy: str, task: str) -> OwnProcess:
+    """Return a script that uses Gmsh, an optional extra; ``task`` is what that cannot do without.
+
+    script, remedy : as of :class:`OwnProcess`.
+    """
+    return OwnProcess(
+        "Gmsh",
+        "gmsh",
+        script,
+        remedy,
+        "libglu1-mesa libxcursor1 libxft2 libxinerama1",
+        f"{task} needs Gmsh, an optional extra under the GPL: pip install 'shellcut[mesh]'",
+    )

@@ -156,8 +156,10 @@ class _Film:
         self.lines: dict[str, Ints] = {}  # of the named groups, shape (n, 2)
         self.triangle_labels: list[str] = []
         # by kind: nodes of the cells, and their numbers in the order of the file
-        nodes = {kind: [np.empty((0, n), np.int64)] for kind, n in ({POINT: 1} | N_CORNER).items()}
-        numbers = {kind: [np.empty(0, np.int64)] for kind in nodes}
+        nodes: dict[str, list[Ints]] = {
+            kind: [np.empty((0, n), np.int64)] for kind, n in ({POINT: 1} | N_CORNER).items()
+        }
+        numbers: dict[str, list[Ints]] = {kind: [np.empty(0, np.int64)] for kind in nodes}
         problems, first = [], 0
         for block in file.blocks:
             number = first + np.arange(len(block.nodes))
@@ -182,7 +184,8 @@ class _Film:
                 "drop in leave_out=[...]",
             )
         cells = {kind: np.concatenate(parts) for kind, parts in nodes.items()}
-        self.quads, self.triangles = cells[QUAD], cells[TRIANGLE]
+        self.quads: Ints = cells[QUAD]
+        self.triangles: Ints = cells[TRIANGLE]
         if not len(self.quads) and not len(self.triangles):
             raise FileError(self.path, "there must be quads or triangles, got none")
         # of each cell of the file its row among those of the sheet, quads first, lines or points

@@ -140,8 +140,8 @@ def not_one_film(
     if problems := [_told(found, names, apart) for found in meetings(loops, apart)]:
         return problems
     level = levels(loops)
-    problems = [f"{names[k]} lies outside" for k in np.flatnonzero(level == 0) if k != outer]
-    return problems + [f"{names[k]} lies in a hole" for k in np.flatnonzero(level > 1)]
+    problems = [f"{names[k]} lies outside" for k in np.flatnonzero(level == 0).tolist() if k != outer]
+    return problems + [f"{names[k]} lies in a hole" for k in np.flatnonzero(level > 1).tolist()]
 
 
 def _told(found: Meeting, names: Sequence[str], apart: float) -> str:

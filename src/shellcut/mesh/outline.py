@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Sequence
 from math import atan2
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ import numpy.typing as npt
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, each
 from shellcut.formats.errors import FileError
-from shellcut.formats.own_process import OwnProcess
+from shellcut.formats.own_process import gmsh
 
 from . import outline_process
 from .film_size import check_film_size
@@ -33,13 +33,10 @@ CORNER_DEG = 30.0
 _MOST_EDGES = 50_000
 """Limit along outline and holes."""
 
-_GMSH = OwnProcess(
-    "Gmsh",
-    "gmsh",
+_GMSH = gmsh(
     outline_process.__file__,
     "change size a little, or check narrow parts of the outline",
-    "libglu1-mesa libxcursor1 libxft2 libxinerama1",
-    "meshing an outline needs Gmsh, an optional extra under the GPL: pip install 'shellcut[mesh]'",
+    "meshing an outline",
 )
 
 QuadSize: TypeAlias = Annotated[float, Option("mm", "edge length of the quads, about", above=0)]
@@ -87,7 +84,8 @@ def mesh_from_outline(
     _check_apart(loops, names)  # the division may have bridged parts narrower than an edge
     with tempfile.TemporaryDirectory() as folder:
         given = Path(folder) / "loops.npz"
-        np.savez(given, size=size, **{f"loop_{k}": loop for k, loop in enumerate(loops)})
+        arrays: dict[str, Any] = {f"loop_{k}": loop for k, loop in enumerate(loops)}
+        np.savez(given, size=size, **arrays)
         try:
             found = _GMSH.answer(given)
         except FileError as reason:
