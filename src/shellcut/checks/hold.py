@@ -9,7 +9,6 @@ remaining motions going. Loads do not count as support.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,15 +21,6 @@ from .finding import DOUBT, Finding
 _LEVER = 1e-4
 """Arm of a held node over the size of its piece that is round-off of a file, and holds nothing."""
 _WAYS = ("along x", "along y", "along z", "about x", "about y", "about z")
-
-
-class Piece(NamedTuple):
-    """Quads that share nodes."""
-
-    nodes: Ints
-    """Shape (n,)."""
-    free: list[str]
-    """The rigid motions that its supports leave free, in words, one each."""
 
 
 def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
@@ -66,8 +56,8 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
 
 def pieces_of(
     quads: Ints, x: Floats, directors: Floats, support: Bools, lever: float
-) -> list[Piece]:
-    """Return the pieces of a film.
+) -> list[tuple[Ints, list[str]]]:
+    """Return the pieces of a film, quads that share nodes, and the rigid motions each is free to.
 
     Parameters
     ----------
@@ -78,14 +68,20 @@ def pieces_of(
     lever : float
         Arm of a held node over the size of its piece below which it holds no rotation.
 
+    Returns
+    -------
+    list of (ndarray of int, list of str)
+        Nodes of each piece, and its motions in words, one each.
+
     Examples
     --------
     >>> from shellcut.mesh.structured import rectangle
     >>> mesh = rectangle(2.0, 1.0, size=1.0)
     >>> support = np.zeros((mesh.n_node, 6), bool)
     >>> support[mesh.node_set("left"), 0] = True
-    >>> [piece.free for piece in pieces_of(mesh.quads, mesh.nodes, mesh.directors, support, 1e-9)]
-    [['along y', 'along z', 'about x', 'about y']]
+    >>> [(_, free)] = pieces_of(mesh.quads, mesh.nodes, mesh.directors, support, 1e-9)
+    >>> free
+    ['along y', 'along z', 'about x', 'about y']
     """
     ends = np.repeat(quads[:, 0], 3), quads[:, 1:].ravel()
     piece = by_first_appearance(connected_parts(*ends, len(x)))
@@ -95,7 +91,7 @@ def pieces_of(
         rows = _conditions(x[nodes], directors[nodes], support[nodes])
         _, size, way = np.linalg.svd(np.concatenate([rows, np.zeros((6, 6))]), full_matrices=False)
         free = way[size <= lever * max(float(size[0]), np.finfo(float).tiny)]
-        found.append(Piece(nodes, _in_words(free)))
+        found.append((nodes, _in_words(free)))
     return found
 
 

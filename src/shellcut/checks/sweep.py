@@ -27,6 +27,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, each, norm, product, unit
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
@@ -124,11 +125,6 @@ class Sweep:
     def edge_length(self) -> Floats:
         """Local edge length (root of the quad's area) at each place, shape (n,), [mm]."""
         return np.asarray(np.sqrt(self.mesh.quad_areas())[self.quad])
-
-    @cached_property
-    def quad_normal(self) -> Floats:
-        """Unit normal of the film at each place, shape (n, 3)."""
-        return _quad_normals(self.mesh)[self.quad]
 
     def distance(self, points: Floats) -> Floats:
         """Return the distance of points of the reference film from the path, shape (n,), [mm].
@@ -249,7 +245,7 @@ class _Search:
         self._mesh, self._tool, self._motion = mesh, tool, motion
         self._duration = duration
         self._centres = mesh.nodes[mesh.quads].mean(axis=1)
-        self._normals = _quad_normals(mesh)
+        self._normals = corner_normals(mesh.nodes[mesh.quads])
         self._size = np.sqrt(mesh.quad_areas())
         self._tree = scipy.spatial.cKDTree(self._centres)
         self._edge_length = float(np.median(self._size))
@@ -400,11 +396,6 @@ class _Search:
         best = inside.argmax(axis=1)
         rows = np.arange(len(p))
         return np.where(inside[rows, best], near[rows, best], -1)
-
-
-def _quad_normals(mesh: Mesh) -> Floats:
-    corner = mesh.nodes[mesh.quads]
-    return unit(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]))
 
 
 def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:

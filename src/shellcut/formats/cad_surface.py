@@ -65,13 +65,7 @@ def read_cad(
         raise ValueError(
             f"chord_deviation must be a finite length above 0 in mm, got {chord_deviation!r}"
         )
-    content = read_bytes(path)
-    if len(content) > LARGEST_FILE:
-        raise FileError(
-            path,
-            f"a CAD file must hold {LARGEST_FILE / 1e6:,.0f} MB at most, got "
-            f"{len(content) / 1e6:,.0f} MB: leave out what does not touch the film",
-        )
+    content = read_bytes(path, LARGEST_FILE)
     units = stated_unit(path, content)
     listed = " and ".join(f"{unit:g}" for unit in units)
     if len(units) > 1 and unit_mm is not None:

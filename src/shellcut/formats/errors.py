@@ -1,4 +1,4 @@
-"""The error of all readers, and lists in messages."""
+"""The error of all readers; lists and places in messages."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
 
 LARGEST_FILE = 1_000_000_000
@@ -30,17 +31,22 @@ def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
     return ", ".join(describe(item) for item in listed[:_NAMED]) + more
 
 
-def read_bytes(path: str | Path) -> bytes:
-    """Return the content of a file.
+def point_text(point: Floats) -> str:
+    """Return the coordinates of a point."""
+    return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"
+
+
+def read_bytes(path: str | Path, most: int | None = None) -> bytes:
+    """Return the content of a file; ``most`` bytes, by default :data:`LARGEST_FILE`.
 
     Raises
     ------
     FileError
             If the file does not exist, cannot be read, is empty, is not a regular file (but a
-            pipe, a device), or is larger than :data:`LARGEST_FILE`.
+            pipe, a device), or is larger.
     """
     try:
-        content = read_regular(path, LARGEST_FILE)
+        content = read_regular(path, LARGEST_FILE if most is None else most)
     except OSError as reason:
         raise FileError(path, f"cannot be read: {reason.strerror or reason}") from None
     if not content:

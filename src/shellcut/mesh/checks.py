@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, norm
-from shellcut.formats.errors import named
+from shellcut.arrays import Bools, Floats, Ints, angles, norm
+from shellcut.formats.errors import named, point_text
 
 from .quad_geometry import (
     QuadSides,
-    angles_deg,
     corner_vectors,
     edge_lengths,
     mean_directors,
@@ -107,13 +106,9 @@ def error(problems: list[str]) -> MeshError:
     return MeshError(f"{len(problems)} problems:\n- " + "\n- ".join(problems))
 
 
-def _point(x: Floats) -> str:
-    return "(" + ", ".join(f"{c:.6g}" for c in x) + ")"
-
-
 def place(node: int, X: Floats) -> str:
     """Name a node and where it is."""
-    return f"node {node} at {_point(X[node])}"
+    return f"node {node} at {point_text(X[node])}"
 
 
 def _places(nodes: Ints, X: Floats) -> str:
@@ -121,7 +116,7 @@ def _places(nodes: Ints, X: Floats) -> str:
 
 
 def _quad_places(quads: Ints, X: Floats, Q: Ints) -> str:
-    return named(quads, lambda e: f"quad {e} at {_point(X[Q[e]].mean(axis=0))}")
+    return named(quads, lambda e: f"quad {e} at {point_text(X[Q[e]].mean(axis=0))}")
 
 
 def _quad_pairs(one: Ints, two: Ints, X: Floats, Q: Ints) -> str:
@@ -331,7 +326,7 @@ def _check_folds(
     alike &= sound[one] & sound[two]
     one, two = one[alike], two[alike]
     normals = quad_vectors(X, Q)
-    angle = angles_deg(normals[one], normals[two])
+    angle = np.degrees(angles(normals[one], normals[two]))
     folded = angle > limit_deg
     if folded.any():
         problems.append(
@@ -370,8 +365,8 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
     one, two, _ = edges.neighbours()
     fold = np.zeros(len(Q))
     for side in (one, two):
-        np.maximum.at(fold, side, angles_deg(normals[one], normals[two]))
-    lean = angles_deg(given[Q].sum(axis=1), normals)
+        np.maximum.at(fold, side, np.degrees(angles(normals[one], normals[two])))
+    lean = np.degrees(angles(given[Q].sum(axis=1), normals))
     limit = _QUAD_LEAN_DEG + _LEAN_OF_FOLD * fold
     if len(bad := np.flatnonzero(lean > limit)):
         problems.append(
@@ -381,7 +376,7 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
             f"{named(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
             "them out for the mean normals"
         )
-    lean = angles_deg(given, mean_directors(X, Q))
+    lean = np.degrees(angles(given, mean_directors(X, Q)))
     limit = np.full(len(X), _NODE_LEAN_DEG)
     limit[edges.nodes[edges.n_quad == 1]] = _RIM_LEAN_DEG
     sharpest = np.zeros(len(X))

@@ -19,7 +19,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
-from shellcut.formats.errors import FileError
+from shellcut.formats.errors import FileError, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
@@ -248,16 +248,16 @@ def _check_ends(
         gap = ""
         if len(alone) > 1:
             near = alone[int(np.argmin(away))]
-            there = f"{_text(ends[near])} of {_of(open_ones, near)}"
+            there = f"{point_text(ends[near])} of {_of(open_ones, near)}"
             gap = f", {away.min():.3g} mm from the end at {there}"
-        here = f"{_of(open_ones, end)} at {_text(ends[end])}"
+        here = f"{_of(open_ones, end)} at {point_text(ends[end])}"
         problems.append(f"an end of {here} meets no other{gap}")
     if len(alone) > _NAMED:
         problems.append(f"and {len(alone) - _NAMED} more open ends")
     for members in [members for members in at.values() if len(members) > 2][:_NAMED]:
         kinds = ", ".join(dict.fromkeys(_of(open_ones, end) for end in members))
         problems.append(
-            f"{len(members)} ends meet at {_text(ends[members[0]])} ({kinds}): choose layers, or "
+            f"{len(members)} ends meet at {point_text(ends[members[0]])} ({kinds}): choose layers, or "
             "remove lines drawn twice"
         )
     if problems:
@@ -290,7 +290,7 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
     whole = [loop for loop in loops if len(loop) > 2]
     if not whole:
         raise FileError(path, "curves must form closed loops with an area, got none")
-    name = [f"the loop of {area_of(p):.4g} mm² around {_text(p.mean(axis=0))}" for p in whole]
+    name = [f"the loop of {area_of(p):.4g} mm² around {point_text(p.mean(axis=0))}" for p in whole]
     largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
     try:
         problems = not_one_film(whole, name, outer=largest, apart=apart)
@@ -308,7 +308,3 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
 
 def _of(open_ones: list[tuple[int, Curve]], end: int) -> str:
     return open_ones[end // 2][1].where
-
-
-def _text(point: Floats) -> str:
-    return f"({point[0]:.5g}, {point[1]:.5g})"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, angles, norm, product
-from shellcut.formats.errors import named
+from shellcut.formats.errors import named, point_text
 from shellcut.numerics.connected_parts import connected_parts
 
 from .checks import place
@@ -143,7 +143,7 @@ def _holes(mesh: Mesh, rim: _Rim) -> Iterator[str]:
         vector = 0.5 * np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
         around = areas[np.isin(mesh.quads, members).any(axis=1)].mean()
         size = float(norm(vector) / around)
-        place = f"{len(members)} edges around {_point(points.mean(axis=0))} mm"
+        place = f"{len(members)} edges around {point_text(points.mean(axis=0))} mm"
         if product(vector, mesh.directors[members].sum(axis=0)) > 0.0:
             yield f"quads overlap within a loop of {place}: is a corner of one wrong there?"
         elif size < _MOST_LOST + 0.5 and frozenset(members.tolist()) not in known:
@@ -165,7 +165,7 @@ def _notches(mesh: Mesh, rim: _Rim) -> Iterator[str]:
     found &= (rim.angle[c] > inner) & (rim.angle[d] < outer) & (rim.next[d] != a)
     if found.any():
         corners = np.stack([a, b, c, d], axis=1)[found]
-        told = named(corners.tolist(), lambda k: _point(mesh.nodes[k].mean(axis=0)) + " mm")
+        told = named(corners.tolist(), lambda k: point_text(mesh.nodes[k].mean(axis=0)) + " mm")
         n = len(corners)
         yield (
             f"{_counted(n, 'notch', 'notches')} in the rim of the size of one quad, at {told}: is "
@@ -278,8 +278,4 @@ def _counted(n: int, one: str, more: str) -> str:
 
 
 def _centre(mesh: Mesh, quad: int) -> str:
-    return _point(mesh.nodes[mesh.quads[quad]].mean(axis=0))
-
-
-def _point(x: Floats) -> str:
-    return "(" + ", ".join(f"{round(c, 9) + 0.0:.4g}" for c in x.tolist()) + ")"
+    return point_text(mesh.nodes[mesh.quads[quad]].mean(axis=0))

@@ -18,7 +18,7 @@ import scipy
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.formats.abaqus import read_abaqus
-from shellcut.formats.errors import FileError, named
+from shellcut.formats.errors import FileError, named, point_text
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
@@ -316,7 +316,7 @@ class _Film:
             raise FileError(
                 self.path,
                 f"a sheet must have two sides, got {len(winding.one_sided)} quads around "
-                f"({', '.join(f'{c:.4g}' for c in places)}) that have one, as a Möbius strip does",
+                f"{point_text(places)} that have one, as a Möbius strip does",
             )
         turned = winding.turned
         if turned.any():

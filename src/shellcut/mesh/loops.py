@@ -9,6 +9,8 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, product
 
+from shellcut.formats.errors import point_text
+
 from .checks import MeshError
 
 _ROUND_OFF = 1e-12  # over the extent: sides of one polygon meet if they are closer
@@ -153,7 +155,7 @@ def _told(found: Meeting, names: Sequence[str], apart: float) -> str:
         other = "itself"
     elif apart and not found.crosses:
         how += f" (or comes closer than {apart:.2g} mm to)"
-    return f"{one} {how} {other} at ({found.place[0]:.5g}, {found.place[1]:.5g})"
+    return f"{one} {how} {other} at {point_text(found.place)}"
 
 
 def _close_boxes(low: Floats, high: Floats, reach: float) -> tuple[Ints, Ints]:

@@ -261,7 +261,7 @@ def free_rigid_motions(state: State) -> list[str]:
     n, node = state.n_node, state.node
     pieces = pieces_of(state.quads, node.x[:n], node.t[:n], node.support[:n], _LEVER)
     where = [f" of part {k + 1} of {len(pieces)}" * (len(pieces) > 1) for k in range(len(pieces))]
-    return [way + said for piece, said in zip(pieces, where, strict=True) for way in piece.free]
+    return [way + said for (_, free), said in zip(pieces, where, strict=True) for way in free]
 
 
 def _said(rigid: list[str]) -> str:

@@ -27,10 +27,11 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, SmallInts, angles, product
+from shellcut.formats.errors import point_text
 from shellcut.formats.stl import write_stl
 
 from .edge_chains import chains_facing_back, chains_of, reverse_chains
-from .surface import Surface, counted, merge_vertices, point_text, six_volumes
+from .surface import Surface, counted, merge_vertices, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
