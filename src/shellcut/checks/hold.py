@@ -85,7 +85,7 @@ def pieces_of(
     """
     ends = np.repeat(quads[:, 0], 3), quads[:, 1:].ravel()
     piece = by_first_appearance(connected_parts(*ends, len(x)))
-    found = []
+    found: list[tuple[Ints, list[str]]] = []
     for k in range(int(piece.max()) + 1):
         nodes = np.flatnonzero(piece == k)
         rows = _conditions(x[nodes], directors[nodes], support[nodes])
