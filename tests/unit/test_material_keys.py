@@ -21,8 +21,7 @@ from shellcut.material import (
     Voce,
 )
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
-from shellcut.model_file import ModelFileError
-from shellcut.model_file import preset_film
+from shellcut.model_file import ModelFileError, preset_film
 from shellcut.model_file.presets import presets
 
 MODULI = Elastic(1678.0, 0.3, 1e-9)

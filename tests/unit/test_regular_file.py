@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from shellcut.formats import cad_surface, drawing, errors
 from shellcut import (
     TableMotion,
     evaluate_tensile,
@@ -19,6 +18,7 @@ from shellcut import (
 )
 from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
+from shellcut.formats import cad_surface, drawing, errors
 from shellcut.results.history import read_history
 from shellcut.results.splits_csv import read_splits
 from shellcut.results.vtkhdf_reader import VtkHdfReader

@@ -10,7 +10,16 @@ from shellcut.study.fit import Search
 
 from .compare import parted
 from .exit_code import DONE, FAILED, refuse
-from .shared_arguments import add_engine_to, add_options, add_settings_to, engine_given, key_and_value, made_of, named, settings_of
+from .shared_arguments import (
+    add_engine_to,
+    add_options,
+    add_settings_to,
+    engine_given,
+    key_and_value,
+    made_of,
+    named,
+    settings_of,
+)
 
 if TYPE_CHECKING:
     from shellcut.study.curve_misfit import FitCurve

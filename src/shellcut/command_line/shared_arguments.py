@@ -14,19 +14,10 @@ T = TypeVar("T")
 
 
 def named(text: str) -> Path:
-    """Return the path of an argument, for ``type=named``.
-
-    Raises
-    ------
-    ArgumentTypeError
-        If it is empty, which would stand for the present folder.
-    """
+    """Return the path of an argument, for ``type=named``; an empty one is no name."""
     if not text:
         raise argparse.ArgumentTypeError("must have a name, got an empty one")
     return Path(text)
-
-
-# --- keys of a model and their values -------------------------------------------------------------
 
 
 def add_settings_to(parser: argparse.ArgumentParser) -> None:
@@ -79,9 +70,6 @@ def key_and_value(text: str) -> tuple[str, str]:
     return key.strip(), value.strip()
 
 
-# --- arguments declared where they are used -------------------------------------------------------
-
-
 def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **flags: str) -> None:
     """Add arguments of a class, by the names of its parameters: type, choices, default, help."""
     for name, flag in flags.items():
@@ -105,9 +93,6 @@ def made_of(arguments: argparse.Namespace, owner: Callable[..., T], **more: Any)
         **{name: v for (of, _, name), v in given.items() if of == owner.__name__ and v is not None},
         **more,
     )
-
-
-# --- what carries out the runs of a study or fit --------------------------------------------------
 
 
 def add_engine_to(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 from shellcut.study.design import Design
 
 from .exit_code import DONE, FAILED, refuse
-from .shared_arguments import add_engine_to, add_options, add_settings_to, engine_given, key_and_value, made_of, named
+from .shared_arguments import (
+    add_engine_to,
+    add_options,
+    add_settings_to,
+    engine_given,
+    key_and_value,
+    made_of,
+    named,
+)
 
 if TYPE_CHECKING:
     from shellcut.study.plan import Plan

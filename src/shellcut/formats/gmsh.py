@@ -192,7 +192,9 @@ class _Reader(Content):
             (count,) = self._sizes(1)
             self.node_labels.append(self.numbers("i8", count))
             columns = 3 + (int(dim) if parametric else 0)
-            self.positions.append(self.numbers("f8", count * columns).reshape(count, columns)[:, :3])
+            self.positions.append(
+                self.numbers("f8", count * columns).reshape(count, columns)[:, :3]
+            )
         self._check_count("nodes", n_node, sum(len(p) for p in self.positions))
 
     def _elements_4(self) -> None:

@@ -1,8 +1,9 @@
 """LS-DYNA keyword files (.k, .key, .dyn): nodes, shells, parts and their sets.
 
 The reader uses *NODE, *ELEMENT_SHELL with the options that change no node, *PART, *SET_NODE,
-*SET_SHELL and *SET_PART (as LIST, COLUMN, LIST_GENERATE; each with _TITLE) and *INCLUDE. Any other *ELEMENT is counted; the caller refuses it or leaves it out.
-Everything else (materials, sections, control, contact) is named in a note.
+*SET_SHELL and *SET_PART (as LIST, COLUMN, LIST_GENERATE; each with _TITLE) and *INCLUDE. Any
+other *ELEMENT is counted; the caller refuses it or leaves it out. Everything else (materials,
+sections, control, contact) is named in a note.
 
 A set is named by its title, otherwise ``node_set_3`` and the like; a part by its title, otherwise
 ``part_3``.
@@ -19,8 +20,8 @@ import numpy as np
 
 from shellcut.arrays import Ints
 
-from .errors import named
 from .deck import Deck
+from .errors import named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
 from .losses import blank_note, gap_note, ragged_note, repeat_note, unused_note
 from .lsdyna_deck import Card, CardBlock, Layout, read_deck

@@ -69,10 +69,11 @@ class _Reader(Content):
             for _ in range(element.count):
                 row = self._row(element)
                 if ends and self.next_token != ends[n_row]:
+                    more = "more" if self.next_token < ends[n_row] else "fewer"
                     raise self.error(
                         f"each {element.name} must have its own line, but {element.name} in line "
                         f"{self.row_lines[n_row]} of the file has "
-                        f"{'more' if self.next_token < ends[n_row] else 'fewer'} values than it should"
+                        f"{more} values than it should"
                     )
                 n_row += 1
                 if element.name == "vertex":

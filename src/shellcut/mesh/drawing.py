@@ -257,8 +257,8 @@ def _check_ends(
     for members in [members for members in at.values() if len(members) > 2][:_NAMED]:
         kinds = ", ".join(dict.fromkeys(_of(open_ones, end) for end in members))
         problems.append(
-            f"{len(members)} ends meet at {point_text(ends[members[0]])} ({kinds}): choose layers, or "
-            "remove lines drawn twice"
+            f"{len(members)} ends meet at {point_text(ends[members[0]])} ({kinds}): choose "
+            "layers, or remove lines drawn twice"
         )
     if problems:
         more = _closing(ends, alone) if alone else ""

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, product
-
 from shellcut.formats.errors import point_text
 
 from .checks import MeshError
@@ -142,7 +141,9 @@ def not_one_film(
     if problems := [_told(found, names, apart) for found in meetings(loops, apart)]:
         return problems
     level = levels(loops)
-    problems = [f"{names[k]} lies outside" for k in np.flatnonzero(level == 0).tolist() if k != outer]
+    problems = [
+        f"{names[k]} lies outside" for k in np.flatnonzero(level == 0).tolist() if k != outer
+    ]
     return problems + [f"{names[k]} lies in a hole" for k in np.flatnonzero(level > 1).tolist()]
 
 

@@ -17,8 +17,8 @@ unless :func:`shellcut.tool.rounded_edge.with_edge_radius` rounds it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from math import radians
 from pathlib import Path
 
