@@ -6,7 +6,7 @@
 from pathlib import Path
 
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
-from shellcut.model_file.preset_film import preset_film
+from shellcut.model_file import preset_film
 from shellcut.model_file.presets import presets
 
 PAGE = Path(__file__).parent / "materials.md"
@@ -72,13 +72,13 @@ def page():
         "|---|---|---|---|---|",
     ]
     for name, one in presets().items():
-        rows.append(f"| [`{name}`](#{name}) | {one.title} | {' | '.join(_figures(name))} |")
+        rows.append(f"| [`{name}`](#{name}) | {one['title']} | {' | '.join(_figures(name))} |")
     parts = [TOP + "\n".join(rows)]
     for name, one in presets().items():
-        sources = "\n".join(f"- {text}" for text in one.sources)
+        sources = "\n".join(f"- {text}" for text in one["sources"])
         parts.append(
-            f"## {name}\n\n{one.title}.\n\n{_keys(one.keys)}\n\n"
-            f"Fits of ours: {one.fit}\n\n{sources}"
+            f"## {name}\n\n{one['title']}.\n\n{_keys(one['material'])}\n\n"
+            f"Fits of ours: {one['fit']}\n\n{sources}"
         )
     return "\n\n".join(parts) + "\n" + MISSING
 
@@ -131,7 +131,7 @@ def picture():
             strain, stress = nominal_curve(preset_film(name))
             shown = strain <= end
             ax.plot(100 * strain[shown], stress[shown], color=colours[name], label=name)
-            for x, y in presets()[name].published["points"]:
+            for x, y in presets()[name]["published"]["points"]:
                 if x <= end:
                     ax.plot(100 * x, y, "o", color=colours[name], mfc="none")
         ax.set(xlabel="strain [%]", ylim=(0, None), xlim=(0, None))

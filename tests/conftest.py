@@ -71,15 +71,13 @@ _MOST_GRIDS = 24
 def _one_grid_for_equal_tools():
     """Give equal tools one grid of closest triangles: a tenth of a second for every simulation.
 
-    A grid is read-only. With arguments of its own it is built as ever.
+    A grid is read-only.
     """
     from shellcut.tool.closest_triangles import ClosestTriangleGrid
 
     build, known = ClosestTriangleGrid.build, {}
 
-    def built(tool, **options):
-        if options:
-            return build(tool, **options)
+    def built(tool):
         arrays = tool.vertices, tool.triangles, tool.triangle_body, tool.flank
         key = tuple(array.tobytes() for array in arrays)
         if key not in known:

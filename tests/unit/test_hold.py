@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut.checks.hold import check_hold, free_motions
+from shellcut.checks.hold import check_hold, pieces_of
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 
@@ -36,10 +36,13 @@ def held(*parts, n_node=MESH.n_node):
             [(SIDE["left"], [0]), (SIDE["bottom"], [1]), (SIDE["right"], [2])],
             ["about an axis along (0, 1, 0)"],
         ),
+        # two nodes on a diagonal, and z where neither of them lies
+        ([([0, -1], POSITION)], ["about an axis along (1, 0.5, 0)"]),
     ],
 )
 def test_what_supports_leave_free(parts, free):
-    assert free_motions(MESH, held(*parts), ALL) == free
+    [(_, found)] = pieces_of(MESH.quads, MESH.nodes, MESH.directors, held(*parts), 1e-10)
+    assert found == free
 
 
 def test_every_piece_must_be_held():

@@ -89,25 +89,13 @@ def test_sets_of_every_kind(tmp_path):
         more(
             "*SET_NODE_LIST_GENERATE\n" + card([20], 10) + card([a, b, 0, 0], 10),
             "*SET_NODE_COLUMN\n" + card([21], 10) + card([a], 10) + card([b], 10),
-            "*SET_NODE_GENERAL_TITLE\nalmost all\n" + card([22], 10),
-            "ALL".ljust(10) + "\n" + "DNODE".ljust(10) + card([a, b], 10),
-            "*SET_NODE_GENERAL\n" + card([23], 10) + "PART".ljust(10) + card([2], 10),
-            "*SET_NODE_ADD\n" + card([24], 10) + card([20, 7], 10),
             "*SET_PART_LIST\n" + card([9], 10) + card([1, 2], 10),
-            "*SET_SHELL_GENERAL\n" + card([5], 10) + "PART".ljust(10) + card([2], 10),
-            "DELEM".ljust(10) + card([QUAD_ID[RIGHT_PART[0]]], 10),
         ),
     )
     ab = set(rows_in(mesh, NODES[[list(NODE_ID).index(a), list(NODE_ID).index(b)]]))
-    left = set(mesh.node_set("left"))
     assert set(mesh.node_set("node_set_20")) == ab
     assert set(mesh.node_set("node_set_21")) == ab
-    assert set(mesh.node_set("almost all")) == set(range(18)) - ab
-    right = rows_in(mesh, NODES[np.unique(QUADS[RIGHT_PART])])
-    assert set(mesh.node_set("node_set_23")) == set(right)
-    assert set(mesh.node_set("node_set_24")) == ab | left
     assert len(mesh.quad_set("part_set_9")) == 10
-    assert len(mesh.quad_set("shell_set_5")) == len(RIGHT_PART) - 1
 
 
 def test_sets_that_are_not_read_are_said(tmp_path, caplog):
@@ -213,7 +201,6 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
         ("*NOD\n", "did you mean *NODE?"),
         ("*SET_NODE_LIST\n", "a set must have an id"),
         ("*SET_NODE_LIST\n" + card([30], 10) + card([11], 10), "got 11; is the file cut short?"),
-        ("*SET_NODE_ADD\n" + card([30], 10) + card([99], 10), "must add sets that are read"),
         ("*PART\nalone\n", "each part must have a title and a card"),
     ],
 )

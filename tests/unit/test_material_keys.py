@@ -21,8 +21,7 @@ from shellcut.material import (
     Voce,
 )
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
-from shellcut.model_file import ModelFileError
-from shellcut.model_file.preset_film import preset_film
+from shellcut.model_file import ModelFileError, preset_film
 from shellcut.model_file.presets import presets
 
 MODULI = Elastic(1678.0, 0.3, 1e-9)
@@ -178,7 +177,7 @@ def test_the_file_of_a_layer_is_recorded_too(tmp_path):
     film = model.sections["material"].made()
     # the file stands in place of the preset's hardening
     assert film.layers[0].material.hardening.stress_at == (10.0, 20.0, 50.0)
-    assert film.layers[0].material.elastic.young == presets()["pet"].keys["young"]
+    assert film.layers[0].material.elastic.young == presets()["pet"]["material"]["young"]
     assert film.thickness == pytest.approx(0.083)
 
 
@@ -220,19 +219,19 @@ class TestPresets:
         one = presets()[name]
         film = preset_film(name)
         assert film.thickness > 0.0
-        assert one.title
-        assert one.fit
-        assert len(one.sources) >= 1
-        for source in one.sources:
+        assert one["title"]
+        assert one["fit"]
+        assert len(one["sources"]) >= 1
+        for source in one["sources"]:
             # who, and what was measured or given
             assert len(source) > 60
         page = (DOCS / "materials.md").read_text(encoding="utf-8")
-        for text in (one.title, one.fit, *one.sources):
+        for text in (one["title"], one["fit"], *one["sources"]):
             assert text in page
 
     @pytest.mark.parametrize("name", presets())
     def test_its_curve_has_the_published_figures(self, name):
-        published = presets()[name].published
+        published = presets()[name]["published"]
         film = preset_film(name)
         strain, stress = nominal_curve(film)
         if "young" in published:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-import shellcut.formats.errors
 from shellcut import (
     TableMotion,
     evaluate_tensile,
+    read,
     read_drawing,
     read_film,
     read_measured_curve,
@@ -18,6 +18,7 @@ from shellcut import (
 )
 from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
+from shellcut.formats import cad_surface, drawing, errors
 from shellcut.results.history import read_history
 from shellcut.results.splits_csv import read_splits
 from shellcut.results.vtkhdf_reader import VtkHdfReader
@@ -79,7 +80,7 @@ def test_a_pipe_is_not_waited_for(tmp_path, name):
         ("history.csv", read_history),
         ("splits.csv", read_splits),
         ("run.files", lambda path: FileList(path.parent).add("a.vtkhdf")),
-        ("a.vtkhdf", lambda path: shellcut.read(path.parent)),
+        ("a.vtkhdf", lambda path: read(path.parent)),
     ],
 )
 def test_a_pipe_among_results_is_not_waited_for(tmp_path, name, read):
@@ -106,7 +107,11 @@ def test_a_folder_of_that_name_is_told(tmp_path, name):
 @pytest.mark.parametrize("name", READERS)
 def test_a_file_too_large_is_not_read(tmp_path, name):
     # as long as the limit and one byte more, and empty: no system keeps its zeros
-    limit = 10_000_000 if name == "model.toml" else shellcut.formats.errors.LARGEST_FILE
+    limit = {
+        ".toml": 10_000_000,
+        **dict.fromkeys((".dxf", ".svg"), drawing.LARGEST_FILE),
+        **dict.fromkeys((".step", ".iges"), cad_surface.LARGEST_FILE),
+    }.get(Path(name).suffix, errors.LARGEST_FILE)
     with (tmp_path / name).open("wb") as file:
         file.truncate(limit + 1)
     told = re.escape(f"must hold {limit // 10**6:,} MB at most, got {limit // 10**6:,} MB or more")

@@ -183,8 +183,8 @@ class TestPly:
             ("element face", "element face 0\nelement face", "each element must occur once"),
             ("double x", "list uchar double x", "vertex with x, y and z"),
             ("element face 12", "element face 11", "must end after the content"),
-            ("element vertex 8", "element vertex 7", "values must be numbers|faces must name"),
-            ("4.0 2.0 1.0", "4.0 2.0 one", "values must be numbers"),
+            ("element vertex 8", "element vertex 7", "there must be .*numbers|faces must name"),
+            ("4.0 2.0 1.0", "4.0 2.0 one", "there must be .*numbers"),
         ],
     )
     def test_refusals(self, tmp_path, old, new, words):

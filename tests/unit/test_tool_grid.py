@@ -101,20 +101,8 @@ def test_teeth_equal_brute_force(half_angle_deg):
     tool = tooth_ring(
         n_teeth=2, radius=3.0, height=1.5, length=0.8, wedge_half_angle_deg=half_angle_deg, n_arc=8
     )
-    grid = ClosestTriangleGrid.build(tool, cell_size=0.2)
+    grid = ClosestTriangleGrid.build(tool)
     assert_matches_brute_force(tool, grid, random_points(tool, seed=12, n=400))
-
-
-def test_any_cell_size_gives_the_same_answers():
-    tool = straight_blade(height=1.0, length=1.5)
-    points = random_points(tool, seed=13, n=1000)
-    fine = ClosestTriangleGrid.build(tool, cell_size=0.06)
-    coarse = ClosestTriangleGrid.build(tool, cell_size=0.5)
-    both = fine.query(points, 1)[0] & coarse.query(points, 1)[0]
-    _, inside_fine, _, closest_fine = fine.query(points[both], 1)
-    _, inside_coarse, _, closest_coarse = coarse.query(points[both], 1)
-    np.testing.assert_array_equal(inside_fine, inside_coarse)
-    np.testing.assert_allclose(closest_fine, closest_coarse, atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -173,20 +161,22 @@ def test_lists_are_sorted_and_arrays_read_only():
     assert "cells of" in repr(grid)
 
 
-def test_number_of_cells_is_capped():
-    grid = ClosestTriangleGrid.build(straight_blade(), max_cells=500)
-    assert 250 < np.prod(grid.arrays.cells.shape) <= 500
+def test_however_few_cells_there_are_the_answers_are_the_same(monkeypatch):
+    tool = straight_blade(height=1.0, length=1.5)
+    points = random_points(tool, seed=13, n=1000)
+    fine = ClosestTriangleGrid.of(tool)
+    monkeypatch.setattr("shellcut.tool.closest_triangles.MOST_CELLS", 500)
+    coarse = ClosestTriangleGrid.of(straight_blade(height=1.0, length=1.5 + 1e-12))
+    assert 250 < np.prod(coarse.arrays.cells.shape) <= 500 < np.prod(fine.arrays.cells.shape)
+    both = fine.query(points, 1)[0] & coarse.query(points, 1)[0]
+    _, inside_fine, _, closest_fine = fine.query(points[both], 1)
+    _, inside_coarse, _, closest_coarse = coarse.query(points[both], 1)
+    np.testing.assert_array_equal(inside_fine, inside_coarse)
+    np.testing.assert_allclose(closest_fine, closest_coarse, atol=1e-11)
 
 
 def test_refusals():
-    tool = straight_blade()
-    with pytest.raises(ValueError, match=r"reach must be positive, got 0\.0 mm"):
-        ClosestTriangleGrid.build(tool, reach=0.0)
-    with pytest.raises(ValueError, match=r"cell_size must be positive, got -1\.0 mm"):
-        ClosestTriangleGrid.build(tool, cell_size=-1.0)
-    with pytest.raises(ValueError, match="max_cells must be at least 1, got 0"):
-        ClosestTriangleGrid.build(tool, max_cells=0)
-    grid = ClosestTriangleGrid.build(tool)
+    grid = ClosestTriangleGrid.of(straight_blade())
     with pytest.raises(ValueError, match=r"points must have shape \(n_point, 3\), got \(1, 2\)"):
         grid.query([0.0, 1.0])
     with pytest.raises(ValueError, match=r"side must be -1, 0 or \+1, got 2"):

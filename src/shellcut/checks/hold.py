@@ -1,4 +1,4 @@
-"""Check that supports keep every piece of the film from moving as a rigid body.
+"""Rigid motions that supports leave free, and the check that no piece of the film has any.
 
 A rigid motion has six parameters, a velocity a and an angular velocity w: a node at x moves with
 v = a + w × (x - c), its director with the part of w normal to it, because a director has no
@@ -14,11 +14,12 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.connected_parts import connected_parts
+from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 from .finding import DOUBT, Finding
 
-_FREE = 1e-8  # relative to the mean square motion of held nodes: round-off, not leverage
+_LEVER = 1e-4
+"""Arm of a held node over the size of its piece that is round-off of a file, and holds nothing."""
 _WAYS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 
@@ -28,21 +29,16 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
     Parameters
     ----------
     mesh : Mesh
-        Pieces are quads that share nodes.
     support : ndarray of bool, shape (n_node, 6)
         Held components of each node, three of position and three of director spin.
     """
-    piece = connected_parts(np.repeat(mesh.quads[:, 0], 3), mesh.quads[:, 1:].ravel(), mesh.n_node)
-    of_quad = piece[mesh.quads[:, 0]]
-    several = len(np.unique(of_quad)) > 1
-    for k in np.unique(of_quad).tolist():
-        nodes = np.flatnonzero(piece == k)
-        free = free_motions(mesh, support, nodes)
+    pieces = pieces_of(mesh.quads, mesh.nodes, mesh.directors, support, _LEVER)
+    for nodes, free in pieces:
         if not free:
             continue
-        n_quad = int((of_quad == k).sum())
+        n_quad = int(np.isin(mesh.quads[:, 0], nodes).sum())
         x, y, z = mesh.nodes[nodes].mean(axis=0) + 0.0
-        who = f"the piece of {n_quad:,} quads" if several else "the film"
+        who = f"the piece of {n_quad:,} quads" if len(pieces) > 1 else "the film"
         held = int(support[nodes].any(axis=1).sum())
         came = (
             f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, which nothing holds"
@@ -58,8 +54,24 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
         )
 
 
-def free_motions(mesh: Mesh, support: Bools, nodes: Ints) -> list[str]:
-    """Return in words the rigid motions that the supports of some nodes leave free.
+def pieces_of(
+    quads: Ints, x: Floats, directors: Floats, support: Bools, lever: float
+) -> list[tuple[Ints, list[str]]]:
+    """Return the pieces of a film, quads that share nodes, and the rigid motions each is free to.
+
+    Parameters
+    ----------
+    quads : ndarray of int, shape (n_quad, 4)
+    x, directors : ndarray, shape (n_node, 3), [mm] and [-]
+    support : ndarray of bool, shape (n_node, 6)
+        Held components of each node, three of position and three of director spin.
+    lever : float
+        Arm of a held node over the size of its piece below which it holds no rotation.
+
+    Returns
+    -------
+    list of (ndarray of int, list of str)
+        Nodes of each piece, and its motions in words, one each.
 
     Examples
     --------
@@ -67,39 +79,52 @@ def free_motions(mesh: Mesh, support: Bools, nodes: Ints) -> list[str]:
     >>> mesh = rectangle(2.0, 1.0, size=1.0)
     >>> support = np.zeros((mesh.n_node, 6), bool)
     >>> support[mesh.node_set("left"), 0] = True
-    >>> free_motions(mesh, support, np.arange(mesh.n_node))
+    >>> [(_, free)] = pieces_of(mesh.quads, mesh.nodes, mesh.directors, support, 1e-9)
+    >>> free
     ['along y', 'along z', 'about x', 'about y']
     """
-    rows = _conditions(mesh, support, nodes)
-    square = rows.T @ rows / max(len(rows), 1)
-    value, vector = np.linalg.eigh(square)
-    n_free = int((value <= _FREE * max(float(value[-1]), np.finfo(float).tiny)).sum())
-    if value[-1] == 0.0:
-        n_free = 6
-    pure = [way for c, way in enumerate(_WAYS) if np.linalg.norm(vector[c, :n_free]) > 1.0 - 1e-6]
-    left = n_free - len(pure)
-    if left == 1 and not pure:
-        turn = vector[3:, 0] / np.abs(vector[3:, 0]).max()
-        x, y, z = np.round(turn * (1.0 if turn.sum() >= 0.0 else -1.0), 6) + 0.0
-        return [f"about an axis along ({x:.3g}, {y:.3g}, {z:.3g})"]
-    return [*pure, f"in {left} more ways"] if left else pure
+    ends = np.repeat(quads[:, 0], 3), quads[:, 1:].ravel()
+    piece = by_first_appearance(connected_parts(*ends, len(x)))
+    found: list[tuple[Ints, list[str]]] = []
+    for k in range(int(piece.max()) + 1):
+        nodes = np.flatnonzero(piece == k)
+        rows = _conditions(x[nodes], directors[nodes], support[nodes])
+        _, size, way = np.linalg.svd(np.concatenate([rows, np.zeros((6, 6))]), full_matrices=False)
+        free = way[size <= lever * max(float(size[0]), np.finfo(float).tiny)]
+        found.append((nodes, _in_words(free)))
+    return found
 
 
-def _conditions(mesh: Mesh, support: Bools, nodes: Ints) -> Floats:
-    """Return the supports as rows acting on (a, w size), shape (n, 6)."""
-    centre = mesh.nodes[nodes].mean(axis=0)
-    size = float(np.linalg.norm(np.ptp(mesh.nodes[nodes], axis=0))) or 1.0
+def _in_words(free: Floats) -> list[str]:
+    """Name the motions spanned by a basis, shape (n, 6)."""
+    pure = np.flatnonzero(np.linalg.norm(free, axis=0) > 1.0 - 1e-6)
+    names = [_WAYS[c] for c in pure]
+    n_other = len(free) - len(pure)
+    if n_other != 1:
+        return [*names, *["about another axis"] * n_other]
+    mixed = free.copy()
+    mixed[:, pure] = 0.0
+    motion = mixed[np.argmax(np.linalg.norm(mixed, axis=1))]
+    turns = bool(np.linalg.norm(motion[3:]) > 1e-6)
+    way = motion[3:] if turns else motion[:3]
+    way = way / np.abs(way).max()
+    x, y, z = np.round(way * (1.0 if way.sum() >= 0.0 else -1.0), 6) + 0.0
+    return [*names, f"{'about an axis ' if turns else ''}along ({x:.3g}, {y:.3g}, {z:.3g})"]
+
+
+def _conditions(x: Floats, directors: Floats, support: Bools) -> Floats:
+    """Return the supports of a piece as rows acting on (a, w size), shape (n, 6)."""
+    arms = x - x.mean(axis=0)
+    arms /= float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0
     rows = []
     for c in range(3):
-        held = nodes[support[nodes, c]]
-        arm = (mesh.nodes[held] - centre) / size
-        row = np.zeros((len(held), 6))
+        held = support[:, c]
+        row = np.zeros((int(held.sum()), 6))
         row[:, c] = 1.0
-        row[:, 3:] = np.cross(arm, np.eye(3)[c])  # e_c · (w × r) = w · (r × e_c)
+        row[:, 3:] = np.cross(arms[held], np.eye(3)[c])  # e_c · (w × r) = w · (r × e_c)
         rows.append(row)
-        turned = nodes[support[nodes, 3 + c]]
-        t = mesh.directors[turned]
-        row = np.zeros((len(turned), 6))
+        t = directors[support[:, 3 + c]]
+        row = np.zeros((len(t), 6))
         row[:, 3:] = np.eye(3)[c] - t[:, [c]] * t
         rows.append(row)
     return np.concatenate(rows)

@@ -123,17 +123,13 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     if len(sweep.place) and along_edges:
         edge = Rows(sweep).spacing
     fixed = sim.time_step.stepping.fixed
-    bound = np.inf
-    if fixed is not None:
-        bound = sim.time_step.largest_safe(sim.state)
-    layers = [layer.material for layer in sim.material.layers]
     yield from check_steps(
         dt=sim.dt,
         fixed=fixed,
-        bound=bound,
+        bound=np.inf if fixed is None else sim.time_step.largest_safe(sim.state),
         check_every=sim.fracture.check_every,
         duration=until,
         speed=sweep.top_speed,
-        wave=max(material.wave_speed for material in layers),
+        wave=max(layer.material.wave_speed for layer in sim.material.layers),
         edge_length=edge,
     )

@@ -40,7 +40,7 @@ import scipy
 
 from shellcut.arrays import Bools
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.mesh.checks import some
+from shellcut.formats.errors import named
 from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
@@ -113,11 +113,11 @@ def edge_line(sweep: Sweep) -> str:
     parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
     never = [fate.chain for fate in fates if not fate.meets]
     if never:
-        parts.append(f"never: {some(never)}")
+        parts.append(f"never: {named(never)}")
     left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
     if left:
         first = min(left.values())
-        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
+        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {named(list(left))}")
     return "edges  " + "; ".join(parts)
 
 
@@ -168,7 +168,7 @@ def _first_exit(fates: list[Fate], sweep: Sweep) -> str:
 
 
 def _chains(numbers: list[int]) -> str:
-    return f"cutting edge{'s' if len(numbers) > 1 else ''} {some(numbers)}"
+    return f"cutting edge{'s' if len(numbers) > 1 else ''} {named(numbers)}"
 
 
 def _attack(sweep: Sweep) -> Iterator[Finding]:

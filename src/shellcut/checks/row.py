@@ -14,6 +14,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, product, unit
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.quad_geometry import corner_normals
 
 from .sweep import Sweep
 
@@ -34,7 +35,7 @@ class Rows:
         corner = mesh.nodes[mesh.quads[sweep.quad]]
         side = np.roll(corner, -1, axis=1) - corner
         length = np.linalg.norm(side, axis=2)
-        trace = np.cross(sweep.quad_normal, sweep.normal)
+        trace = np.cross(corner_normals(corner), sweep.normal)
         trace /= np.maximum(np.linalg.norm(trace, axis=1, keepdims=True), 1e-12)
         along = np.abs((side * trace[:, None]).sum(axis=2)) / length >= ALONG_ROW
         arm = sweep.place[:, None] - corner
@@ -54,8 +55,7 @@ class Rows:
         self.open: Bools = _open_sides(mesh, self.ends) & (self.off <= AT_ROW)
         """Whether the side was cut before the run, shape (n_place,)."""
         found = length[at, best][np.isfinite(self.off)]
-        size = sweep.edge_length
-        self.spacing = float(np.median(found if len(found) else size))
+        self.spacing = float(np.median(found if len(found) else sweep.edge_length))
         """Node spacing along the path [mm]."""
 
     @cached_property

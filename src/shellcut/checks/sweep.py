@@ -20,13 +20,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, each, norm, product, unit
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
@@ -124,11 +125,6 @@ class Sweep:
     def edge_length(self) -> Floats:
         """Local edge length (root of the quad's area) at each place, shape (n,), [mm]."""
         return np.asarray(np.sqrt(self.mesh.quad_areas())[self.quad])
-
-    @cached_property
-    def quad_normal(self) -> Floats:
-        """Unit normal of the film at each place, shape (n, 3)."""
-        return _quad_normals(self.mesh)[self.quad]
 
     def distance(self, points: Floats) -> Floats:
         """Return the distance of points of the reference film from the path, shape (n,), [mm].
@@ -238,16 +234,8 @@ def _continued(line: Floats, edge: float, s: Floats) -> Iterator[tuple[Floats, F
     yield s, c - arm + each(math.cos, turn) * arm + each(math.sin, turn) * across
 
 
-class _Places(NamedTuple):
-    # of one chain, as the fields of Sweep
-    chain: Ints
-    time: Floats
-    place: Floats
-    quad: Ints
-    velocity: Floats
-    back: Floats
-    normal: Floats
-    along_edge: Bools
+_Places: TypeAlias = dict[str, Any]
+"""Of one chain, by the names of the fields of :class:`Sweep`."""
 
 
 class _Search:
@@ -257,7 +245,7 @@ class _Search:
         self._mesh, self._tool, self._motion = mesh, tool, motion
         self._duration = duration
         self._centres = mesh.nodes[mesh.quads].mean(axis=1)
-        self._normals = _quad_normals(mesh)
+        self._normals = corner_normals(mesh.nodes[mesh.quads])
         self._size = np.sqrt(mesh.quad_areas())
         self._tree = scipy.spatial.cKDTree(self._centres)
         self._edge_length = float(np.median(self._size))
@@ -280,10 +268,7 @@ class _Search:
         found = [self._chain(k, *chain) for k, chain in enumerate(self._chains)]
         parts = [part for part, _, _ in found]
         fates = [self._taken_over(fate, parts) for _, fate, _ in found]
-        places = {
-            name: np.concatenate([getattr(part, name) for part in parts])
-            for name in _Places._fields
-        }
+        places = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
         return Sweep(
             self._mesh,
             self._duration,
@@ -341,16 +326,16 @@ class _Search:
         p, at, on, quad, ends = p[order], at[order], on[order], quad[order], ends[order]
         tick = np.minimum(at.astype(np.int64), len(self._times) - 1)
         R, arm = self._rotation[tick], p - self._translation[tick]
-        part = _Places(
-            np.full(len(p), k),
-            at * self._times[1],
-            p,
-            quad,
-            self._velocity[tick] + np.cross(self._spin[tick], arm),
-            np.einsum("nij,nj->ni", R, self._tool.edge_back[segment[on]]),
-            np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
-            along[order],
-        )
+        part = {
+            "chain": np.full(len(p), k),
+            "time": at * self._times[1],
+            "place": p,
+            "quad": quad,
+            "velocity": self._velocity[tick] + np.cross(self._spin[tick], arm),
+            "back": np.einsum("nij,nj->ni", R, self._tool.edge_back[segment[on]]),
+            "normal": np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
+            "along_edge": along[order],
+        }
         return part, self._fate(k, at, ends, above, p, x), self._top_speed(x)
 
     def _top_speed(self, x: Floats) -> float:
@@ -387,7 +372,7 @@ class _Search:
             return fate
         body = self._body_of_chain
         for k in np.flatnonzero(body == body[fate.chain]).tolist():
-            time = parts[k].time
+            time = parts[k]["time"]
             late = (time > fate.last) & (time <= fate.last + 3.0 * self._times[1])
             if k != fate.chain and late.any():
                 return replace(fate, passed_out=False)
@@ -411,11 +396,6 @@ class _Search:
         best = inside.argmax(axis=1)
         rows = np.arange(len(p))
         return np.where(inside[rows, best], near[rows, best], -1)
-
-
-def _quad_normals(mesh: Mesh) -> Floats:
-    corner = mesh.nodes[mesh.quads]
-    return unit(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]))
 
 
 def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:

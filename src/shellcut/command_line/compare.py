@@ -11,7 +11,7 @@ from shellcut.files.file_list import target
 from shellcut.results.comparison import Comparison, compare
 
 from .exit_code import BAD_INPUT, DONE, refuse
-from .named_path import named
+from .shared_arguments import named
 
 
 def add_to(commands: Any) -> None:

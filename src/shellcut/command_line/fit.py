@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING, Any
 from shellcut.study.fit import Search
 
 from .compare import parted
-from .declared_options import add_options, made_of
 from .exit_code import DONE, FAILED, refuse
-from .named_path import named
-from .run import add_settings_to, settings_of
-from .study_engine import add_engine_to, engine_given
+from .shared_arguments import (
+    add_engine_to,
+    add_options,
+    add_settings_to,
+    engine_given,
+    key_and_value,
+    made_of,
+    named,
+    settings_of,
+)
 
 if TYPE_CHECKING:
     from shellcut.study.curve_misfit import FitCurve
@@ -134,16 +140,17 @@ def _settings_of_curves(
     found: list[dict[str, object]] = [{} for _ in files]
     problems = []
     for curve, text in given:
-        key, equals, value = text.partition("=")
         of = [k for k, file in enumerate(files) if curve in (file, str(k + 1))]
         if not of:
             known = ", ".join(dict.fromkeys(files))
             numbers = "1" if len(files) == 1 else f"1 to {len(files)}"
             problems.append(f"--for {curve}: must be one of the files {known}, or {numbers}")
-        if not equals or not key.strip():
-            problems.append(f"--for {curve} {text}: must be KEY=VALUE")
-        for k in of:
-            found[k][key.strip()] = parse_value(value.strip())
+        try:
+            key, value = key_and_value(text)
+            for k in of:
+                found[k][key] = parse_value(value)
+        except ValueError as problem:
+            problems.append(f"--for {curve} {text}: {problem}")
     if problems:
         raise ValueError("\n".join(problems))
     return found

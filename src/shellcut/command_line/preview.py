@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from shellcut.files.file_list import target
 
 from .exit_code import BAD_INPUT, DONE, refuse
-from .named_path import named
-from .run import add_settings_to, settings_of
+from .shared_arguments import add_settings_to, named, settings_of
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model

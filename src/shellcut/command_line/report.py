@@ -10,7 +10,7 @@ from shellcut.report import report_run
 
 from .compare import add_columns_to, compared
 from .exit_code import DONE, refuse
-from .named_path import named
+from .shared_arguments import named
 
 
 def add_to(commands: Any) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 from shellcut.recording.run_log import RunLog
 
 from .exit_code import refuse
-from .named_path import named
 from .run_model import USED, run_model
+from .shared_arguments import named
 
 
 def add_to(commands: Any) -> None:

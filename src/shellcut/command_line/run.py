@@ -9,8 +9,8 @@ from typing import Any
 from shellcut.recording.run_log import RunLog
 
 from .exit_code import DONE, refuse
-from .named_path import named
 from .run_model import run_model
+from .shared_arguments import add_settings_to, named, settings_of
 
 
 def add_to(commands: Any) -> None:
@@ -42,41 +42,6 @@ def add_to(commands: Any) -> None:
         "--write-model", metavar="FILE", type=named, help="write a model file to edit; run nothing"
     )
     parser.set_defaults(run=run)
-
-
-def add_settings_to(parser: argparse.ArgumentParser) -> None:
-    """Add ``--set``."""
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        dest="settings",
-        help="replace a key, e.g. membrane.mesh=quick or mesh=quick; any number of times",
-    )
-
-
-def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
-    """Return the keys set, with their values read as TOML; bare words are strings.
-
-    Raises
-    ------
-    ModelFileError
-        If an argument is not of the form key=value.
-    """
-    from shellcut.model_file.errors import ModelFileError, Problem
-    from shellcut.model_file.source import parse_value
-
-    settings: dict[str, object] = {}
-    wrong = []
-    for text in arguments.settings:
-        key, equals, value = text.partition("=")
-        if not equals or not key.strip():
-            wrong.append(Problem(f"--set {text}", "must be KEY=VALUE"))
-        settings[key.strip()] = parse_value(value.strip())
-    if wrong:
-        raise ModelFileError(wrong)
-    return settings
 
 
 def run(arguments: argparse.Namespace) -> int:

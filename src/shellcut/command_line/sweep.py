@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from shellcut.study.design import Design
 
-from .declared_options import add_options, made_of
 from .exit_code import DONE, FAILED, refuse
-from .named_path import named
-from .run import add_settings_to
-from .study_engine import add_engine_to, engine_given
+from .shared_arguments import (
+    add_engine_to,
+    add_options,
+    add_settings_to,
+    engine_given,
+    key_and_value,
+    made_of,
+    named,
+)
 
 if TYPE_CHECKING:
     from shellcut.study.plan import Plan
@@ -77,7 +81,12 @@ def _planned(arguments: argparse.Namespace) -> Plan:
     from shellcut.study.study import FEW_FILES
     from shellcut.study.study_file import is_study, read_study
 
-    given: dict[str, object] = dict(_texts(arguments))
+    given: dict[str, object] = {}
+    for text in arguments.settings:
+        try:
+            key, given[key] = key_and_value(text)
+        except ValueError as problem:
+            raise ValueError(f"--set {text}: {problem}") from None
     if is_study(arguments.model):
         study = read_study(arguments.model)
         several, _ = factors_of(given)
@@ -88,15 +97,6 @@ def _planned(arguments: argparse.Namespace) -> Plan:
             )
         return study.plan({**FEW_FILES, **factors_of(given)[1]})
     return Definition(arguments.model, given, FEW_FILES, made_of(arguments, Design)).plan()
-
-
-def _texts(arguments: argparse.Namespace) -> Iterator[tuple[str, str]]:
-    """Yield keys with the texts of their values, which may be several."""
-    for text in arguments.settings:
-        key, equals, value = text.partition("=")
-        if not equals or not key.strip():
-            raise ValueError(f"--set {text}: must be KEY=VALUE")
-        yield key.strip(), value.strip()
 
 
 def _print(planned: Plan, n_done: int) -> None:

@@ -13,7 +13,7 @@ from shellcut.tensile.evaluation import PICTURE
 from shellcut.tensile.specimen import SpecimenSize
 
 from .exit_code import BAD_INPUT, DONE, refuse
-from .named_path import named
+from .shared_arguments import named
 
 _LENGTHS = keys_of(SpecimenSize)
 

@@ -15,7 +15,7 @@ from shellcut.scene_page import view_html
 from shellcut.view import STRESSES, draw_movie, draw_scene
 
 from .exit_code import DONE, refuse
-from .named_path import named
+from .shared_arguments import named
 
 _STRESS = "largest principal"
 

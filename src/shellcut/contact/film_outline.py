@@ -98,7 +98,7 @@ class FilmOutline:
                 self._write(row, self._part_of(row))
         q, n, outline = state.quad, state.node, self._outline
         count = state.n_quad
-        outline.absent[:count] = q.dropped[:count] | (q.share[:count] < SLIVER)
+        outline.absent[:count] = q.share[:count] < SLIVER
         self._mark(changed.astype(np.int64), q.nodes, n.quads, n.n_quad_at, self._at_rim, outline)
         self._known.take(state)
         return outline

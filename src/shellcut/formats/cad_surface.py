@@ -6,17 +6,13 @@ own; :mod:`shellcut.tool.seams` joins them.
 
 from __future__ import annotations
 
-import tempfile
 from math import isfinite
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from . import cad_process
 from .cad_unit import stated_unit
 from .errors import FileError, read_bytes
-from .own_process import OwnProcess
+from .own_process import gmsh
 from .surface_file import SurfaceFile
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
@@ -28,13 +24,11 @@ LARGEST_FILE = 200_000_000
 _SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
 """Statements of STEP that make a solid; assemblies repeat them without statements."""
 
-_GMSH = OwnProcess(
-    "Gmsh",
-    "gmsh",
+_GMSH = gmsh(
     cad_process.__file__,
     "is it damaged, of a kind that OpenCASCADE cannot read, or chord_deviation too small? write it "
     "anew, or as STL",
-    "libglu1-mesa libxcursor1 libxft2 libxinerama1",
+    "reading STEP and IGES",
 )
 
 
@@ -71,13 +65,7 @@ def read_cad(
         raise ValueError(
             f"chord_deviation must be a finite length above 0 in mm, got {chord_deviation!r}"
         )
-    content = read_bytes(path)
-    if len(content) > LARGEST_FILE:
-        raise FileError(
-            path,
-            f"a CAD file must hold {LARGEST_FILE / 1e6:,.0f} MB at most, got "
-            f"{len(content) / 1e6:,.0f} MB: leave out what does not touch the film",
-        )
+    content = read_bytes(path, LARGEST_FILE)
     units = stated_unit(path, content)
     listed = " and ".join(f"{unit:g}" for unit in units)
     if len(units) > 1 and unit_mm is not None:
@@ -87,10 +75,11 @@ def read_cad(
             f"got {unit_mm:g} mm",
         )
     of_file = units[0] if len(units) == 1 else 1.0
-    answer = _triangulated(path, chord_deviation or 0.0, (unit_mm or of_file) / of_file)
-    if answer["problems"]:
-        raise FileError(path, "; ".join(answer["problems"]))
-    notes = answer["notes"]
+    scale = (unit_mm or of_file) / of_file
+    answer = _GMSH.answer(path, repr(float(chord_deviation or 0.0)), repr(float(scale)))
+    if len(answer["problems"]):
+        raise FileError(path, "; ".join(map(str, answer["problems"])))
+    notes = [str(note) for note in answer["notes"]]
     stated = sum(content.count(name + b"(") for name in _SOLIDS)
     if 0 < answer["n_solid"] < stated:
         notes.append(
@@ -106,23 +95,3 @@ def read_cad(
         unit_mm=of_file if units else None,
         chord_deviation=float(answer["chord"]) / of_file,
     )
-
-
-def _triangulated(path: Path, deviation: float, scale: float) -> dict[str, Any]:
-    if not _GMSH.installed:
-        raise ImportError(
-            f"{path}: reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
-            "pip install 'shellcut[mesh]'"
-        )
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "answer.npz"
-        _GMSH.run(path, str(out), repr(float(deviation)), repr(float(scale)))
-        with np.load(out) as held:
-            return {
-                "vertices": held["vertices"],
-                "triangles": held["triangles"],
-                "chord": held["chord"],
-                "n_solid": held["n_solid"],
-                "notes": [str(note) for note in held["notes"]],
-                "problems": [str(problem) for problem in held["problems"]],
-            }

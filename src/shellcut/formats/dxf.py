@@ -58,9 +58,7 @@ def read_dxf(
         If ezdxf is missing.
     """
     path = Path(path)
-    if len(content := read_bytes(path)) > LARGEST_FILE:
-        raise FileError(path, f"a drawing must hold {LARGEST_FILE / 1e6:g} MB at most")
-    document = _document(path, content)
+    document = _document(path, read_bytes(path, LARGEST_FILE))
     chosen = _layers(path, document, layers)
     kinds: Counter[str] = Counter()
     budget = Budget(path)

@@ -1,11 +1,12 @@
-"""The error of all readers, and lists in messages."""
+"""The error of all readers; lists and places in messages."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
 
 LARGEST_FILE = 1_000_000_000
@@ -19,27 +20,33 @@ class FileError(ValueError):
 
     def __init__(self, path: str | Path, problem: str, *, line: int | None = None):
         place = f"{path}, line {line}" if line is not None else f"{path}"
+        self.problem = problem
         super().__init__(f"{place}: {problem}")
 
 
-def named(items: Iterable[Any]) -> str:
+def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
     """List the first few items, and the number of the others."""
     listed = list(items)
     more = f" and {len(listed) - _NAMED} more" if len(listed) > _NAMED else ""
-    return ", ".join(str(item) for item in listed[:_NAMED]) + more
+    return ", ".join(describe(item) for item in listed[:_NAMED]) + more
 
 
-def read_bytes(path: str | Path) -> bytes:
-    """Return the content of a file.
+def point_text(point: Floats) -> str:
+    """Return the coordinates of a point."""
+    return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"
+
+
+def read_bytes(path: str | Path, most: int | None = None) -> bytes:
+    """Return the content of a file; ``most`` bytes, by default :data:`LARGEST_FILE`.
 
     Raises
     ------
     FileError
             If the file does not exist, cannot be read, is empty, is not a regular file (but a
-            pipe, a device), or is larger than :data:`LARGEST_FILE`.
+            pipe, a device), or is larger.
     """
     try:
-        content = read_regular(path, LARGEST_FILE)
+        content = read_regular(path, LARGEST_FILE if most is None else most)
     except OSError as reason:
         raise FileError(path, f"cannot be read: {reason.strerror or reason}") from None
     if not content:

@@ -14,8 +14,8 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 
-from . import numerals
-from .errors import FileError, named, read_bytes
+from .declared_content import Content
+from .errors import named
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
 from .losses import unused_note
 
@@ -83,17 +83,12 @@ def read_gmsh(path: str | Path) -> FileMesh:
     FileError
         If the file is no .msh of version 2.2 or 4.1, is cut short or contradicts itself.
     """
-    return _Reader(Path(path), read_bytes(path)).mesh()
+    return _Reader(Path(path)).mesh()
 
 
-class _Reader:
-    def __init__(self, path: Path, content: bytes):
-        self.path = path
-        self.content = content
-        self.at = 0  # read position
-        self.binary = False
-        self.tokens: list[bytes] = []  # of a text section
-        self.next_token = 0
+class _Reader(Content):
+    def __init__(self, path: Path):
+        super().__init__(path)
         self.names: dict[tuple[int, int], str] = {}
         self.unused: Counter[str] = Counter()
         self.unnamed: set[str] = set()  # groups without a name while others have one
@@ -122,43 +117,43 @@ class _Reader:
                 self._skip_to_end(name)
                 continue
             if name not in readers:
-                raise self._error(
+                raise self.error(
                     f"sections must be one of {', '.join(sorted(readers))} or known data without "
                     f"mesh, got ${name}; save an unpartitioned mesh"
                 )
             if name in seen:
-                raise self._error(f"each section must occur once, got ${name} again")
+                raise self.error(f"each section must occur once, got ${name} again")
             seen.add(name)
-            in_text = not self.binary or name == "PhysicalNames"
+            in_text = not self.order or name == "PhysicalNames"
             if in_text:
                 self._take_tokens(name)
             readers[name]()
             if not in_text:
                 self._end(name)
             elif self.next_token < len(self.tokens):
-                raise self._error(
+                raise self.error(
                     f"${name} must hold as much as it declares, got "
                     f"{len(self.tokens) - self.next_token} entries more"
                 )
         if missing := {"Nodes", "Elements"} - seen:
-            raise self._error(f"there must be a section ${', $'.join(sorted(missing))}: cut short?")
+            raise self.error(f"there must be a section ${', $'.join(sorted(missing))}: cut short?")
         return self._assemble()
 
     def _format(self) -> str:
         if self._section() != "MeshFormat":
-            raise self._error("a .msh file must begin with $MeshFormat")
-        fields = self._line().split()
+            raise self.error("a .msh file must begin with $MeshFormat")
+        fields = self.line().split()
         if len(fields) != 3 or fields[1] not in (b"0", b"1") or fields[2] != b"8":
-            raise self._error(f"$MeshFormat must read 'version 0|1 8', got {b' '.join(fields)!r}")
+            raise self.error(f"$MeshFormat must read 'version 0|1 8', got {b' '.join(fields)!r}")
         version = fields[0].decode("latin-1")
         if version not in ("2.2", "4.1"):
-            raise self._error(
+            raise self.error(
                 f"the version must be 2.2 or 4.1, got {version}; save it again with "
                 "Mesh.MshFileVersion = 4.1"
             )
-        self.binary = fields[1] == b"1"
-        if self.binary and self._integers(1, 4)[0] != 1:
-            raise self._error("a binary .msh must be little-endian")
+        self.order = "<" * int(fields[1])
+        if self.order and self.numbers("i4")[0] != 1:
+            raise self.error("a binary .msh must be little-endian")
         self._end("MeshFormat")
         return version
 
@@ -166,16 +161,16 @@ class _Reader:
         # names may contain blanks: dimension, tag, then everything up to the closing quote
         text = b" ".join(self.tokens[1:])
         rest = text
-        for _ in range(self._integer()):
+        for _ in range(int(self.read("i8", self.texts(1))[0])):
             head, quote, tail = rest.partition(b'"')
             name, closing, rest = tail.partition(b'"')
             numbers = head.split()
             if not quote or not closing or len(numbers) != 2:
-                raise self._error('$PhysicalNames must hold lines: dimension tag "name"')
+                raise self.error('$PhysicalNames must hold lines: dimension tag "name"')
             try:
                 key = int(numbers[0]), int(numbers[1])
             except ValueError:
-                raise self._error("$PhysicalNames must hold whole numbers") from None
+                raise self.error("$PhysicalNames must hold whole numbers") from None
             self.names[key] = name.decode("utf-8", errors="replace")
         self.next_token = len(self.tokens) if not rest.strip() else 0
 
@@ -183,69 +178,70 @@ class _Reader:
         counts = self._sizes(4)
         for dim, count in enumerate(counts):
             for _ in range(count):
-                tag = self._ints(1)[0]
-                self._doubles(3 if dim == 0 else 6)
-                groups = self._ints(self._sizes(1)[0])
+                tag = self.numbers("i4")[0]
+                self.numbers("f8", 3 if dim == 0 else 6)
+                groups = self.numbers("i4", self._sizes(1)[0])
                 if dim > 0:
-                    self._ints(self._sizes(1)[0])
+                    self.numbers("i4", self._sizes(1)[0])
                 self.entities[dim, int(tag)] = [abs(int(g)) for g in groups]
 
     def _nodes_4(self) -> None:
         n_block, n_node, _, _ = self._sizes(4)
         for _ in range(n_block):
-            dim, _, parametric = self._ints(3)
+            dim, _, parametric = self.numbers("i4", 3)
             (count,) = self._sizes(1)
-            self.node_labels.append(self._size_array(count))
+            self.node_labels.append(self.numbers("i8", count))
             columns = 3 + (int(dim) if parametric else 0)
-            self.positions.append(self._doubles(count * columns).reshape(count, columns)[:, :3])
+            self.positions.append(
+                self.numbers("f8", count * columns).reshape(count, columns)[:, :3]
+            )
         self._check_count("nodes", n_node, sum(len(p) for p in self.positions))
 
     def _elements_4(self) -> None:
         n_block, n_element, _, _ = self._sizes(4)
         for _ in range(n_block):
-            dim, tag, kind = (int(i) for i in self._ints(3))
+            dim, tag, kind = (int(i) for i in self.numbers("i4", 3))
             (count,) = self._sizes(1)
             name, n = self._type(kind)
-            rows = self._size_array(count * (n + 1)).reshape(count, n + 1)
+            rows = self.numbers("i8", count * (n + 1)).reshape(count, n + 1)
             if (dim, tag) not in self.entities and self.entities:
-                raise self._error(f"elements must lie on a known entity, got {(dim, tag)}")
+                raise self.error(f"elements must lie on a known entity, got {(dim, tag)}")
             groups = [self._name(dim, g) for g in self.entities.get((dim, tag), [])]
             self.cells.append(_Cells(name, rows[:, 0], rows[:, 1:], tuple(groups)))
         self._check_count("elements", n_element, sum(len(c.labels) for c in self.cells))
 
     def _nodes_2(self) -> None:
         count = self._count_2()
-        if self.binary:
+        if self.order:
             dtype = np.dtype([("id", "<i4"), ("x", "<f8", 3)])
-            rows = np.frombuffer(self._take(count * dtype.itemsize), dtype=dtype)
+            rows = np.frombuffer(self.raw(count * dtype.itemsize), dtype)
             self.node_labels.append(rows["id"].astype(np.int64))
             self.positions.append(rows["x"].astype(np.float64))
             return
-        tokens = self._take_n_tokens(4 * count)
-        ids = [tokens[4 * i] for i in range(count)]
-        self.node_labels.append(self._to_ints(ids))
-        xyz = [t for i, t in enumerate(tokens) if i % 4]
-        self.positions.append(self._to_floats(xyz).reshape(count, 3))
+        texts = self.texts(4 * count)
+        self.node_labels.append(self.read("i8", texts[::4]))
+        xyz = [t for i, t in enumerate(texts) if i % 4]
+        self.positions.append(self.read("f8", xyz).reshape(count, 3))
 
     def _elements_2(self) -> None:
         count = self._count_2()
         rows: dict[tuple[int, int], list[list[int]]] = defaultdict(list)
         read = 0
         while read < count:
-            if self.binary:
-                kind, n_follow, n_tag = (int(i) for i in self._integers(3, 4))
+            if self.order:
+                kind, n_follow, n_tag = self.numbers("i4", 3).tolist()
                 n = self._type(kind)[1]
                 if n_follow < 1:
-                    raise self._error("$Elements must hold blocks of at least one element")
+                    raise self.error("$Elements must hold blocks of at least one element")
                 width = 1 + n_tag + n
-                table = self._integers(n_follow * width, 4).reshape(n_follow, width).tolist()
+                table = self.numbers("i4", n_follow * width).reshape(n_follow, width).tolist()
             else:
-                head = self._to_ints(self._take_n_tokens(3)).tolist()
+                head = self.numbers("i8", 3).tolist()
                 kind, n_tag = head[1], head[2]
                 n = self._type(kind)[1]
                 if n_tag < 0:
-                    raise self._error("the number of tags of an element must not be negative")
-                table = [[head[0], *self._to_ints(self._take_n_tokens(n_tag + n)).tolist()]]
+                    raise self.error("the number of tags of an element must not be negative")
+                table = [[head[0], *self.numbers("i8", n_tag + n).tolist()]]
             for row in table:
                 group = abs(row[1]) if n_tag else 0
                 rows[kind, group].append([row[0], *row[1 + n_tag :]])
@@ -259,16 +255,16 @@ class _Reader:
             self.cells.append(_Cells(name, array[:, 0], array[:, 1:], groups))
 
     def _count_2(self) -> int:
-        if not self.binary:
-            return self._integer()
+        if not self.order:
+            return int(self.numbers("i8")[0])
         try:
-            return int(self._line())
+            return int(self.line())
         except ValueError:
-            raise self._error("a section must begin with the number of its entries") from None
+            raise self.error("a section must begin with the number of its entries") from None
 
     def _type(self, kind: int) -> tuple[str, int]:
         if kind not in _TYPES:
-            raise self._error(f"element types must be known ones of Gmsh, got {kind}")
+            raise self.error(f"element types must be known ones of Gmsh, got {kind}")
         return _TYPES[kind]
 
     def _name(self, dim: int, tag: int) -> str:
@@ -279,7 +275,7 @@ class _Reader:
 
     def _check_count(self, what: str, declared: int, read: int) -> None:
         if declared != read:
-            raise self._error(f"{declared} {what} are declared, got {read}; is the file cut short?")
+            raise self.error(f"{declared} {what} are declared, got {read}; is the file cut short?")
 
     def _assemble(self) -> FileMesh:
         positions = np.concatenate([np.empty((0, 3)), *self.positions])
@@ -303,7 +299,7 @@ class _Reader:
                     first[key] = n_cell + len(keep)
                     keep.append(i)
                 elif not cells.groups:
-                    raise self._error(f"cells must differ, got {cells.labels[i]} again")
+                    raise self.error(f"cells must differ, got {cells.labels[i]} again")
                 members.append(first[key])
             n_again += len(nodes) - len(keep)
             for name in cells.groups:
@@ -328,41 +324,30 @@ class _Reader:
 
     # --- bytes and tokens -------------------------------------------------------------------------
 
-    def _error(self, problem: str) -> FileError:
-        return FileError(self.path, problem)
-
-    def _line(self) -> bytes:
-        end = self.content.find(b"\n", self.at)
-        if end < 0:
-            end = len(self.content)
-        line = self.content[self.at : end]
-        self.at = min(end + 1, len(self.content))
-        return line.strip()
-
     def _section(self) -> str | None:
         # the name of the next section, None at the end of the file
         while self.at < len(self.content):
-            line = self._line()
+            line = self.line()
             if not line:
                 continue
             if not line.startswith(b"$") or line.startswith(b"$End"):
-                raise self._error(
+                raise self.error(
                     f"a section must begin with $Name, got {line[:30].decode('latin-1')!r}"
                 )
             return line[1:].decode("latin-1")
         return None
 
     def _end(self, name: str) -> None:
-        line = self._line() or self._line()
+        line = self.line() or self.line()
         if line != b"$End" + name.encode("latin-1"):
-            raise self._error(f"${name} must end with $End{name} after its declared content")
+            raise self.error(f"${name} must end with $End{name} after its declared content")
 
     def _skip_to_end(self, name: str) -> None:
         end = self.content.find(b"$End" + name.encode("latin-1"), self.at)
         if end < 0:
-            raise self._error(f"${name} must end with $End{name}: the file is cut short")
+            raise self.error(f"${name} must end with $End{name}: the file is cut short")
         self.at = end
-        self._line()
+        self.line()
 
     def _take_tokens(self, name: str) -> None:
         start = self.at
@@ -371,64 +356,8 @@ class _Reader:
         self.tokens = self.content[start:end].split()
         self.next_token = 0
 
-    def _take(self, n_byte: int) -> bytes:
-        if n_byte < 0 or self.at + n_byte > len(self.content):
-            raise self._error("the file ends before its declared content: it is cut short")
-        part = self.content[self.at : self.at + n_byte]
-        self.at += n_byte
-        return part
-
-    def _take_n_tokens(self, n: int) -> list[bytes]:
-        if n < 0 or self.next_token + n > len(self.tokens):
-            raise self._error("a section ends before its declared content: the file is cut short")
-        part = self.tokens[self.next_token : self.next_token + n]
-        self.next_token += n
-        return part
-
-    def _to_ints(self, tokens: list[bytes]) -> Ints:
-        try:
-            return np.array([numerals.whole(t) for t in tokens], dtype=np.int64)
-        except (ValueError, OverflowError):
-            raise self._error(f"ids and counts must be whole numbers, got {_odd(tokens)}") from None
-
-    def _to_floats(self, tokens: list[bytes]) -> Floats:
-        try:
-            return np.array([numerals.number(t) for t in tokens], dtype=np.float64)
-        except ValueError:
-            raise self._error(f"coordinates must be numbers, got {_odd(tokens)}") from None
-
-    def _integer(self) -> int:
-        return int(self._to_ints(self._take_n_tokens(1))[0])
-
-    def _integers(self, n: int, width: int) -> Ints:
-        return np.frombuffer(self._take(n * width), dtype=f"<i{width}").astype(np.int64)
-
-    def _ints(self, n: int) -> Ints:
-        if self.binary:
-            return self._integers(n, 4)
-        return self._to_ints(self._take_n_tokens(n))
-
-    def _size_array(self, n: int) -> Ints:
-        if self.binary:
-            return self._integers(n, 8)
-        return self._to_ints(self._take_n_tokens(n))
-
     def _sizes(self, n: int) -> list[int]:
-        sizes: list[int] = self._size_array(n).tolist()
+        sizes: list[int] = self.numbers("i8", n).tolist()
         if min(sizes) < 0:
-            raise self._error(f"counts must not be negative, got {min(sizes)}")
+            raise self.error(f"counts must not be negative, got {min(sizes)}")
         return sizes
-
-    def _doubles(self, n: int) -> Floats:
-        if self.binary:
-            return np.frombuffer(self._take(n * 8), dtype="<f8").astype(np.float64)
-        return self._to_floats(self._take_n_tokens(n))
-
-
-def _odd(tokens: list[bytes]) -> str:
-    for token in tokens:
-        try:
-            float(token)
-        except ValueError:
-            return repr(token[:20].decode("latin-1"))
-    return "a number out of range"

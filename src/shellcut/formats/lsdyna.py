@@ -1,9 +1,9 @@
 """LS-DYNA keyword files (.k, .key, .dyn): nodes, shells, parts and their sets.
 
 The reader uses *NODE, *ELEMENT_SHELL with the options that change no node, *PART, *SET_NODE,
-*SET_SHELL and *SET_PART (as LIST, COLUMN, LIST_GENERATE, GENERAL by ids and parts, ADD; each with
-_TITLE) and *INCLUDE. Any other *ELEMENT is counted; the caller refuses it or leaves it out.
-Everything else (materials, sections, control, contact) is named in a note.
+*SET_SHELL and *SET_PART (as LIST, COLUMN, LIST_GENERATE; each with _TITLE) and *INCLUDE. Any
+other *ELEMENT is counted; the caller refuses it or leaves it out. Everything else (materials,
+sections, control, contact) is named in a note.
 
 A set is named by its title, otherwise ``node_set_3`` and the like; a part by its title, otherwise
 ``part_3``.
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -21,8 +20,8 @@ import numpy as np
 
 from shellcut.arrays import Ints
 
-from .errors import named
 from .deck import Deck
+from .errors import named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
 from .losses import blank_note, gap_note, ragged_note, repeat_note, unused_note
 from .lsdyna_deck import Card, CardBlock, Layout, read_deck
@@ -198,21 +197,18 @@ class _Reader(Deck):
             self.budget.take("ids in its sets", len(shells))
             return shells
 
-        def nodes_of(part: int) -> Ints:
-            return np.unique(corners[shells_of(part)])
-
         self.notes += unused_note(+self.unused) + gap_note("node", self.node_ids)
         self.notes += gap_note("shell", shells.labels.tolist())
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
 
-        node_sets = _Sets(self, "node", nodes, nodes_of).read(self.sets["NODE"])
+        node_sets = _Sets(self, "node", nodes).read(self.sets["NODE"])
         cell_sets = [
             (self.part_titles.get(part) or f"part_{part}", part, shells)
             for part, shells in members_of.items()
         ]
-        cell_sets += _Sets(self, "shell", shells, shells_of).read(self.sets["SHELL"])
-        part_sets = _Sets(self, "part", None, shells_of).read(self.sets["PART"])
+        cell_sets += _Sets(self, "shell", shells).read(self.sets["SHELL"])
+        part_sets = _Sets(self, "part", None).read(self.sets["PART"])
         for name, sid, members in part_sets:
             rows = [shells_of(part) for part in members.tolist()]
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
@@ -241,16 +237,12 @@ _NONE: Ints = np.empty(0, dtype=np.int64)
 
 class _Sets:
     # the sets of one kind; ids become rows, part sets keep their ids
-    def __init__(
-        self, deck: Deck, kind: str, ids: Numbering | None, of_part: Callable[[int], Ints]
-    ):
-        self.notes, self.budget, self.kind = deck.notes, deck.budget, kind
-        self.ids, self.of_part = ids, of_part
+    def __init__(self, deck: Deck, kind: str, ids: Numbering | None):
+        self.notes, self.budget, self.kind, self.ids = deck.notes, deck.budget, kind, ids
 
     def read(self, blocks: list[CardBlock]) -> list[tuple[str, int, Ints]]:
         """Return (name, id, rows) of every set."""
         found: list[tuple[str, int, Ints]] = []
-        adding: list[tuple[str, int, CardBlock, list[Card]]] = []
         for block in blocks:
             options = block.name.split("_")[2:]
             cards = [card for card in block.data if card.text.strip()]
@@ -270,9 +262,6 @@ class _Sets:
                     "one of members: is a line lost?"
                 )
             how = "_".join(option for option in options if option != "COLLECT") or "LIST"
-            if how == "ADD":
-                adding.append((name, sid, block, cards))
-                continue
             rows = self._rows(block, how, cards)
             if rows is None:
                 self.notes.append(
@@ -280,14 +269,6 @@ class _Sets:
                 )
                 continue
             found.append((name, sid, rows))
-        known = {sid: rows for _, sid, rows in found}
-        for name, sid, block, cards in adding:
-            members = self._integers(block, cards)
-            lost = [m for m in members if m not in known]
-            if lost:
-                raise block.error(f"must add sets that are read, got {lost}")
-            self.budget.take("ids in its sets", sum(len(known[m]) for m in members))
-            found.append((name, sid, np.concatenate([known[m] for m in members] or [_NONE])))
         return found
 
     def _rows(self, block: CardBlock, how: str, cards: list[Card]) -> Ints | None:
@@ -309,31 +290,7 @@ class _Sets:
                 ranges.append(self.ids.between(a, b))
                 self.budget.take("ids in its sets", len(ranges[-1]))
             return np.concatenate(ranges)
-        if how == "GENERAL" and self.ids is not None:
-            return self._general(block, cards)
         return None
-
-    def _general(self, block: CardBlock, cards: list[Card]) -> Ints | None:
-        # ALL, or ids and parts to add and (with a D) to remove, card by card
-        assert self.ids is not None
-        members: set[int] = set()
-        single = "NODE" if self.kind == "node" else "ELEM"
-        for card in cards:
-            option, *entries = card.fields(_EIGHT[block.layout])
-            option = option.upper()
-            values = [v for e in entries if (v := card.integer(e, "an id"))]
-            if option == "ALL":
-                self.budget.take("ids in its sets", len(self.ids.labels))
-                members |= set(range(len(self.ids.labels)))
-            elif option in (single, "D" + single):
-                rows = set(self._find(block, values).tolist())
-                (members.difference_update if option[0] == "D" else members.update)(rows)
-            elif option in ("PART", "DPART"):
-                rows = {int(r) for p in values for r in self.of_part(p)}
-                (members.difference_update if option[0] == "D" else members.update)(rows)
-            else:
-                return None
-        return np.array(sorted(members), dtype=np.int64)
 
     def _find(self, block: CardBlock, ids: list[int]) -> Ints:
         if self.ids is None:

@@ -1,4 +1,4 @@
-"""A library that crashes or hangs on damaged files reads them in a process of its own."""
+"""A library that crashes or hangs on damaged input takes it in a process of its own."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ import importlib.util
 import re
 import subprocess
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from .errors import FileError
 
@@ -24,7 +28,7 @@ _START = (
 
 @dataclass(frozen=True)
 class OwnProcess:
-    """A script of this folder that reads files by a library."""
+    """A script that takes a file to a library."""
 
     library: str
     """Its name in messages."""
@@ -36,11 +40,34 @@ class OwnProcess:
     """What to do about a file on which the library breaks down or hangs."""
     system: str
     """Packages of Debian and Ubuntu that the library needs."""
+    missing: str = ""
+    """What to say where the library is not installed."""
 
     @property
     def installed(self) -> bool:
         """Whether the library is installed."""
         return importlib.util.find_spec(self.module) is not None
+
+    def answer(self, path: Path, *arguments: str) -> dict[str, Any]:
+        """Run the script with the file, a place for its answer, and further arguments.
+
+        Returns
+        -------
+        dict of str to ndarray
+            What it wrote by ``numpy.savez``.
+
+        Raises
+        ------
+        FileError, ImportError
+            As :meth:`run`, and if the library is not installed.
+        """
+        if not self.installed:
+            raise ImportError(self.missing)
+        with tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "answer.npz"
+            self.run(path, str(out), *arguments)
+            with np.load(out) as held:
+                return dict(held)
 
     def run(self, path: Path, *arguments: str) -> str:
         """Run the script with the file and further arguments; return its standard output.
@@ -78,3 +105,18 @@ class OwnProcess:
                 )
             raise FileError(path, f"{self.library} cannot read it: {said}")
         return done.stdout
+
+
+def gmsh(script: str, remedy: str, task: str) -> OwnProcess:
+    """Return a script that uses Gmsh, an optional extra; ``task`` is what that cannot do without.
+
+    script, remedy : as of :class:`OwnProcess`.
+    """
+    return OwnProcess(
+        "Gmsh",
+        "gmsh",
+        script,
+        remedy,
+        "libglu1-mesa libxcursor1 libxft2 libxinerama1",
+        f"{task} needs Gmsh, an optional extra under the GPL: pip install 'shellcut[mesh]'",
+    )

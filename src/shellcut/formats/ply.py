@@ -6,10 +6,7 @@ from dataclasses import dataclass, field
 from itertools import accumulate
 from pathlib import Path
 
-import numpy as np
-
-from . import numerals
-from .errors import FileError, read_bytes
+from .declared_content import Content
 from .surface_file import SurfaceFile, surface_of_polygons
 
 _TYPES = {
@@ -50,13 +47,9 @@ def read_ply(path: str | Path) -> SurfaceFile:
     return _Reader(Path(path)).surface()
 
 
-class _Reader:
+class _Reader(Content):
     def __init__(self, path: Path):
-        self.path = path
-        self.content = read_bytes(path)
-        self.at = 0
-        self.order = ""  # byte order; empty for text
-        self.tokens: list[bytes] = []
+        super().__init__(path)
         self.first_line = 0  # line number after the header of a text file
         self.row_lines: list[int] = []  # line number of each element
         self.elements: list[_Element] = []
@@ -68,7 +61,6 @@ class _Reader:
             lines = [line.split() for line in self.content[self.at :].splitlines()]
             self.first_line = self.content[: self.at].count(b"\n") + 1
             self.tokens = [token for line in lines for token in line]
-            self.at = 0
             ends = self._line_ends(lines)
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
@@ -76,11 +68,12 @@ class _Reader:
         for element in self.elements:
             for _ in range(element.count):
                 row = self._row(element)
-                if ends and self.at != ends[n_row]:
-                    raise self._error(
+                if ends and self.next_token != ends[n_row]:
+                    more = "more" if self.next_token < ends[n_row] else "fewer"
+                    raise self.error(
                         f"each {element.name} must have its own line, but {element.name} in line "
                         f"{self.row_lines[n_row]} of the file has "
-                        f"{'more' if self.at < ends[n_row] else 'fewer'} values than it should"
+                        f"{more} values than it should"
                     )
                 n_row += 1
                 if element.name == "vertex":
@@ -88,10 +81,10 @@ class _Reader:
                 elif element.name == "face":
                     corners = [int(c) for c in next(row[n] for n in _FACE_LISTS if n in row)]
                     if len(corners) < 3:
-                        raise self._error(f"a face must have three vertices, got {corners}")
+                        raise self.error(f"a face must have three vertices, got {corners}")
                     faces.append(corners)
-        if self.at < (len(self.content) if self.order else len(self.tokens)):
-            raise self._error("the file must end after the content declared in the header")
+        if self.at < len(self.content) if self.order else self.next_token < len(self.tokens):
+            raise self.error("the file must end after the content declared in the header")
         return surface_of_polygons(self.path, vertices, faces)
 
     def _line_ends(self, lines: list[list[bytes]]) -> list[int]:
@@ -106,7 +99,7 @@ class _Reader:
         end = self.content.find(b"end_header")
         stop = self.content.find(b"\n", end)
         if not self.content.startswith(b"ply") or end < 0 or stop < 0:
-            raise self._error("a PLY file must have a header from 'ply' to 'end_header'")
+            raise self.error("a PLY file must have a header from 'ply' to 'end_header'")
         self.at = stop + 1
         lines = self.content[:end].decode("latin-1").splitlines()[1:]
         for line in lines:
@@ -116,27 +109,27 @@ class _Reader:
             if words[0] == "format" and len(words) == 3 and words[2] == "1.0":
                 orders = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
                 if words[1] not in orders:
-                    raise self._error(f"the format must be one of {', '.join(orders)}")
+                    raise self.error(f"the format must be one of {', '.join(orders)}")
                 self.order = orders[words[1]]
             elif words[0] == "element" and len(words) == 3 and words[2].isdigit():
                 self.elements.append(_Element(words[1], int(words[2])))
             elif words[0] == "property" and self.elements and self._property(words):
                 continue
             else:
-                raise self._error(f"this line of the header is invalid: {line!r}")
+                raise self.error(f"this line of the header is invalid: {line!r}")
         if bare := [e for e in self.elements if e.count and not e.properties]:
-            raise self._error(
+            raise self.error(
                 f"elements must have properties, got {bare[0].count:,} of {bare[0].name} without"
             )
         names = [e.name for e in self.elements]
         if len(set(names)) < len(names):
-            raise self._error(f"each element must occur once, got {names}")
+            raise self.error(f"each element must occur once, got {names}")
         plain = {e.name: {p.name for p in e.properties if not p.count_kind} for e in self.elements}
         lists = {e.name: {p.name for p in e.properties if p.count_kind} for e in self.elements}
         if not {"x", "y", "z"} <= plain.get("vertex", set()):
-            raise self._error("there must be an element vertex with x, y and z")
+            raise self.error("there must be an element vertex with x, y and z")
         if not lists.get("face", set()) & set(_FACE_LISTS):
-            raise self._error(f"there must be an element face with a list {_FACE_LISTS[0]}")
+            raise self.error(f"there must be an element face with a list {_FACE_LISTS[0]}")
 
     def _property(self, words: list[str]) -> bool:
         properties = self.elements[-1].properties
@@ -151,34 +144,8 @@ class _Reader:
     def _row(self, element: _Element) -> dict[str, list[float]]:
         row = {}
         for item in element.properties:
-            count = int(self._values(item.count_kind, 1)[0]) if item.count_kind else 1
-            row[item.name] = self._values(item.kind, count)
+            count = int(self.numbers(item.count_kind)[0]) if item.count_kind else 1
+            if count < 0:
+                raise self.error("the length of a list must not be negative")
+            row[item.name] = self.numbers(item.kind, count).tolist()
         return row
-
-    def _values(self, kind: str, count: int) -> list[float]:
-        if count < 0:
-            raise self._error("the length of a list must not be negative")
-        if self.order:
-            dtype = np.dtype(self.order + kind)
-            stop = self.at + count * dtype.itemsize
-            part = self.content[self.at : stop]
-            if stop > len(self.content):
-                raise self._error("the file ends before its declared content: it is cut short")
-            self.at = stop
-            values: list[float] = np.frombuffer(part, dtype).tolist()
-            return values
-        part_of_text = self.tokens[self.at : self.at + count]
-        if len(part_of_text) < count:
-            raise self._error("the file ends before its declared content: it is cut short")
-        self.at += count
-        found = []
-        for token in part_of_text:
-            try:
-                read = numerals.number if kind[0] == "f" else numerals.whole
-                found.append(read(token))
-            except ValueError:
-                raise self._error(f"values must be numbers, got {token[:20]!r}") from None
-        return found
-
-    def _error(self, problem: str) -> FileError:
-        return FileError(self.path, problem)

@@ -72,8 +72,7 @@ def read_svg(
         If svgpathtools is missing.
     """
     path = Path(path)
-    if len(content := read_bytes(path)) > LARGEST_FILE:
-        raise FileError(path, f"a drawing must hold {LARGEST_FILE / 1e6:g} MB at most")
+    content = read_bytes(path, LARGEST_FILE)
     try:
         import svgpathtools  # noqa: F401
     except ImportError:

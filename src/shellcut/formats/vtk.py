@@ -68,8 +68,7 @@ def read_vtk(path: str | Path) -> FileMesh:
             unused.update(_VTK.run(path, str(rewritten)).splitlines())
             return _mesh_of(path, _by_meshio(rewritten, declared), unused)
         except FileError as reason:
-            told = str(reason).removeprefix(f"{path}: ")
-            raise FileError(path, f"{problem}; {told}") from None
+            raise FileError(path, f"{problem}; {reason.problem}") from None
         except _Unread as reason:
             raise FileError(path, f"{problem}; as rewritten by VTK, {reason}") from None
 

@@ -6,18 +6,17 @@ X are positions, Q quads, T directors; corners of a quad are numbered as in :mod
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from difflib import get_close_matches
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, norm
+from shellcut.arrays import Bools, Floats, Ints, angles, norm
+from shellcut.formats.errors import named, point_text
 
 from .quad_geometry import (
     QuadSides,
-    angles_deg,
     corner_vectors,
     edge_lengths,
     mean_directors,
@@ -29,7 +28,6 @@ from .quad_geometry import (
 MAX_VALENCE = 12
 """Largest number of quads at a node: the split kernels keep a node's fan in an array this long."""
 
-_NAMED = 5  # items named in a message
 _MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; smaller is round-off
 _MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
 _DIRECTOR_LENGTH = 1e-6  # accepted | |T| - 1 |, then scaled to one: text files have 7 digits
@@ -107,33 +105,22 @@ def error(problems: list[str]) -> MeshError:
     return MeshError(f"{len(problems)} problems:\n- " + "\n- ".join(problems))
 
 
-def some(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
-    """List the first few items, and the number of the others."""
-    listed = list(items)
-    more = f" and {len(listed) - _NAMED} more" if len(listed) > _NAMED else ""
-    return ", ".join(describe(item) for item in listed[:_NAMED]) + more
-
-
-def _point(x: Floats) -> str:
-    return "(" + ", ".join(f"{c:.6g}" for c in x) + ")"
-
-
 def place(node: int, X: Floats) -> str:
     """Name a node and where it is."""
-    return f"node {node} at {_point(X[node])}"
+    return f"node {node} at {point_text(X[node])}"
 
 
 def _places(nodes: Ints, X: Floats) -> str:
-    return some(nodes, lambda n: place(n, X))
+    return named(nodes, lambda n: place(n, X))
 
 
 def _quad_places(quads: Ints, X: Floats, Q: Ints) -> str:
-    return some(quads, lambda e: f"quad {e} at {_point(X[Q[e]].mean(axis=0))}")
+    return named(quads, lambda e: f"quad {e} at {point_text(X[Q[e]].mean(axis=0))}")
 
 
 def _quad_pairs(one: Ints, two: Ints, X: Floats, Q: Ints) -> str:
     pairs = np.sort(np.stack([one, two], axis=1), axis=1)
-    return some(pairs, lambda p: " and ".join(_quad_places(p[i : i + 1], X, Q) for i in (0, 1)))
+    return named(pairs, lambda p: " and ".join(_quad_places(p[i : i + 1], X, Q) for i in (0, 1)))
 
 
 def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
@@ -177,12 +164,12 @@ def _cast_ids(
         return none
     outside = members[(members < 0) | (members >= n)]
     if len(outside):
-        problems.append(f"{what} must hold ids from 0 to {n - 1}, got {some(outside.tolist())}")
+        problems.append(f"{what} must hold ids from 0 to {n - 1}, got {named(outside.tolist())}")
         return none
     values, counts = np.unique(members, return_counts=True)
     if unique and (counts > 1).any():
         problems.append(
-            f"{what} must hold each id once, got {some(values[counts > 1].tolist())} again; "
+            f"{what} must hold each id once, got {named(values[counts > 1].tolist())} again; "
             "pass it through numpy.unique"
         )
     return members.astype(np.int64)
@@ -209,7 +196,7 @@ def _cast_origin(origin: npt.ArrayLike | None, n_node: int, problems: list[str])
         wrong = np.flatnonzero(ancestors[ancestors] != ancestors)
         problems.append(
             f"origin must point to nodes that are their own origin, got nodes "
-            f"{some(wrong.tolist())} that point to a duplicate"
+            f"{named(wrong.tolist())} that point to a duplicate"
         )
     return ancestors
 
@@ -243,7 +230,7 @@ def _check_ids(Q: Ints, n_node: int, problems: list[str]) -> bool:
         hint = "; ids count from 0" if Q.max() == n_node and Q.min() == 1 else ""
         problems.append(
             f"quads must hold node ids from 0 to {n_node - 1}, got "
-            f"{some(bad, lambda e: f'quad {e} of nodes {Q[e].tolist()}')}{hint}; renumber them"
+            f"{named(bad, lambda e: f'quad {e} of nodes {Q[e].tolist()}')}{hint}; renumber them"
         )
     return not len(bad)
 
@@ -274,7 +261,7 @@ def _check_corners(X: Floats, Q: Ints, problems: list[str]) -> Bools:
     if len(crowded := np.flatnonzero(valence > MAX_VALENCE)):
         problems.append(
             f"nodes must join {MAX_VALENCE} quads at most, got {_places(crowded, X)} joining "
-            f"{some(valence[crowded])}; remesh around them"
+            f"{named(valence[crowded])}; remesh around them"
         )
     return sound
 
@@ -283,12 +270,12 @@ def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> N
     crowded = np.flatnonzero(edges.n_quad > 2)
     if len(crowded):
         ends = edges.nodes
-        named = some(
+        told = named(
             crowded,
             lambda k: f"{place(ends[k, 0], X)} to {place(ends[k, 1], X)} with {edges.n_quad[k]}",
         )
         problems.append(
-            f"edges must have one or two quads, got {named}; a T-joint has no single director, "
+            f"edges must have one or two quads, got {told}; a T-joint has no single director, "
             "five-parameter nodes are for smooth shells only: model one sheet"
         )
     one, two, alike = edges.neighbours()
@@ -325,7 +312,7 @@ def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bool
         problems.append(
             "quads must be convex with corners in order (Jacobian above 0 at each corner), got "
             f"{_quad_places(np.flatnonzero(bad), X, Q)} inverted or folded onto itself, scaled "
-            f"Jacobian {some(least[bad], '{:.3g}'.format)}; reorder the corners or move the nodes"
+            f"Jacobian {named(least[bad], '{:.3g}'.format)}; reorder the corners or move the nodes"
         )
     sound: Bools = ~(flat | bad)
     return sound
@@ -338,12 +325,12 @@ def _check_folds(
     alike &= sound[one] & sound[two]
     one, two = one[alike], two[alike]
     normals = quad_vectors(X, Q)
-    angle = angles_deg(normals[one], normals[two])
+    angle = np.degrees(angles(normals[one], normals[two]))
     folded = angle > limit_deg
     if folded.any():
         problems.append(
             f"normals of neighbouring quads must differ by {limit_deg:g} degrees at most, got "
-            f"{some(angle[folded], '{:.1f}'.format)} between "
+            f"{named(angle[folded], '{:.1f}'.format)} between "
             f"{_quad_pairs(one[folded], two[folded], X, Q)}; five-parameter nodes are for smooth "
             "shells only: refine a curved sheet, round a fold by several quads across it; one that "
             "stays sharp cannot be modelled"
@@ -356,7 +343,7 @@ def _check_directors(X: Floats, Q: Ints, given: Floats, sound: Bools, problems: 
     if wrong.any():
         problems.append(
             f"directors must have unit length, got {_places(np.flatnonzero(wrong), X)} of length "
-            f"{some(length[wrong], '{:.6g}'.format)}; divide them by their norm"
+            f"{named(length[wrong], '{:.6g}'.format)}; divide them by their norm"
         )
     below = np.zeros(len(X), dtype=np.bool_)
     for a in range(4):
@@ -377,18 +364,18 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
     one, two, _ = edges.neighbours()
     fold = np.zeros(len(Q))
     for side in (one, two):
-        np.maximum.at(fold, side, angles_deg(normals[one], normals[two]))
-    lean = angles_deg(given[Q].sum(axis=1), normals)
+        np.maximum.at(fold, side, np.degrees(angles(normals[one], normals[two])))
+    lean = np.degrees(angles(given[Q].sum(axis=1), normals))
     limit = _QUAD_LEAN_DEG + _LEAN_OF_FOLD * fold
     if len(bad := np.flatnonzero(lean > limit)):
         problems.append(
             "directors must stand on the film, the mean of a quad's within "
             f"{_QUAD_LEAN_DEG:g} degrees of its normal where the film is flat, got "
             f"{_quad_places(bad, X, Q)} with directors that lean by "
-            f"{some(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
+            f"{named(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
             "them out for the mean normals"
         )
-    lean = angles_deg(given, mean_directors(X, Q))
+    lean = np.degrees(angles(given, mean_directors(X, Q)))
     limit = np.full(len(X), _NODE_LEAN_DEG)
     limit[edges.nodes[edges.n_quad == 1]] = _RIM_LEAN_DEG
     sharpest = np.zeros(len(X))
@@ -397,7 +384,7 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
         problems.append(
             f"directors must lie within {_NODE_LEAN_DEG:g} degrees of the mean normal of their "
             f"quads, at the rim within {_RIM_LEAN_DEG:g}, where the film is flat, got "
-            f"{_places(bad, X)} that lean by {some(lean[bad], '{:.3g}'.format)} degrees; give "
+            f"{_places(bad, X)} that lean by {named(lean[bad], '{:.3g}'.format)} degrees; give "
             "normals of the surface, or leave them out for the mean normals"
         )
 

@@ -19,12 +19,12 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
-from shellcut.formats.errors import FileError
+from shellcut.formats.errors import FileError, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
 
-from .loops import Meeting, area_of, levels, meetings
+from .loops import area_of, not_one_film
 from .mesh import Mesh, MeshError
 from .outline import QuadSize, mesh_from_outline
 
@@ -248,17 +248,17 @@ def _check_ends(
         gap = ""
         if len(alone) > 1:
             near = alone[int(np.argmin(away))]
-            there = f"{_text(ends[near])} of {_of(open_ones, near)}"
+            there = f"{point_text(ends[near])} of {_of(open_ones, near)}"
             gap = f", {away.min():.3g} mm from the end at {there}"
-        here = f"{_of(open_ones, end)} at {_text(ends[end])}"
+        here = f"{_of(open_ones, end)} at {point_text(ends[end])}"
         problems.append(f"an end of {here} meets no other{gap}")
     if len(alone) > _NAMED:
         problems.append(f"and {len(alone) - _NAMED} more open ends")
     for members in [members for members in at.values() if len(members) > 2][:_NAMED]:
         kinds = ", ".join(dict.fromkeys(_of(open_ones, end) for end in members))
         problems.append(
-            f"{len(members)} ends meet at {_text(ends[members[0]])} ({kinds}): choose layers, or "
-            "remove lines drawn twice"
+            f"{len(members)} ends meet at {point_text(ends[members[0]])} ({kinds}): choose "
+            "layers, or remove lines drawn twice"
         )
     if problems:
         more = _closing(ends, alone) if alone else ""
@@ -290,44 +290,21 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
     whole = [loop for loop in loops if len(loop) > 2]
     if not whole:
         raise FileError(path, "curves must form closed loops with an area, got none")
-    name = [f"the loop of {area_of(p):.4g} mm² around {_text(p.mean(axis=0))}" for p in whole]
+    name = [f"the loop of {area_of(p):.4g} mm² around {point_text(p.mean(axis=0))}" for p in whole]
+    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
     try:
-        problems = [_met(found, name, apart) for found in meetings(whole, apart)]
+        problems = not_one_film(whole, name, outer=largest, apart=apart)
     except MeshError as problem:
         raise FileError(path, str(problem)) from None
     if problems:
         raise FileError(
             path,
-            f"loops must lie apart: {'; '.join(problems)}; choose layers, or mend the drawing",
-        )
-    level = levels(whole)
-    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
-    problems = [f"{name[k]} lies outside" for k in np.flatnonzero(level == 0) if k != largest]
-    problems += [f"{name[k]} lies in a hole" for k in np.flatnonzero(level > 1)]
-    if problems:
-        raise FileError(
-            path,
-            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm², and not in "
-            f"each other: {'; '.join(problems[:_NAMED])}; choose the layers of one film",
+            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm², apart, and "
+            f"not in each other: {'; '.join(problems[:_NAMED])}; choose the layers of one film, or "
+            "mend the drawing",
         )
     return FilmOutline(whole[largest], tuple(p for k, p in enumerate(whole) if k != largest))
 
 
-def _met(found: Meeting, name: list[str], apart: float) -> str:
-    one, other = name[found.one], name[found.other]
-    if found.whole:
-        return f"{one} is drawn twice"
-    if found.one == found.other:
-        other = "itself"
-    how = "crosses" if found.crosses else "touches"
-    if not found.crosses and other != "itself":
-        how += f" (or comes closer than {apart:.2g} mm to)"
-    return f"{one} {how} {other} at {_text(found.place)}"
-
-
 def _of(open_ones: list[tuple[int, Curve]], end: int) -> str:
     return open_ones[end // 2][1].where
-
-
-def _text(point: Floats) -> str:
-    return f"({point[0]:.5g}, {point[1]:.5g})"

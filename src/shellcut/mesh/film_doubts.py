@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, angles, norm, product
+from shellcut.formats.errors import named, point_text
 from shellcut.numerics.connected_parts import connected_parts
 
-from .checks import place, some
+from .checks import place
 from .quad_geometry import corner_vectors
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def _parts(mesh: Mesh) -> Iterator[str]:
     names, first, sizes = np.unique(part, return_index=True, return_counts=True)
     if len(names) > 1:
         order = np.argsort(sizes, kind="stable")
-        told = some(order.tolist(), lambda k: f"{sizes[k]} at {_centre(mesh, first[k])}")
+        told = named(order.tolist(), lambda k: f"{sizes[k]} at {_centre(mesh, first[k])}")
         yield f"the film is in {len(names)} parts that share no node, of so many quads: {told}"
 
 
@@ -126,7 +127,7 @@ def _part_of_nodes(mesh: Mesh) -> Ints:
 
 def _holes(mesh: Mesh, rim: _Rim) -> Iterator[str]:
     # small loops beside the outer boundary of their part, which is the longest
-    named = {frozenset(ids.tolist()) for ids in mesh.node_sets.values()}
+    known = {frozenset(ids.tolist()) for ids in mesh.node_sets.values()}
     part, areas = _part_of_nodes(mesh), mesh.quad_areas()
     longest: dict[int, int] = {}
     for members in rim.loops():
@@ -142,10 +143,10 @@ def _holes(mesh: Mesh, rim: _Rim) -> Iterator[str]:
         vector = 0.5 * np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
         around = areas[np.isin(mesh.quads, members).any(axis=1)].mean()
         size = float(norm(vector) / around)
-        place = f"{len(members)} edges around {_point(points.mean(axis=0))} mm"
+        place = f"{len(members)} edges around {point_text(points.mean(axis=0))} mm"
         if product(vector, mesh.directors[members].sum(axis=0)) > 0.0:
             yield f"quads overlap within a loop of {place}: is a corner of one wrong there?"
-        elif size < _MOST_LOST + 0.5 and frozenset(members.tolist()) not in named:
+        elif size < _MOST_LOST + 0.5 and frozenset(members.tolist()) not in known:
             n = max(1, round(size))
             yield (
                 f"a hole of {place} has the size of {_counted(n, 'quad', 'quads')}: "
@@ -164,7 +165,7 @@ def _notches(mesh: Mesh, rim: _Rim) -> Iterator[str]:
     found &= (rim.angle[c] > inner) & (rim.angle[d] < outer) & (rim.next[d] != a)
     if found.any():
         corners = np.stack([a, b, c, d], axis=1)[found]
-        told = some(corners.tolist(), lambda k: _point(mesh.nodes[k].mean(axis=0)) + " mm")
+        told = named(corners.tolist(), lambda k: point_text(mesh.nodes[k].mean(axis=0)) + " mm")
         n = len(corners)
         yield (
             f"{_counted(n, 'notch', 'notches')} in the rim of the size of one quad, at {told}: is "
@@ -186,7 +187,7 @@ def _off_plane(mesh: Mesh) -> Iterator[str]:
     if 0 < n <= min(_FEW, mesh.n_node // _MANY):
         yield (
             f"all but {_counted(n, 'node', 'nodes')} lie in one plane: "
-            f"{some(np.flatnonzero(away), lambda k: place(k, mesh.nodes))} mm"
+            f"{named(np.flatnonzero(away), lambda k: place(k, mesh.nodes))} mm"
         )
 
 
@@ -197,7 +198,7 @@ def _out_of_shape(mesh: Mesh) -> Iterator[str]:
     usual = float(np.quantile(shape, _USUAL))
     worse = np.flatnonzero(shape < _MUCH_WORSE * usual)
     if 0 < len(worse) <= _AROUND_A_NODE and mesh.n_quad >= 5 * _AROUND_A_NODE:
-        told = some(worse, lambda e: f"quad {e} at {_centre(mesh, e)} mm, {shape[e]:.2g}")
+        told = named(worse, lambda e: f"quad {e} at {_centre(mesh, e)} mm, {shape[e]:.2g}")
         yield (
             f"{_counted(len(worse), 'quad has', 'quads have')} far less shape than all others, "
             f"{usual:.2g} or more: {told}: is a node out of its place?"
@@ -221,7 +222,7 @@ def _gaps_in_rim_sets(mesh: Mesh, rim: _Rim) -> Iterator[str]:
             if len(before) or len(after):
                 yield (
                     f"node set {name!r} leaves out {len(lost)} of the {len(members)} nodes of a "
-                    f"boundary: {some(lost, lambda k: place(k, mesh.nodes))} mm"
+                    f"boundary: {named(lost, lambda k: place(k, mesh.nodes))} mm"
                 )
 
 
@@ -237,7 +238,7 @@ def _slips_in_node_sets(mesh: Mesh) -> Iterator[str]:
         if _looks_like_slips(alone, ids):
             yield (
                 f"of the {len(ids)} nodes of set {name!r} {_counted(len(alone), 'has', 'have')} no "
-                f"neighbour in it: {some(alone, lambda k: place(k, mesh.nodes))} mm"
+                f"neighbour in it: {named(alone, lambda k: place(k, mesh.nodes))} mm"
             )
         is_end = held & (n_held == 1)
         n_end = np.bincount(a, weights=is_end[b], minlength=mesh.n_node)
@@ -246,7 +247,7 @@ def _slips_in_node_sets(mesh: Mesh) -> Iterator[str]:
         if _looks_like_slips(between, ids):
             yield (
                 f"node set {name!r} of {len(ids)} nodes ends on both sides of "
-                f"{some(between, lambda k: place(k, mesh.nodes))} mm: is it missing in the set?"
+                f"{named(between, lambda k: place(k, mesh.nodes))} mm: is it missing in the set?"
             )
 
 
@@ -263,7 +264,7 @@ def _lone_quads(mesh: Mesh) -> Iterator[str]:
         left = np.flatnonzero(~held & (n_held == n_beside) & (n_beside > 0))
         for few, told in ((alone, "only others beside it"), (left, "none but members beside it")):
             if _looks_like_slips(few, ids):
-                places = some(few, lambda e: f"quad {e} at {_centre(mesh, e)}")
+                places = named(few, lambda e: f"quad {e} at {_centre(mesh, e)}")
                 what = "its" if few is alone else "beside its"
                 yield f"quad set {name!r} of {len(ids)}: {places} mm, {what} members, has {told}"
 
@@ -277,8 +278,4 @@ def _counted(n: int, one: str, more: str) -> str:
 
 
 def _centre(mesh: Mesh, quad: int) -> str:
-    return _point(mesh.nodes[mesh.quads[quad]].mean(axis=0))
-
-
-def _point(x: Floats) -> str:
-    return "(" + ", ".join(f"{round(c, 9) + 0.0:.4g}" for c in x.tolist()) + ")"
+    return point_text(mesh.nodes[mesh.quads[quad]].mean(axis=0))

@@ -18,7 +18,7 @@ import scipy
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.formats.abaqus import read_abaqus
-from shellcut.formats.errors import FileError, named
+from shellcut.formats.errors import FileError, named, point_text
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
@@ -144,59 +144,6 @@ def read_film(
     return mesh
 
 
-class _Cells:
-    # The cells of a file by kind; numbers count all cells in the order of the file.
-
-    def __init__(self, file: FileMesh, leave_out: Collection[str], straight: bool):
-        self.nodes: dict[str, list[Ints]] = {LINE: [], TRIANGLE: [], QUAD: []}
-        self.numbers: dict[str, list[Ints]] = {QUAD: [], TRIANGLE: []}
-        self.triangle_labels: list[str] = []
-        self.number_of_line = np.full(file.n_cell, -1, dtype=np.int64)
-        self.point_of = np.full(file.n_cell, -1, dtype=np.int64)
-        self.notes: list[str] = []
-        self.problems: list[str] = []
-        first = n_line = 0
-        for block in file.blocks:
-            number = first + np.arange(len(block.nodes))
-            first += len(block.nodes)
-            if block.kind.casefold() in map(str.casefold, leave_out):
-                self.notes.append(
-                    f"{len(number)} cells of kind {block.kind!r} are left out, as chosen"
-                )
-                continue
-            if straight and block.corners and block.kind != block.corners:
-                self.notes.append(
-                    f"{len(number)} cells of kind {block.kind!r} are read by their corners"
-                    + _bow(file.nodes, block)
-                )
-                nodes = block.nodes[:, : N_CORNER[block.corners]]
-                block = CellBlock(block.corners, block.labels, nodes)
-            if block.kind == QUAD:
-                self._add_quads(block, number)
-            elif block.kind == TRIANGLE:
-                self.nodes[TRIANGLE].append(block.nodes)
-                self.numbers[TRIANGLE].append(number)
-                self.triangle_labels += [str(label) for label in block.labels]
-            elif block.kind == LINE:
-                self.nodes[LINE].append(block.nodes)
-                self.number_of_line[number] = n_line + np.arange(len(number))
-                n_line += len(number)
-            elif block.kind == POINT:
-                self.point_of[number] = block.nodes[:, 0]
-            else:
-                self.problems.append(
-                    f"{len(number)} cells of kind {block.kind!r} (ids {named(block.labels)})"
-                )
-
-    def _add_quads(self, block: CellBlock, number: Ints) -> None:
-        # some are triangles, with one node twice
-        for kind, rows, corners in _parted(block.nodes):
-            self.nodes[kind].append(corners)
-            self.numbers[kind].append(number[rows])
-            if kind == TRIANGLE:
-                self.triangle_labels += [str(block.labels[i]) for i in rows.tolist()]
-
-
 class _Film:
     # The mesh on its way from the file's form to that of the package; each step logs its changes.
 
@@ -207,50 +154,78 @@ class _Film:
         self.node_sets: dict[str, Ints] = dict(file.node_groups)
         self.quad_sets: dict[str, Ints] = {}
         self.lines: dict[str, Ints] = {}  # of the named groups, shape (n, 2)
-        self._sort_cells(file, _Cells(file, leave_out, straight))
+        self.triangle_labels: list[str] = []
+        # by kind: nodes of the cells, and their numbers in the order of the file
+        nodes: dict[str, list[Ints]] = {
+            kind: [np.empty((0, n), np.int64)] for kind, n in ({POINT: 1} | N_CORNER).items()
+        }
+        numbers: dict[str, list[Ints]] = {kind: [np.empty(0, np.int64)] for kind in nodes}
+        problems, first = [], 0
+        for block in file.blocks:
+            number = first + np.arange(len(block.nodes))
+            first += len(block.nodes)
+            if (chosen := self._chosen(block, leave_out, straight=straight)) is None:
+                continue
+            if chosen.kind not in nodes:
+                problems.append(
+                    f"{len(number)} cells of kind {block.kind!r} (ids {named(block.labels)})"
+                )
+                continue
+            for kind, rows, corners in _parted(chosen):
+                nodes[kind].append(corners)
+                numbers[kind].append(number[rows])
+                if kind == TRIANGLE:
+                    self.triangle_labels += [str(block.labels[i]) for i in rows.tolist()]
+        if problems:
+            raise FileError(
+                self.path,
+                f"a film is made of 4-node quads, got {'; '.join(problems)}; mesh with "
+                'linear shells, choose quadratic="corners" for quadratic ones, or name those to '
+                "drop in leave_out=[...]",
+            )
+        cells = {kind: np.concatenate(parts) for kind, parts in nodes.items()}
+        self.quads: Ints = cells[QUAD]
+        self.triangles: Ints = cells[TRIANGLE]
+        if not len(self.quads) and not len(self.triangles):
+            raise FileError(self.path, "there must be quads or triangles, got none")
+        # of each cell of the file its row among those of the sheet, quads first, lines or points
+        row = {}
+        for what, kinds in (("sheet", (QUAD, TRIANGLE)), (LINE, (LINE,)), (POINT, (POINT,))):
+            place = np.concatenate([part for kind in kinds for part in numbers[kind]])
+            row[what] = np.full(file.n_cell, -1, dtype=np.int64)
+            row[what][place] = np.arange(len(place))
+        named_lines = np.zeros(len(cells[LINE]), dtype=np.bool_)
+        for name, members in file.cell_groups.items():
+            quads, lines, points = (of[members][of[members] >= 0] for of in row.values())
+            if len(quads):
+                self.quad_sets[name] = np.sort(quads)
+            if len(lines) or len(points):
+                named_lines[lines] = True
+                self.lines[name] = cells[LINE][lines]
+                old = self.node_sets.get(name, np.empty(0, np.int64))
+                new = (old, cells[LINE][lines].ravel(), cells[POINT][points].ravel())
+                self.node_sets[name] = np.unique(np.concatenate(new))
+        if n := int((~named_lines).sum()):
+            self.say(f"{n} lines in no named group are left out")
 
     def say(self, *notes: str) -> None:
         for note in notes:
             _log.warning("%s: %s", self.path, note)
 
-    def _sort_cells(self, file: FileMesh, cells: _Cells) -> None:
-        # sheet cells get their own numbers, quads first; groups are split by kind
-        self.say(*cells.notes)
-        if cells.problems:
-            raise FileError(
-                self.path,
-                f"a film is made of 4-node quads, got {'; '.join(cells.problems)}; mesh with "
-                'linear shells, choose quadratic="corners" for quadratic ones, or name those to '
-                "drop in leave_out=[...]",
-            )
-        self.quads = np.concatenate([*cells.nodes[QUAD], np.empty((0, 4), np.int64)])
-        self.triangles = np.concatenate([*cells.nodes[TRIANGLE], np.empty((0, 3), np.int64)])
-        if not len(self.quads) and not len(self.triangles):
-            raise FileError(self.path, "there must be quads or triangles, got none")
-        self.triangle_labels = cells.triangle_labels
-        self._sort_groups(file, cells)
-
-    def _sort_groups(self, file: FileMesh, cells: _Cells) -> None:
-        sheet = np.concatenate([*cells.numbers[QUAD], *cells.numbers[TRIANGLE]])
-        number_of_sheet = np.full(file.n_cell, -1, dtype=np.int64)
-        number_of_sheet[sheet] = np.arange(len(sheet))
-        lines = np.concatenate([*cells.nodes[LINE], np.empty((0, 2), np.int64)])
-        named_lines = np.zeros(len(lines), dtype=np.bool_)
-        for name, members in file.cell_groups.items():
-            quads = number_of_sheet[members]
-            if (quads >= 0).any():
-                self.quad_sets[name] = np.sort(quads[quads >= 0])
-            rows = cells.number_of_line[members]
-            rows = rows[rows >= 0]
-            points = cells.point_of[members]
-            points = points[points >= 0]
-            if len(rows) or len(points):
-                named_lines[rows] = True
-                self.lines[name] = lines[rows]
-                old = self.node_sets.get(name, np.empty(0, np.int64))
-                self.node_sets[name] = np.unique(np.concatenate([old, lines[rows].ravel(), points]))
-        if n := int((~named_lines).sum()):
-            self.say(f"{n} lines in no named group are left out")
+    def _chosen(
+        self, block: CellBlock, leave_out: Collection[str], *, straight: bool
+    ) -> CellBlock | None:
+        # the block as the user wants it
+        if block.kind.casefold() in map(str.casefold, leave_out):
+            self.say(f"{len(block.nodes)} cells of kind {block.kind!r} are left out, as chosen")
+            return None
+        if not (straight and block.corners and block.kind != block.corners):
+            return block
+        self.say(
+            f"{len(block.nodes)} cells of kind {block.kind!r} are read by their corners"
+            + _bow(self.nodes, block)
+        )
+        return CellBlock(block.corners, block.labels, block.nodes[:, : N_CORNER[block.corners]])
 
     def triangle_problem(self) -> str:
         return (
@@ -341,7 +316,7 @@ class _Film:
             raise FileError(
                 self.path,
                 f"a sheet must have two sides, got {len(winding.one_sided)} quads around "
-                f"({', '.join(f'{c:.4g}' for c in places)}) that have one, as a Möbius strip does",
+                f"{point_text(places)} that have one, as a Möbius strip does",
             )
         turned = winding.turned
         if turned.any():
@@ -365,11 +340,15 @@ def _bow(nodes: Floats, block: CellBlock) -> str:
     return f": their sides bow by {100.0 * share:.2g} % of their length at most"
 
 
-def _parted(quads: Ints) -> list[tuple[str, Ints, Ints]]:
-    # quads, and those with two equal neighbouring corners, which are triangles
+def _parted(block: CellBlock) -> list[tuple[str, Ints, Ints]]:
+    # cells by kind: quads with two equal neighbouring corners are triangles
+    if block.kind != QUAD:
+        return [(block.kind, np.arange(len(block.nodes)), block.nodes)]
+    quads = block.nodes
     repeated = quads == np.roll(quads, -1, axis=1)
     flat = repeated.sum(axis=1) == 1
-    found: list[tuple[str, Ints, Ints]] = [(QUAD, np.flatnonzero(~flat), quads[~flat])]
-    if flat.any():
-        found.append((TRIANGLE, np.flatnonzero(flat), quads[flat][~repeated[flat]].reshape(-1, 3)))
-    return found
+    triangles = quads[flat][~repeated[flat]].reshape(-1, 3)
+    return [
+        (QUAD, np.flatnonzero(~flat), quads[~flat]),
+        (TRIANGLE, np.flatnonzero(flat), triangles),
+    ]

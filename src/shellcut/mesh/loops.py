@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, product
+from shellcut.formats.errors import point_text
 
 from .checks import MeshError
 
@@ -116,6 +117,46 @@ def meetings(loops: Sequence[Floats], reach: float = 0.0) -> list[Meeting]:
         place = _place(*(point[None] for point in ends))
         found.append(Meeting(int(one), int(other), place, bool(crosses[at]), bool(whole)))
     return found
+
+
+def not_one_film(
+    loops: Sequence[Floats], names: Sequence[str], *, outer: int = 0, apart: float = 0.0
+) -> list[str]:
+    """Return why loops are not an outline, that of number ``outer``, with holes inside.
+
+    Parameters
+    ----------
+    loops : sequence of ndarray, shape (n, 2)
+    names : sequence of str
+        In the sentences.
+    apart : float
+        Least distance of two loops.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> not_one_film([square, square + 4.0, square + 1.0], ["outline", "hole_1", "hole_2"])
+    ['outline crosses hole_2 at (2, 1)']
+    """
+    if problems := [_told(found, names, apart) for found in meetings(loops, apart)]:
+        return problems
+    level = levels(loops)
+    problems = [
+        f"{names[k]} lies outside" for k in np.flatnonzero(level == 0).tolist() if k != outer
+    ]
+    return problems + [f"{names[k]} lies in a hole" for k in np.flatnonzero(level > 1).tolist()]
+
+
+def _told(found: Meeting, names: Sequence[str], apart: float) -> str:
+    one, other = names[found.one], names[found.other]
+    if found.whole:
+        return f"{one} is drawn twice"
+    how = "crosses" if found.crosses else "touches"
+    if found.one == found.other:
+        other = "itself"
+    elif apart and not found.crosses:
+        how += f" (or comes closer than {apart:.2g} mm to)"
+    return f"{one} {how} {other} at {point_text(found.place)}"
 
 
 def _close_boxes(low: Floats, high: Floats, reach: float) -> tuple[Ints, Ints]:

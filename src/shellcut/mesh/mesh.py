@@ -23,8 +23,9 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, norm
+from shellcut.formats.errors import named
 
-from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place, some
+from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place
 from .quad_geometry import QuadSides, corner_vectors, edge_lengths, scaled_jacobian
 
 __all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
@@ -367,13 +368,13 @@ class Mesh:
         problems: list[str] = []
         if outside := [n for n in line if not 0 <= n < self.n_node]:
             raise MeshError(
-                f"line_of_nodes must lie within 0 to {self.n_node - 1}, got {some(outside)}"
+                f"line_of_nodes must lie within 0 to {self.n_node - 1}, got {named(outside)}"
             )
         within = line[:-1] if line[0] == line[-1] and len(line) > 3 else line
         if len(set(within)) < len(within):
             twice = sorted({n for n in within if within.count(n) > 1})
             problems.append(
-                f"line_of_nodes must pass each node once, got {some(twice)} again; cut in parts"
+                f"line_of_nodes must pass each node once, got {named(twice)} again; cut in parts"
             )
         for i, j in pairwise(line):
             count = self._edge_count(i, j)

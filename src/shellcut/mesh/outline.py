@@ -1,6 +1,6 @@
 """A film meshed from its outline by Gmsh: :func:`mesh_from_outline`.
 
-Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL) and imported only by this call.
+Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL), and has a process of its own.
 The boundary is divided here, into an even number of edges per loop: with an odd number no mesh of
 quads only exists. Inside, Blossom pairs Gmsh's frontal-Delaunay triangles to quads; on discs the
 smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.
@@ -8,21 +8,23 @@ smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+import tempfile
+from collections.abc import Sequence
 from math import atan2
+from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, each
+from shellcut.arrays import Floats, each
+from shellcut.formats.errors import FileError
+from shellcut.formats.own_process import gmsh
 
+from . import outline_process
 from .film_size import check_film_size
-from .loops import area_of, levels, meetings
+from .loops import area_of, not_one_film
 from .mesh import Mesh, MeshError
 
 CORNER_DEG = 30.0
@@ -31,18 +33,11 @@ CORNER_DEG = 30.0
 _MOST_EDGES = 50_000
 """Limit along outline and holes."""
 
-_ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: tried if triangles remain
-_OPTIONS = {
-    "General.Terminal": 0,
-    "General.NumThreads": 1,
-    "Mesh.RecombineAll": 1,
-    "Mesh.RecombinationAlgorithm": 1,  # Blossom
-    "Mesh.MeshSizeExtendFromBoundary": 1,
-    "Mesh.MeshSizeFromPoints": 1,
-    "Mesh.ElementOrder": 1,
-    "Mesh.RandomSeed": 1,
-}
-
+_GMSH = gmsh(
+    outline_process.__file__,
+    "change size a little, or check narrow parts of the outline",
+    "meshing an outline",
+)
 
 QuadSize: TypeAlias = Annotated[float, Option("mm", "edge length of the quads, about", above=0)]
 
@@ -87,16 +82,20 @@ def mesh_from_outline(
     _check_count(polygons, size)
     loops = [_divided(polygon, size) for polygon in polygons]
     _check_apart(loops, names)  # the division may have bridged parts narrower than an edge
-    with _gmsh() as gmsh:
-        left = 0
-        for algorithm in _ALGORITHMS:
-            nodes, quads, left, rims = _meshed(gmsh, loops, size, algorithm)
-            if not left:
-                return Mesh.from_arrays(nodes, quads, node_sets=dict(zip(names, rims, strict=True)))
-    raise MeshError(
-        f"Gmsh must find a mesh of quads only, but leaves {left} triangles; change size a little, "
-        "or check narrow parts of the outline"
-    )
+    with tempfile.TemporaryDirectory() as folder:
+        given = Path(folder) / "loops.npz"
+        arrays: dict[str, Any] = {f"loop_{k}": loop for k, loop in enumerate(loops)}
+        np.savez(given, size=size, **arrays)
+        try:
+            found = _GMSH.answer(given)
+        except FileError as reason:
+            raise MeshError(f"the outline cannot be meshed: {reason.problem}") from None
+    if left := int(found["n_triangle"]):
+        raise MeshError(
+            f"Gmsh must find a mesh of quads only, but leaves {left} triangles; {_GMSH.remedy}"
+        )
+    rims = {name: found[f"rim_{k}"] for k, name in enumerate(names)}
+    return Mesh.from_arrays(found["nodes"], found["quads"], node_sets=rims)
 
 
 def _check_count(polygons: list[Floats], size: float) -> None:
@@ -128,19 +127,12 @@ def _polygon(vertices: npt.ArrayLike, name: str) -> Floats:
 
 
 def _check_apart(loops: list[Floats], names: list[str]) -> None:
-    # Gmsh hangs on crossing outlines: sides must not cross or touch, and holes must lie inside
-    for found in meetings(loops):
-        other = "itself" if found.one == found.other else names[found.other]
+    # Gmsh hangs on crossing outlines
+    if problems := not_one_film(loops, names):
         raise MeshError(
-            f"the outline and its holes must not cross or touch, {names[found.one]} "
-            f"{'crosses' if found.crosses else 'touches'} {other} near ({found.place[0]:.4g}, "
-            f"{found.place[1]:.4g})"
+            "holes must lie inside the outline, apart, and no loop may cross or touch itself or "
+            f"another: {'; '.join(problems)}"
         )
-    for name, level in zip(names[1:], levels(loops)[1:], strict=True):
-        if level == 0:
-            raise MeshError(f"{name} must lie inside the outline")
-        if level > 1:
-            raise MeshError(f"holes must lie apart, {name} lies in another")
 
 
 def _divided(points: Floats, size: float) -> Floats:
@@ -170,90 +162,3 @@ def _divided(points: Floats, size: float) -> Floats:
     twice = np.concatenate([arc, total + arc[1:]])
     xy = [np.interp(at, twice, np.concatenate([c, c[1:]])) for c in closed.T]
     return np.stack(xy, axis=1)
-
-
-@contextmanager
-def _gmsh() -> Iterator[Any]:
-    # Gmsh with these options and an empty model; the user's state is restored
-    try:
-        import gmsh
-    except ImportError:
-        raise ImportError(
-            "meshing an outline needs Gmsh, an optional extra under the GPL: "
-            "pip install 'shellcut[mesh]'"
-        ) from None
-    except OSError as reason:  # a system library missing from its wheel
-        raise ImportError(
-            f"Gmsh is installed but cannot be loaded: {reason}; on Debian and Ubuntu: "
-            "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1"
-        ) from None
-    was_running = bool(gmsh.isInitialized())
-    if not was_running:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-        _keep_closed_pipes_harmless()
-    kept = {name: gmsh.option.getNumber(name) for name in [*_OPTIONS, "Mesh.Algorithm"]}
-    current = gmsh.model.getCurrent() if was_running else None
-    try:
-        for name, value in _OPTIONS.items():
-            gmsh.option.setNumber(name, value)
-        yield gmsh
-    finally:
-        if was_running:
-            for name, value in kept.items():
-                gmsh.option.setNumber(name, value)
-            gmsh.model.setCurrent(current)
-        else:
-            gmsh.finalize()
-
-
-def _keep_closed_pipes_harmless() -> None:
-    """Put back what Python does with SIGPIPE: Gmsh lets a closed pipe end the process silently.
-
-    ``shellcut run ... | head`` would then lose its run. Only the main thread may do so.
-    """
-    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
-        handler = signal.getsignal(signal.SIGPIPE)
-        if handler is not None:
-            signal.signal(signal.SIGPIPE, handler)
-
-
-def _meshed(
-    gmsh: Any, loops: list[Floats], size: float, algorithm: int
-) -> tuple[Floats, Ints, int, list[Ints]]:
-    # returns nodes (n, 2), quads, the number of triangles left, and the nodes of each loop in order
-    gmsh.model.add("shellcut outline")
-    try:
-        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
-        geo = gmsh.model.geo
-        curve_loops, point_tags = [], []
-        for loop in loops:
-            points = [geo.addPoint(x, y, 0.0, size) for x, y in loop.tolist()]
-            lines = [
-                geo.addLine(p, q) for p, q in zip(points, points[1:] + points[:1], strict=True)
-            ]
-            for line in lines:
-                geo.mesh.setTransfiniteCurve(line, 2)
-            curve_loops.append(geo.addCurveLoop(lines))
-            point_tags.append(points)
-        geo.addPlaneSurface(curve_loops)
-        geo.synchronize()
-        try:
-            gmsh.model.mesh.generate(2)
-        except Exception as reason:  # gmsh raises plain Exception
-            raise MeshError(
-                f"Gmsh cannot mesh this outline: {reason}; do its holes lie inside, apart?"
-            ) from None
-        tags, xyz, _ = gmsh.model.mesh.getNodes()
-        row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-        row[tags.astype(np.int64)] = np.arange(len(tags))
-        corners = {3: np.empty((0, 4), np.int64), 2: np.empty((0, 3), np.int64)}
-        kinds, _, node_tags = gmsh.model.mesh.getElements(2)
-        for kind, members in zip(kinds, node_tags, strict=True):
-            corners[int(kind)] = row[members.astype(np.int64)].reshape(-1, 4 if kind == 3 else 3)
-        rims = [
-            np.array([row[int(gmsh.model.mesh.getNodes(0, p)[0][0])] for p in points])
-            for points in point_tags
-        ]
-        return xyz.reshape(-1, 3)[:, :2], corners[3], len(corners[2]), rims
-    finally:
-        gmsh.model.remove()

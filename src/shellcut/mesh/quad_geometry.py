@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, angles, norm
+from shellcut.arrays import Bools, Floats, Ints, norm
 
 _FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
 
@@ -57,11 +57,6 @@ def edge_lengths(X: Floats, quads: Ints) -> Floats:
     """Return the edge lengths of every quad, from corner a to a+1."""
     sides = (X[quads[:, (a + 1) % 4]] - X[quads[:, a]] for a in range(4))
     return np.stack([norm(side) for side in sides], axis=1)
-
-
-def angles_deg(one: Floats, two: Floats) -> Floats:
-    """Return the angles between vectors of two lists, of any length."""
-    return np.degrees(angles(one, two))
 
 
 def unit(vectors: Floats) -> Floats:

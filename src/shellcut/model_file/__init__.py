@@ -8,7 +8,6 @@ May import ``models`` and rows below.
 
 from .errors import ModelFileError
 from .model import Model
-from .preset_film import preset_film
-from .reader import read_model, shipped_models
+from .reader import preset_film, read_model, shipped_models
 
 __all__ = ["Model", "ModelFileError", "preset_film", "read_model", "shipped_models"]

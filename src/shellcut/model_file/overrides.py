@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from .errors import ModelFileError, Problem, guess, listed
-from .preset_keys import named_material
+from .material_keys import named_material
 from .section_table import HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, beyond_all
 

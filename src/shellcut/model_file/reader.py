@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from shellcut.files.regular_file import read_regular
+from shellcut.material.shell_material import ShellMaterial
 
 from .errors import ModelFileError, Problem, guess, is_refusal, listed
 from .key import REQUIRED, Key, Kind, Section
+from .material_keys import named_material, with_presets
 from .model import Model
 from .overrides import overridden
-from .preset_keys import named_material, with_presets
+from .presets import presets
 from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 
@@ -121,6 +123,34 @@ class ModelVariants:
         """
         together = self._overrides | dict(overrides)
         return _Reading(overridden(self._source, together), try_out=try_out).model()
+
+
+def preset_film(name: str, **keys: object) -> ShellMaterial:
+    """Return a film with published numbers.
+
+    Parameters
+    ----------
+    name : str
+        As in ``[material] preset``, see docs/materials.md.
+    **keys
+        Other keys of ``[material]``, as ``thickness="12 um"``.
+
+    Raises
+    ------
+    ValueError
+        If there is no such film, or a key is wrong.
+
+    Examples
+    --------
+    >>> preset_film("pet", thickness="12 um").thickness
+    0.012
+    """
+    if name not in presets():
+        raise ValueError(f"there is no film {name!r}{guess(name, presets()) or listed(presets())}")
+    overrides = {f"material.{key}": value for key, value in keys.items()}
+    model = read_model("opening", {"material": name, **overrides})
+    film: ShellMaterial = model.sections["material"].made()
+    return film
 
 
 def shipped_models() -> dict[str, str]:

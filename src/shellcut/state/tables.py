@@ -270,8 +270,6 @@ class QuadTable(_Table):
     centre: Annotated[Floats, (4,)]
     """Weights of its nodes at the centre of the film that it holds, of a sliver farther from its
     flank than that."""
-    dropped: Bools
-    """Whether contact leaves it out, shape (n,)."""
 
 
 @dataclass

@@ -43,13 +43,16 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
+from shellcut.checks.hold import pieces_of
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
 from .freedoms import Freedoms
-from .rigid_motions import free_rigid_motions
 
 _EPS = float(np.finfo(float).eps)
+
+# Arm of a held node over the size of its part below which it holds no rotation.
+_LEVER = 1e-10
 
 # Wanted accuracy of a solution, and the worst one accepted: the error of any mesh is larger.
 ACCURACY = 1e-9
@@ -124,7 +127,7 @@ class TangentSolver:
         try:
             self._factor = _factors(self._matrix, pivot)
         except RuntimeError as error:
-            rigid = free_rigid_motions(self._freedoms, self._state)
+            rigid = free_rigid_motions(self._state)
             raise NoConvergence(_SINGULAR + _said(rigid)) from error
 
     def solve(self, force: Floats, accuracy: float = ACCURACY) -> Floats:
@@ -151,7 +154,7 @@ class TangentSolver:
         """Raise NoConvergence, with the figures, if an error is above 1e-4."""
         if error <= LARGEST_ERROR:
             return
-        rigid = free_rigid_motions(self._freedoms, self._state)
+        rigid = free_rigid_motions(self._state)
         if rigid:
             raise NoConvergence(_SINGULAR + _said(rigid))
         raise NoConvergence(
@@ -251,6 +254,14 @@ def _departure(factor: Any, product: Callable[[Floats], Floats], size: int) -> f
         y = y - factor.solve(product(y))
         largest = max(largest, float(np.linalg.norm(y)))
     return largest
+
+
+def free_rigid_motions(state: State) -> list[str]:
+    """Return in words the rigid motions of the present state that its supports leave free."""
+    n, node = state.n_node, state.node
+    pieces = pieces_of(state.quads, node.x[:n], node.t[:n], node.support[:n], _LEVER)
+    where = [f" of part {k + 1} of {len(pieces)}" * (len(pieces) > 1) for k in range(len(pieces))]
+    return [way + said for (_, free), said in zip(pieces, where, strict=True) for way in free]
 
 
 def _said(rigid: list[str]) -> str:

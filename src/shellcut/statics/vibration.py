@@ -21,8 +21,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
 from .freedoms import Freedoms
-from .rigid_motions import free_rigid_motions
-from .tangent_solver import ACCURACY, NoConvergence, TangentSolver
+from .tangent_solver import ACCURACY, NoConvergence, TangentSolver, free_rigid_motions
 
 # Modes are counted up to this far below the last one, relative to it.
 _GAP = 1e-5
@@ -35,7 +34,7 @@ def lowest_modes(
     state: State, freedoms: Freedoms, shell: MITC4Shell, mass: Floats, n: int
 ) -> tuple[Floats, Floats]:
     """Return the ``n`` lowest omega², ascending, and their vectors, shape (n_free, n)."""
-    rigid = free_rigid_motions(freedoms, state)
+    rigid = free_rigid_motions(state)
     if n > mass.size - 2:  # more than Lanczos' method can find
         K = freedoms.restrict(freedoms.stiffness(shell)).toarray()
         root = np.sqrt(mass)

@@ -50,6 +50,9 @@ the first [mm]; in proportion for other tools. Less than a cell, so few more cel
 ROUND_OFF = 1e-9
 """Relative slack of the distances compared in the build, far above round-off."""
 
+MOST_CELLS = 2_000_000
+"""The cells are enlarged until there are at most this many."""
+
 COARSEST_CELLS = 4
 """Halving starts with about this many cells along the longest side."""
 
@@ -87,7 +90,7 @@ class ClosestTriangleGrid:
 
     @classmethod
     def of(cls, tool: Tool | None) -> ClosestTriangleGrid:
-        """Return the grid of a tool with the defaults of :meth:`build`, built once per tool.
+        """Return the grid of a tool built once per tool.
 
         Without a tool the grid has no cells: nothing is near it.
         """
@@ -113,54 +116,22 @@ class ClosestTriangleGrid:
         return grid
 
     @classmethod
-    def build(
-        cls,
-        tool: Tool,
-        *,
-        reach: float | None = None,
-        cell_size: float | None = None,
-        max_cells: int = 2_000_000,
-    ) -> ClosestTriangleGrid:
+    def build(cls, tool: Tool) -> ClosestTriangleGrid:
         """Build the grid of a tool.
 
-        Parameters
-        ----------
-        tool : Tool
-        reach : float, optional, [mm]
-            Every point inside the solid or within this distance of its surface is found; points
-            farther outside may or may not be found. By default a quarter of the tool's half
-            thickness, see :data:`REACH`.
-        cell_size : float, optional, [mm]
-            Side of a cell; by default a third of the mean thickness of the thinnest body.
-        max_cells : int
-            The cells are enlarged until there are at most this many.
-
-        Raises
-        ------
-        ValueError
-            If a number is not positive.
+        Every point inside the solid or within the reach of its surface is found; points farther
+        outside may or may not be found.
         """
-        if reach is None:
-            reach = REACH * (tool.half_thickness() / REACH_HALF_THICKNESS)
-        if not (np.isfinite(reach) and reach > 0.0):
-            raise ValueError(f"reach must be positive, got {reach} mm")
-        if max_cells < 1:
-            raise ValueError(f"max_cells must be at least 1, got {max_cells}")
-        if cell_size is None:
-            size = 2.0 * tool.half_thickness() / CELLS_PER_THICKNESS
-        elif np.isfinite(cell_size) and cell_size > 0.0:
-            size = float(cell_size)
-        else:
-            raise ValueError(f"cell_size must be positive, got {cell_size} mm")
-        cells = _cells_around(tool, float(reach), size, max_cells)
+        half = tool.half_thickness()
+        reach = REACH * (half / REACH_HALF_THICKNESS)
+        cells = _cells_around(tool, reach, 2.0 * half / CELLS_PER_THICKNESS)
         surface = TriangleSurface(
             corners=tool.vertices[tool.triangles],
             flank=tool.flank,
             planes=_planes(tool),
             pseudo_normals=_pseudo_normals(tool),
         )
-        lists = _fill(cells, surface, float(reach))
-        return cls(TriangleGrid(cells, lists, surface), float(reach))
+        return cls(TriangleGrid(cells, _fill(cells, surface, reach), surface), reach)
 
     def query(self, points: npt.ArrayLike, side: int = 0) -> tuple[Bools, Bools, Ints, Floats]:
         """Return :func:`signed_distance` of many points in the body frame.
@@ -192,7 +163,7 @@ class ClosestTriangleGrid:
 
 
 _BUILT: WeakKeyDictionary[Tool, ClosestTriangleGrid] = WeakKeyDictionary()
-"""Grids with default settings, by tool: building one for many triangles takes seconds."""
+"""Grids by tool: building one for many triangles takes seconds."""
 
 
 @kernel
@@ -329,12 +300,12 @@ def _sort_cells(cell_start: Ints, cell_triangles: Ints, cell_distance: Floats) -
             gap //= 3
 
 
-def _cells_around(tool: Tool, reach: float, size: float, most: int) -> GridCells:
+def _cells_around(tool: Tool, reach: float, size: float) -> GridCells:
     """Return cells of this size [mm] around a tool and its reach, enlarged until few enough."""
     low, high = tool.bounding_box()
     extent = high - low + 2.0 * reach
     shape = _cells(extent, size)
-    while shape[0] * shape[1] * shape[2] > most:
+    while shape[0] * shape[1] * shape[2] > MOST_CELLS:
         size *= 1.05
         shape = _cells(extent, size)
     lower = float(low[0]) - reach, float(low[1]) - reach, float(low[2]) - reach

@@ -50,12 +50,6 @@ def round_bar(
         triangles,
         edges=np.zeros((0, 2), np.int64),
         name="round bar",
-        parameters={
-            "diameter": diameter,
-            "height": height,
-            "tilt_deg": tilt_deg,
-            "n_around": float(n_around),
-        },
     )
 
 

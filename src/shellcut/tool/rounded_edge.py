@@ -111,7 +111,6 @@ def with_edge_radius(tool: Tool, radius: float) -> Tool:
         edges=tool.edges,
         flank_angle_deg=tool.flank_angle_deg,
         name=tool.name,
-        parameters={**tool.parameters, "edge_radius": radius},
     )
     return replace(rounded, edge_radius=radius)
 

@@ -120,19 +120,6 @@ def tooth_ring(
     >>> ring.n_body, ring.n_chain
     (2, 2)
     """
-    parameters = {
-        "n_teeth": float(n_teeth),
-        "radius": radius,
-        "edge_inclination_deg": edge_inclination_deg,
-        "wedge_half_angle_deg": wedge_half_angle_deg,
-        "half_thickness": half_thickness,
-        "length": length,
-        "relief_deg": relief_deg,
-        "height": height,
-        "tip_clearance": tip_clearance,
-        "phase_deg": phase_deg,
-        "edge_radius": edge_radius,
-    }
     problems = [
         *_angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg"),
         *_ring_problems(radius, half_thickness, length, relief_deg, height),
@@ -148,7 +135,6 @@ def tooth_ring(
         height=height,
     )
     n_arc, spacing = _arc_pieces(tooth, n_teeth, radius, n_arc)
-    parameters["n_arc"] = float(n_arc)
     straight, strips, line = tooth.mesh(n_arc, spacing)
     triangles, edges = np.array(strips), np.array(line)
     flank_angle = _edge_half_angle(edge_inclination_deg, wedge_half_angle_deg) + FLANK_MARGIN
@@ -169,7 +155,6 @@ def tooth_ring(
         edges=(edges + offsets).reshape(-1, 2),
         flank_angle_deg=flank_angle,
         name="tooth ring",
-        parameters=parameters,
     )
     return replace(ring, edge_radius=edge_radius)
 
@@ -287,13 +272,6 @@ def straight_blade(
     ToolError
         If the wedge is too blunt along its edge.
     """
-    parameters = {
-        "edge_angle_deg": edge_angle_deg,
-        "wedge_half_angle_deg": wedge_half_angle_deg,
-        "half_thickness": half_thickness,
-        "length": length,
-        "height": height,
-    }
     problems = _angle_problems(edge_angle_deg, wedge_half_angle_deg, "edge_angle_deg")
     if problems:
         raise ToolError(problems, what="straight blade")
@@ -323,7 +301,6 @@ def straight_blade(
         edges=[(n, 0)],
         flank_angle_deg=_edge_half_angle(edge_angle_deg, wedge_half_angle_deg) + FLANK_MARGIN,
         name="straight blade",
-        parameters=parameters,
     )
     if edge_radius == 0.0:
         return blade

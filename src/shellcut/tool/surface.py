@@ -13,6 +13,7 @@ import numpy.typing as npt
 import scipy
 
 from shellcut.arrays import Floats, Ints, SmallInts, angles, norm, product, unit
+from shellcut.formats.errors import point_text
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 MERGE_TOLERANCE = 1e-7
@@ -319,8 +320,3 @@ def _next_corner(half_edges: Ints) -> Ints:
 def counted(ids: Ints, singular: str, plural: str | None = None) -> str:
     """Return a count with its noun."""
     return f"{ids.size} {singular if ids.size == 1 else plural or singular + 's'}"
-
-
-def point_text(point: Floats) -> str:
-    """Return coordinates formatted for a message."""
-    return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"

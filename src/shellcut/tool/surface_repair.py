@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
+from shellcut.formats.errors import point_text
 from shellcut.numerics.consistent_winding import common_winding
 
 from .surface import (
@@ -20,7 +21,6 @@ from .surface import (
     counted,
     merge_vertices,
     normals_and_heights,
-    point_text,
 )
 
 _MOST_SWAPS = 50  # rounds of swaps; each leaves fewer flat triangles, more rounds mean a tangle

@@ -17,8 +17,8 @@ unless :func:`shellcut.tool.rounded_edge.with_edge_radius` rounds it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from math import radians
 from pathlib import Path
 
@@ -27,10 +27,11 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, SmallInts, angles, product
+from shellcut.formats.errors import point_text
 from shellcut.formats.stl import write_stl
 
 from .edge_chains import chains_facing_back, chains_of, reverse_chains
-from .surface import Surface, counted, merge_vertices, point_text, six_volumes
+from .surface import Surface, counted, merge_vertices, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
@@ -117,8 +118,6 @@ class Tool:
     """Unit vector of the mid-plane, normal to the segment, into the solid, shape (n_edge, 3)."""
     name: str = "tool"
     """Name in reports."""
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    """Parameters it was built from, for reports; empty for a surface that was read."""
     flank_angle_deg: float = 40.0
     """Limit of turn up to which flanks extend, from :meth:`from_triangles` [deg]."""
     edge_radius: float = 0.0
@@ -172,7 +171,6 @@ class Tool:
         sharp_angle_deg: float = 100.0,
         flank_angle_deg: float = 40.0,
         name: str = "tool",
-        parameters: Mapping[str, float] | None = None,
     ) -> Tool:
         """Build a tool from a closed surface; merge duplicate vertices, find edges and flanks.
 
@@ -195,8 +193,8 @@ class Tool:
             A flank extends from its cutting edge over all edges that turn by less. A triangle
             reached from both sides takes the side with the shorter way over triangle centres
             (plus where the ways are equal).
-        name, parameters
-            For reports.
+        name : str
+            In reports.
 
         Raises
         ------
@@ -246,7 +244,6 @@ class Tool:
             edge_normal=normal,
             edge_back=back,
             name=name,
-            parameters=dict(parameters or {}),
             flank_angle_deg=flank_angle_deg,
         )
 
@@ -308,7 +305,6 @@ class Tool:
             edges=self.edges[keep],
             flank_angle_deg=self.flank_angle_deg,
             name=self.name,
-            parameters=self.parameters,
         )
         return replace(rest, edge_radius=self.edge_radius)
 

@@ -16,7 +16,7 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, unit
 from shellcut.formats import cad_surface
-from shellcut.formats.errors import FileError
+from shellcut.formats.errors import FileError, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
@@ -25,7 +25,6 @@ from shellcut.formats.surface_file import SurfaceFile
 
 from .rounded_edge import EdgeRadius, with_edge_radius
 from .seams import closed_seams
-from .surface import point_text
 from .surface_repair import repaired
 from .tool import Tool, ToolError
 

@@ -12,8 +12,7 @@ from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
-from .scene import draw_scene
-from .snapshot import draw_snapshot, snapshot_limits
+from .snapshot import draw_scene, draw_snapshot, snapshot_limits
 
 __all__ = [
     "STRESSES",

@@ -11,7 +11,6 @@ from ._panel import OVERSAMPLING, edge_length
 from ._raster import Camera, view_axes
 from ._teeth import teeth_of
 
-
 _VIEW = (40.0, 50.0)
 """Elevation above the film and bearing from the cut [deg]: 0 looks straight at the edge, 90 from
 the left of its path."""

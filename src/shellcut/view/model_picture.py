@@ -121,7 +121,7 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
     x = model.nodes[:, [i, j]]
     add = axes.add_collection  # type: ignore[attr-defined]
     if len(model.quads):
-        add(LineCollection(x[mesh_edges(model.quads)], colors=_FILM_COLOR, linewidths=0.4))
+        add(LineCollection(list(x[mesh_edges(model.quads)]), colors=_FILM_COLOR, linewidths=0.4))
     if len(model.worst):
         worst = PolyCollection(list(x[model.quads[model.worst]]), facecolors=_WORST_COLOR)
         worst.set_label(f"{len(model.worst)} quads with the shortest steps")

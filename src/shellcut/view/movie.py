@@ -18,7 +18,7 @@ from shellcut.frame import Frame
 
 from .fields import STRESSES
 from .progress import Progress
-from .scene import scene_series
+from .snapshot import scene_series
 
 Image = npt.NDArray[np.uint8]
 

@@ -1,19 +1,22 @@
-"""One picture of the cut: the whole model on the left, one tooth on the right."""
+"""One picture of the cut: the whole film alone, or with one tooth on its right."""
 
 from __future__ import annotations
 
 import os
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
-from ._figure import new_figure, save
+from ._figure import inches_of, new_figure, save
 from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_of
+from .fields import STRESSES
 from .panels import Panel, Panels
 
 # Left, bottom, width and height of the panels, relative to the figure.
@@ -59,6 +62,62 @@ def draw_snapshot(
     series = SnapshotSeries([frame], stress_limits=stress_limits, size=size, dpi=dpi)
     low, high = series.stress_limits
     save(series.figure(frame), path, {_SCALE: f"{low!r} to {high!r} MPa"})
+
+
+def draw_scene(
+    path: str | os.PathLike[str],
+    frame: Frame,
+    *,
+    stress: str = "largest principal",
+    stress_limits: tuple[float, float] | None = None,
+    together_with: Sequence[Frame] = (),
+    size: tuple[int, int] = (1280, 800),
+) -> None:
+    """Draw one frame to a picture file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The picture, ``.png`` or another suffix that Pillow knows; replaced if it exists.
+    frame : Frame
+        The frame to draw.
+    stress : str
+        One of :data:`STRESSES`.
+    stress_limits : (float, float), optional
+        Limits of the colour scale [MPa]; by default round numbers around nearly all quads.
+    together_with : sequence of Frame
+        Other frames of the run that camera, scale and legend must cover. With all of them the
+        picture equals the frame of :func:`draw_movie`.
+    size : (int, int)
+        Width and height [pixel].
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If there is no such stress.
+    """
+    if stress not in STRESSES:
+        raise ValueError(f"stress must be one of {', '.join(STRESSES)}, got {stress!r}")
+    series = scene_series([frame, *together_with], stress, stress_limits, size)
+    from PIL import Image
+
+    with atomic_write(Path(path)) as temporary:
+        Image.fromarray(series.image(frame)).save(temporary)
+
+
+def scene_series(
+    seen: Sequence[Frame],
+    stress: str,
+    limits: tuple[float, float] | None,
+    size: tuple[int, int],
+) -> SnapshotSeries:
+    """Return pictures of the whole film that share camera, scale and legend; size in pixels."""
+    inches, dpi = inches_of(size)
+    return SnapshotSeries(
+        seen, close_up=False, stress=stress, stress_limits=limits, size=inches, dpi=dpi
+    )
 
 
 def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:

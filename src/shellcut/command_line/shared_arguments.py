@@ -1,0 +1,139 @@
+"""Arguments that several commands have."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from shellcut.arguments import declared
+
+T = TypeVar("T")
+
+
+def named(text: str) -> Path:
+    """Return the path of an argument, for ``type=named``; an empty one is no name."""
+    if not text:
+        raise argparse.ArgumentTypeError("must have a name, got an empty one")
+    return Path(text)
+
+
+def add_settings_to(parser: argparse.ArgumentParser) -> None:
+    """Add ``--set``."""
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        dest="settings",
+        help="replace a key, e.g. membrane.mesh=quick or mesh=quick; any number of times",
+    )
+
+
+def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
+    """Return the keys set, with their values read as TOML; bare words are strings.
+
+    Raises
+    ------
+    ModelFileError
+        If an argument is not of the form key=value.
+    """
+    from shellcut.model_file.errors import ModelFileError, Problem
+    from shellcut.model_file.source import parse_value
+
+    settings: dict[str, object] = {}
+    wrong = []
+    for text in arguments.settings:
+        try:
+            key, value = key_and_value(text)
+            settings[key] = parse_value(value)
+        except ValueError as problem:
+            wrong.append(Problem(f"--set {text}", str(problem)))
+    if wrong:
+        raise ModelFileError(wrong)
+    return settings
+
+
+def key_and_value(text: str) -> tuple[str, str]:
+    """Split ``key=value``.
+
+    Raises
+    ------
+    ValueError
+        If there is no key, or no ``=``.
+    """
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise ValueError("must be KEY=VALUE")
+    return key.strip(), value.strip()
+
+
+def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **flags: str) -> None:
+    """Add arguments of a class, by the names of its parameters: type, choices, default, help."""
+    for name, flag in flags.items():
+        kind, option, default = declared(owner)[name]
+        first = (get_args(kind) or (kind,))[0]
+        given: dict[str, Any] = {"dest": f"{owner.__name__}.{name}", "default": None}
+        unless = "" if default in (None, False) else f" [{default}]"
+        if kind is bool:
+            given["action"] = "store_true"
+        elif isinstance(first, str):
+            given |= {"choices": get_args(kind), "metavar": f"{{{','.join(get_args(kind))}}}"}
+        else:
+            given |= {"type": first, "metavar": "N"}
+        parser.add_argument(flag, help=f"{option.text}{unless}", **given)
+
+
+def made_of(arguments: argparse.Namespace, owner: Callable[..., T], **more: Any) -> T:
+    """Return the class called with the arguments that are given."""
+    given = {name.partition("."): value for name, value in vars(arguments).items()}
+    return owner(
+        **{name: v for (of, _, name), v in given.items() if of == owner.__name__ and v is not None},
+        **more,
+    )
+
+
+def add_engine_to(parser: argparse.ArgumentParser) -> None:
+    """Add ``--jobs`` and ``--dask``."""
+    engine = parser.add_mutually_exclusive_group()
+    engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one a core")
+    engine.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="a Dask scheduler such as tcp://host:8786, whose workers see OUT; or local",
+    )
+
+
+@contextlib.contextmanager
+def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
+    """Give the number of processes, or a Dask client, with a cluster of its own if asked for.
+
+    Raises
+    ------
+    ImportError, ConnectionError
+        If there is no Dask, or no scheduler.
+    """
+    if arguments.dask is None:
+        yield arguments.jobs
+        return
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise ImportError("--dask needs Dask: pip install 'shellcut[sweep]'") from None
+    from shellcut.numerics.threads import available_cores
+
+    with contextlib.ExitStack() as close:
+        where: Any = arguments.dask
+        if where == "local":
+            cluster = LocalCluster(
+                n_workers=available_cores(), threads_per_worker=1, dashboard_address=None
+            )
+            where = close.enter_context(cluster)
+        try:
+            client = close.enter_context(Client(where, timeout=10.0))
+        except (OSError, TimeoutError, ValueError) as problem:
+            said = f"{type(problem).__name__}: {problem}"
+            raise ConnectionError(f"there is no Dask scheduler at {where}: {said}") from None
+        yield client
