@@ -135,6 +135,7 @@ _CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
     ((), np.float64),
     ((), np.float64),
     ((), np.float64),
+    ((), np.float64),
 ]
 
 

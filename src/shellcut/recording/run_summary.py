@@ -90,7 +90,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "check_every": sim.fracture.check_every,
         "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
-        "opening_u_mm": None if sim.law is None else sim.law.opening_u,
+        "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
     }
 
 
@@ -107,6 +107,19 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
         "unfelt_film_edge_mm": unfelt.film_edges,
         "film_half_thickness_mm": 0.5 * sim.material.thickness,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
+        **_of_severing(sim),
+    }
+
+
+def _of_severing(sim: Simulation) -> dict[str, float]:
+    """Return at what the edge severs cables, nothing if it never does."""
+    if sim.tool is None or sim.law is None or sim.law.cutting_energy is None:
+        return {}
+    return {
+        "edge_radius_mm": sim.tool.edge_radius,
+        "severing_energy_N_per_mm": sim.cables.at_edge.fracture_energy,
+        "severing_opening_mm": sim.cables.at_edge.opening_u,
+        "blunt_radius_mm": sim.law.blunt_radius,
     }
 
 

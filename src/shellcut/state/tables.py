@@ -328,6 +328,8 @@ class CableTable(_Table):
     """Work done on the cable so far [N·mm], shape (n,)."""
     start_work: Floats
     """Work done on the equilibrium-start force so far [N·mm], shape (n,)."""
+    shed: Floats
+    """What was dissipated as the edge met it, above its law from then on [N/mm], shape (n,)."""
     birth: Floats
     """Time of birth [s], shape (n,)."""
     end_time: Floats

@@ -51,7 +51,8 @@ def theory(study: Study) -> str:
     head = ("figure over the theory", "runs", "mean", "least", "largest", "standard deviation")
     return (
         "<p>In steady cutting the cables take n G h (r + (p/2π) cot η) per radian: n teeth, "
-        "fracture energy G, thickness h, radius r, pitch p, inclination η of the edge.</p>"
+        "fracture energy G (or that at which the edge severs), thickness h, radius r, pitch p, "
+        "inclination η of the edge.</p>"
         f'<div class="panels">{"".join(pictures)}</div>{table(rows, head)}'
         f'<p class="caption">{escape(_SAID)}</p>'
     )
@@ -131,5 +132,5 @@ def _per_radian(sections: Mapping[str, Any]) -> float:
         edge_inclination_deg=tool.edge_inclination_deg,
         pitch=sections["motion"].pitch,
         thickness=sections["material"].made().thickness,
-        law=sections["cohesive"].made(),
+        law=sections["cohesive"].made().at_edge(tool.edge_radius),
     )
