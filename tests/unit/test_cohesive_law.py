@@ -185,7 +185,7 @@ def test_a_law_that_no_edge_cuts_off_stays_itself():
         ({"opening_u": np.inf}, ["opening_u"]),
         ({"strength": -1.0}, ["strength must be positive, got -1.0 MPa"]),
         ({"plateau": np.nan}, ["plateau", "nan"]),
-        ({"onset": 0.5}, ["onset must be small beside opening_u = 4 mm, got 0.5"]),
+        ({"onset": 0.5}, ["onset must be small beside opening_u = 4 mm, a tenth at most, got 0.5"]),
         ({"unloading": "plastic"}, ["'secant' or 'elastic'", "'plastic'"]),
         (
             {"unloading": "elastic", "unloading_stiffness": 10.0},

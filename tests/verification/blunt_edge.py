@@ -27,11 +27,14 @@ COLUMNS = (
 )
 
 
-def cut(radius, **joint):
-    """Return the tool's work, its parts and the largest imbalance, per length over G h."""
+def cut(radius, size=SIZE, **joint):
+    """Return the tool's work, its parts and the largest imbalance, per length over G h.
+
+    An edge that severs cables takes G_s for G.
+    """
     law = CohesiveLaw(**joint)
     blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)
-    case = guillotine(SIZE, length=LENGTH, law=law, tool=blade)
+    case = guillotine(size, length=LENGTH, law=law, tool=blade)
     sim, rows = case.simulation, []
     while sim.state.time < case.duration:
         sim.step()
@@ -39,9 +42,9 @@ def cut(radius, **joint):
         parts = (book.tool_work, book.cohesive_work, book.joint_friction, book.damping)
         rows.append((path, *parts, book.imbalance))
     path, *parts, imbalance = np.array(rows).T
-    n = int((path[-1] - 8.0) / SIZE)
-    ends = np.array([8.0, 8.0 + n * SIZE])
-    whole = law.fracture_energy * THICKNESS * n * SIZE
+    n = int((path[-1] - 8.0) / size)
+    ends = np.array([8.0, 8.0 + n * size])
+    whole = law.at_edge(radius).fracture_energy * THICKNESS * n * size
     means = [float(np.diff(np.interp(ends, path, part))[0] / whole) for part in parts]
     return (*means, float(np.abs(imbalance).max() / parts[0].max()))
 

@@ -137,7 +137,8 @@ class CohesiveLaw:
             )
         if self.onset > 0.1 * self.opening_u:
             problems.append(
-                f"onset must be small beside opening_u = {self.opening_u:.4g} mm, got {self.onset}"
+                f"onset must be small beside opening_u = {self.opening_u:.4g} mm, a "
+                f"tenth at most, got {self.onset}"
             )
         problems += self._of_joint()
         slope = (self.strength - self.plateau) / self.opening_a
