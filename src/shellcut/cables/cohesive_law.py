@@ -195,7 +195,7 @@ class CohesiveLaw:
         >>> law = CohesiveLaw(cutting_energy=1.0, severing_pressure=400.0)
         >>> sharp = law.at_edge(5e-3)
         >>> round(sharp.fracture_energy, 9), round(sharp.opening_u, 4), round(law.blunt_radius, 4)
-        (5.0, 0.3307, 0.0531)
+        (5.0, 0.3531, 0.0531)
         """
         if self.cutting_energy is None:
             return self

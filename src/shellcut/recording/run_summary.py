@@ -99,7 +99,7 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
     s = sim.state
     if sim.contact is None:
         return {}
-    return {
+    figures = {
         "n_cable_jointed": sim.cables.n_joint_made,
         "deepest_penetration_mm": sim.contact.deepest,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,
@@ -107,20 +107,15 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
         "unfelt_film_edge_mm": unfelt.film_edges,
         "film_half_thickness_mm": 0.5 * sim.material.thickness,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
-        **_of_severing(sim),
     }
-
-
-def _of_severing(sim: Simulation) -> dict[str, float]:
-    """Return at what the edge severs cables, nothing if it never does."""
-    if sim.tool is None or sim.law is None or sim.law.cutting_energy is None:
-        return {}
-    return {
-        "edge_radius_mm": sim.tool.edge_radius,
-        "severing_energy_N_per_mm": sim.cables.at_edge.fracture_energy,
-        "severing_opening_mm": sim.cables.at_edge.opening_u,
-        "blunt_radius_mm": sim.law.blunt_radius,
-    }
+    if sim.law is not None and sim.law.cutting_energy is not None:
+        figures |= {
+            "edge_radius_mm": sim.contact.tool.edge_radius,
+            "severing_energy_N_per_mm": sim.cables.at_edge.fracture_energy,
+            "severing_opening_mm": sim.cables.at_edge.opening_u,
+            "blunt_radius_mm": sim.law.blunt_radius,
+        }
+    return figures
 
 
 def _of_self_contact(sim: Simulation) -> dict[str, float]:
