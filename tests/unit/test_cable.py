@@ -9,7 +9,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw, area_below
 from shellcut.cables.directional_cable import CableSet
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.state import BROKEN, JOINTED, STRAIGHT
+from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
@@ -83,7 +83,7 @@ def test_straight_cables_match_the_naive_twin(law, loaded):
     assert result.n_broken == 0
 
 
-def jointed_cables(pose, tool=BLADE):
+def jointed_cables(pose, tool=BLADE, law=LAW):
     """Three cables that the edge has just met, opened further since."""
     rotation, translation = pose
     pairs = [
@@ -94,7 +94,7 @@ def jointed_cables(pose, tool=BLADE):
     space = [tuple(rotation @ p + translation for p in pair) for pair in pairs]
     m = rotation @ [0.0, 1.0, 0.0]
     state = state_with(*space, m=m)
-    cables = CableSet(LAW, tool)
+    cables = CableSet(law, tool)
     _, result = evaluate(cables, state, pose)
     assert result.n_joint_made == 3
     assert (state.cable.status[:3] == JOINTED).all()
@@ -109,8 +109,9 @@ def joint_potential(cables, state, k, x, joint):
     return AREA * area_below(length - c.joint_slack[k], cables.law.parameters())
 
 
-def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool():
-    cables, state = jointed_cables(FAR)
+@pytest.mark.parametrize("law", [LAW, CohesiveLaw(cutting_energy=30.0)], ids=["whole", "severed"])
+def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool(law):
+    cables, state = jointed_cables(FAR, law=law)
     c = state.cable
     largest = c.opening_max[:3].copy()
     joints = c.joint_body[:3] @ FAR[0].T + FAR[1]
@@ -119,7 +120,7 @@ def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool():
     for k in range(3):
         minus, plus = state.node.x[2 * k : 2 * k + 2]
         ell, f_minus, f_plus = naive.jointed(
-            minus, plus, joints[k], c.joint_slack[k], AREA, largest[k], LAW
+            minus, plus, joints[k], c.joint_slack[k], AREA, largest[k], law.at_edge(0.0)
         )
         assert c.opening[k] == pytest.approx(ell, abs=1e-14)
         np.testing.assert_allclose(forces[2 * k], f_minus, rtol=0, atol=1e-12)
@@ -401,6 +402,66 @@ def test_jointed_pull_takes_g_a():
     assert cables.energies(state)[1] == pytest.approx(43.5 * AREA, rel=1e-12)
 
 
+@pytest.mark.parametrize("area", [1.0, 12.0, 30.0])
+@pytest.mark.parametrize("opened", [0.02, 0.4, 1.6])
+@pytest.mark.parametrize("back", [0.0, 0.3])
+def test_an_edge_severs_a_cable_at_its_own_area_and_the_books_hold_the_rest(area, opened, back):
+    """Torn open by ``opened``, unloaded by a part of it, then met and drawn out by the blade."""
+    law = CohesiveLaw(cutting_energy=area)
+    state = state_with(([0, 0, 0], [0, 0, 0]))
+    state.cable.edge[0] = NOT_MET
+    cables, place, n = CableSet(law, BLADE), [-4.0, 0.0, 0.0], 2000
+    evaluate(cables, state, Pose(np.eye(3), np.array(place)))
+
+    def moved(by, way=0.0):
+        rate = 1e6 * by / n
+        pull(
+            cables,
+            state,
+            [[0, -0.5 * rate, 0], [0, 0.5 * rate, 0]],
+            1e-6,
+            n,
+            tool_velocity=(1e6 * way / n, 0, 0),
+            start=place,
+        )
+        place[0] += way
+
+    def booked():
+        assert state.cable.work[0] == pytest.approx(sum(cables.energies(state)), rel=3e-3)
+
+    moved(opened)
+    booked()
+    moved(-back * opened)
+    assert state.cable.status[0] == STRAIGHT
+    most = state.cable.opening_max[0]
+    moved(0.0, 3.999)
+    moved(0.0, 0.002)
+    booked()  # on the law of the edge, or severed at once
+    n = 6000
+    moved(0.0, 4.0)
+    c, whole, cut = state.cable, law.parameters(), law.at_edge(0.0).parameters()
+    assert c.status[0] == BROKEN
+    shed = area_below(most, whole) - area_below(most, cut)
+    # What it has not got back of the way from its largest opening is not shed.
+    left = 0.5 * (1.0 - (1.0 - back) ** 2) * most
+    shed -= (law.traction(most) - law.at_edge(0.0).traction(most)) * left
+    assert c.shed[0] == pytest.approx(shed, abs=1e-9 + 2e-3 * area)
+    assert cables.energies(state) == (0.0, pytest.approx((area + c.shed[0]) * AREA, rel=1e-12))
+    booked()
+
+
+def test_a_cable_that_no_edge_meets_takes_the_whole_law():
+    state = state_with(([0, 0, 0], [0, 0, 0]))
+    state.cable.edge[0] = NOT_MET
+    cables = CableSet(CohesiveLaw(cutting_energy=5.0), BLADE)
+    far = Pose(np.eye(3), np.array([-9.0, 0.0, 0.0]))
+    evaluate(cables, state, far)
+    pull(cables, state, [[0, 0, 0], [0, 1e3, 0]], 1e-6, 4010, start=far.translation)
+    assert state.cable.status[0] == BROKEN
+    assert cables.energies(state)[1] == pytest.approx(43.5 * AREA, rel=1e-12)
+    assert state.cable.work[0] == pytest.approx(43.5 * AREA, rel=1e-3)
+
+
 def test_work_of_an_evaluation_is_the_sum_over_the_cables():
     cables, state = jointed_cables(HERE)
     state.dt = 1e-6
@@ -465,7 +526,12 @@ def numeric_stiffness(cables, state, pose, node):
 
 
 def test_stiffness_bounds_the_true_one():
-    for cables, state in ((CableSet(LAW, None), random_cables()), jointed_cables(HERE)):
+    severed = CohesiveLaw(cutting_energy=30.0)
+    for cables, state in (
+        (CableSet(LAW, None), random_cables()),
+        jointed_cables(HERE),
+        jointed_cables(HERE, law=severed),
+    ):
         state.time = 1.0  # not newborn
         evaluate(cables, state, HERE)
         nodes, bound = cables.stiffness(state, {})

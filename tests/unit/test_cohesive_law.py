@@ -1,6 +1,7 @@
 """The law of Fig. 4: envelope, energies on any path, both unloadings, refusals."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -121,22 +122,82 @@ def test_birth_energy_is_repaid():
         assert energies(law, 4.2, 4.2) == (0.0, pytest.approx(law.fracture_energy, rel=1e-12))
 
 
+# A law with a low plateau, and one of little more than a drop, end in other ways than the paper's.
+CUT_OFF = {
+    "paper": {},
+    "low plateau": {"plateau": 3.0, "opening_p": 1.0},
+    "no drop": {"strength": 12.0},
+    "triangle": {
+        "strength": 24.0,
+        "plateau": 12.0,
+        "opening_a": 1.0,
+        "opening_p": 1.0,
+        "opening_u": 2.0,
+    },
+}
+
+
+@pytest.mark.parametrize("name", CUT_OFF)
+def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(name):
+    whole = CohesiveLaw(**CUT_OFF[name])
+    least = 0.05 * whole.fracture_energy
+    law = replace(whole, cutting_energy=least, severing_pressure=300.0)
+    radii = np.linspace(0.0, 1.3 * law.blunt_radius, 800)
+    cut = [law.at_edge(r) for r in radii]
+    expected = np.minimum(whole.fracture_energy, least + 600.0 * radii)
+    # Round-off: the corners come of a quadratic equation.
+    np.testing.assert_allclose([one.fracture_energy for one in cut], expected, rtol=1e-12)
+    openings = np.array([one.opening_u for one in cut])
+    assert openings[-1] == whole.opening_u
+    steps = np.diff(openings)
+    assert (steps >= 0.0).all()
+    # Continuous: no step is longer than the steepest of the ends, 2/sigma_C and 4/sigma_F, takes.
+    assert steps.max() < 2.0 / whole.plateau * 600.0 * radii[1] * (1.0 + 1e-9)
+    share = [one.opening_p / one.opening_u for one in cut if one.opening_p > one.opening_a]
+    np.testing.assert_allclose(share, whole.opening_p / whole.opening_u, rtol=1e-12)
+    for one in cut[::80]:
+        for ell in np.linspace(0.0, whole.opening_u, 200):
+            below = one.traction(ell)
+            assert below <= whole.traction(ell) + 1e-12 * whole.strength
+            if ell <= one.opening_a:
+                assert below == pytest.approx(whole.traction(ell), rel=1e-12)
+
+
+def test_a_law_that_no_edge_cuts_off_stays_itself():
+    law = CohesiveLaw()
+    assert law.at_edge(0.1) is law
+    assert law.blunt_radius == np.inf
+    razor = CohesiveLaw(cutting_energy=10.0)
+    assert razor.blunt_radius == np.inf
+    assert razor.at_edge(0.0).fracture_energy == pytest.approx(10.0, rel=1e-12)
+    blunt = CohesiveLaw(cutting_energy=10.0, severing_pressure=335.0)
+    assert blunt.blunt_radius == pytest.approx(0.05, rel=1e-12)
+    assert blunt.at_edge(0.051) == law
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"plateau": 20.0}, ["must decrease", "plateau 20.0 MPa", "strength 18.0"]),
         ({"opening_a": 3.5}, ["must decrease", "opening_a <= opening_p", "3.5, 3.0, 4.0"]),
         ({"opening_p": 4.0}, ["opening_p < opening_u"]),
-        ({"onset": 0.5}, ["onset must be small beside opening_u = 4.0 mm, got 0.5"]),
+        ({"onset": 0.5}, ["onset must be small beside opening_u = 4 mm, a tenth at most, got 0.5"]),
         (
             {"unloading": "elastic", "unloading_stiffness": 10.0},
-            ["unloading_stiffness must exceed", "12.0 MPa/mm", "got 10.0"],
+            ["unloading_stiffness must exceed", "12 MPa/mm", "got 10.0"],
         ),
         ({"plateau": 20.0, "opening_p": 5.0}, ["plateau 20.0", "0.5, 5.0, 4.0"]),
+        (
+            {"unloading": "elastic", "unloading_stiffness": 30.0, "opening_p": 3.9},
+            ["unloading_stiffness must exceed the steepest", "120 MPa"],
+        ),
+        ({"severing_pressure": 300.0}, ["severing_pressure needs cutting_energy"]),
+        ({"cutting_energy": 1000.0}, ["cutting_energy must not exceed", "43.5 N/mm, got 1000.0"]),
+        ({"cutting_energy": 0.5}, ["cut off at cutting_energy = 0.5", "onset must be small"]),
     ],
 )
 def test_refusals_say_what_must_hold(changes, words):
-    with pytest.raises(ValueError, match="must") as refusal:
+    with pytest.raises(ValueError, match=r"must|needs") as refusal:
         CohesiveLaw(**changes)
     for word in words:
         assert word in str(refusal.value)

@@ -118,6 +118,7 @@ VARIED = {
     "opening_a": 0.04,
     "ramp": 1e-4,
     "model": None,
+    "cutting_energy": 2.9,
     "preset": "pet",
     "law": "hencky",
     "hardening_strain": [0.0, 0.5],
@@ -333,6 +334,8 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {**given, **BESIDE.get(key, {})}
     if key == "joint_friction":
         given = {"joint": "slip", "joint_friction": 0.3}
+    if key == "severing_pressure":
+        given = {"cutting_energy": 2.9}
     if key == "self_friction":
         given = {"self_contact": True}
     other = other_value(kind, key)

@@ -28,14 +28,18 @@ COLUMNS = (
 )
 
 
-def cut(radius, **joint):
-    """Return the tool's work, its parts and the largest imbalance, per length over G h."""
+def cut(radius, size=SIZE, **joint):
+    """Return the tool's work, its parts and the largest imbalance, per length over G h.
+
+    An edge that severs cables takes G_s for G.
+    """
     law = CohesiveLaw(**joint)
     blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)
-    case = guillotine(SIZE, length=LENGTH, law=law, tool=blade)
+    case = guillotine(size, length=LENGTH, law=law, tool=blade)
     names = "tool_work", "cohesive_work", "joint_friction", "damping"
-    means, worst, _ = steady_works(case, SIZE, 8.0, *names)
-    return (*(mean / (law.fracture_energy * THICKNESS) for mean in means), worst)
+    means, worst, _ = steady_works(case, size, 8.0, *names)
+    whole = law.at_edge(radius).fracture_energy * THICKNESS
+    return (*(mean / whole for mean in means), worst)
 
 
 def on_the_blade(radius, friction, law=None):

@@ -56,27 +56,29 @@ def cable_stiffness(
     x: Floats,
     cables: HeldCables,
     law: Floats,
+    at_edge: Floats,
     within: Compliance,
     node: Ints,
     stiffness: Floats,
 ) -> int:
     """Write the ends of the first ``count`` cables that hold, and bounds of their stiffness [N/mm].
 
-    x : of the nodes (n_node, 3).  law : of :meth:`CohesiveLaw.parameters`.  node, stiffness :
-    (2 n_cable,), written; returns how many.
+    x : of the nodes (n_node, 3).  law, at_edge : of straight and jointed cables, from
+    :meth:`CohesiveLaw.parameters`.  node, stiffness : (2 n_cable,), written; returns how many.
     """
     n = 0
     for c in range(count):
         if cables.status[c] == BROKEN:
             continue
+        jointed = cables.status[c] == JOINTED
+        of = at_edge if jointed else law
         area, most = cables.area[c], max(cables.opening_max[c], 0.0)
-        peak = envelope(most, law)
-        slope = area * unloading_slope(peak, most, law) if peak > 0.0 else 0.0
+        peak = envelope(most, of)
+        slope = area * unloading_slope(peak, most, of) if peak > 0.0 else 0.0
         if np.isinf(slope):
             # The literal form is rigid at birth: no step is safe for its very first instant.
             slope = 0.0
         pull = area * cables.traction[c] * (1.0 + within.grip)
-        jointed = cables.status[c] == JOINTED
         for side in range(2):
             end = cables.ends[c, side]
             if jointed:

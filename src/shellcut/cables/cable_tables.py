@@ -42,6 +42,7 @@ class CableRows(NamedTuple):
     force: Annotated[Floats, "(n_cable, 2, 3)"]
     work: Annotated[Floats, "(n_cable,)"]
     start_work: Annotated[Floats, "(n_cable,)"]
+    shed: Annotated[Floats, "(n_cable,)"]
     end_time: Annotated[Floats, "(n_cable,)"]
 
 
@@ -67,6 +68,8 @@ class CableTables(NamedTuple):
     """Whether the cables may meet the edges."""
     law: Annotated[Floats, "(n_parameter,)"]
     """Of :meth:`CohesiveLaw.parameters`."""
+    at_edge: Annotated[Floats, "(n_parameter,)"]
+    """The same of cables with a joint, :meth:`CohesiveLaw.at_edge`."""
     joint: JointLaw
     edges: CuttingEdges
     nodes: CableNodes

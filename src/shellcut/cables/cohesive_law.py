@@ -11,12 +11,22 @@ stiff elastic line (it does). Below the onset opening delta_0 the secant is repl
 sigma_F / delta_0: a cable just born would otherwise be infinitely stiff. Hence it is born with the
 energy ½ sigma_F delta_0 A in its elastic part, booked as a negative dissipation that is repaid
 while the opening grows past delta_0; a broken cable has dissipated exactly G A.
+
+**Severed at a sharp edge.** Cables wrapped around an edge of radius r lie one upon the other; the
+oldest lies on the edge and bears the pull of all. A steady cut has one of length l at l/2 behind
+the nose, and each pulls by sigma A in both branches, so they load the edge by A(l) a length, on the
+2r that its nose is wide: the pressure A(l)/2r. Severed at the pressure H, with G_0 what is left for
+a razor, a cable takes
+
+    G_s = min(G, G_0 + 2 r H),
+
+however thick the film is. It follows the law cut off at that area, see :meth:`CohesiveLaw.at_edge`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
@@ -43,9 +53,9 @@ _START_OPENING = 1.0 / 80.0
 _STICK = 1.0 / 400.0
 
 STRENGTH, PLATEAU, OPENING_A, OPENING_P, OPENING_U = 0, 1, 2, 3, 4
-CAP, ELASTIC, ONSET, SHORT_BRANCH, START_OPENING = 5, 6, 7, 8, 9
+CAP, ELASTIC, ONSET, SHORT_BRANCH, START_OPENING, AREA = 5, 6, 7, 8, 9, 10
 """Places of the numbers of a law as kernels take it: those of :class:`CohesiveLaw` by their names,
-the steepest slope of unloading, the constant one (0 for none), and two lengths."""
+the steepest slope of unloading, the constant one (0 for none), two lengths, and the area below."""
 
 
 @checked
@@ -93,6 +103,25 @@ class CohesiveLaw:
         ),
     ] = "adhesion"
     joint_friction: Annotated[float, Option("", "mu of joint = slip", least=0)] = 0.0
+    cutting_energy: Annotated[
+        float | None,
+        Option(
+            "N/mm",
+            "G_0, taken by a cut with a razor, kJ/m²: an edge of radius r severs cables at G_0 + 2 "
+            "r H",
+            above=0,
+            unset="no edge severs them, a cut takes the area of the law",
+        ),
+    ] = None
+    severing_pressure: Annotated[
+        float | None,
+        Option(
+            "MPa",
+            "H, under which an edge with a radius severs the film",
+            above=0,
+            unset="only for edges without a radius",
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         problems = []
@@ -108,15 +137,19 @@ class CohesiveLaw:
             )
         if self.onset > 0.1 * self.opening_u:
             problems.append(
-                f"onset must be small beside opening_u = {self.opening_u} mm, got {self.onset}"
+                f"onset must be small beside opening_u = {self.opening_u:.4g} mm, a "
+                f"tenth at most, got {self.onset}"
             )
         problems += self._of_joint()
         slope = (self.strength - self.plateau) / self.opening_a
+        if self.opening_p < self.opening_u:
+            slope = max(slope, self.plateau / (self.opening_u - self.opening_p))
         if self.unloading == "elastic" and self.unloading_stiffness < slope:
             problems.append(
-                f"unloading_stiffness must exceed the slope of the drop, {slope} MPa/mm, "
-                f"got {self.unloading_stiffness}"
+                "unloading_stiffness must exceed the steepest slope of the law, "
+                f"{slope:.4g} MPa/mm, got {self.unloading_stiffness}"
             )
+        problems += [] if problems else self._of_severing()
         if problems:
             raise ValueError("; ".join(problems))
 
@@ -132,6 +165,71 @@ class CohesiveLaw:
                 f"joint_friction is of joint = 'slip', got {mu!r} with joint = {self.joint!r}"
             )
         return problems
+
+    def _of_severing(self) -> list[str]:
+        least, whole = self.cutting_energy, self.fracture_energy
+        if least is None:
+            given = self.severing_pressure is not None
+            return ["severing_pressure needs cutting_energy, that of a razor: give both"] * given
+        if least > whole:
+            return [
+                "cutting_energy must not exceed the fracture energy of the law, which tears it, "
+                f"{whole:.4g} N/mm, got {least}"
+            ]
+        try:
+            self.at_edge(0.0)
+        except ValueError as problem:
+            return [f"the law cut off at cutting_energy = {least} N/mm: {problem}"]
+        return []
+
+    def at_edge(self, radius: float) -> CohesiveLaw:
+        """Return the law of cables around an edge [mm]: this one, cut off at the area G_s.
+
+        It falls as this one does and ends where its area is G_s, with the same l_P/l_U = rho. Short
+        laws end on the drop, at l_A' = l_P' = rho l_U'. Where it would then fall more slowly than
+        the drop, which a law with a low plateau does, it ends at l_P' = l_A instead; so it is
+        nowhere above this one, and l_U' grows steadily with G_s.
+
+        Examples
+        --------
+        >>> law = CohesiveLaw(cutting_energy=1.0, severing_pressure=400.0)
+        >>> sharp = law.at_edge(5e-3)
+        >>> round(sharp.fracture_energy, 9), round(sharp.opening_u, 4), round(law.blunt_radius, 4)
+        (5.0, 0.3531, 0.0531)
+        """
+        if self.cutting_energy is None:
+            return self
+        area = self.cutting_energy + 2.0 * radius * (self.severing_pressure or 0.0)
+        if area >= self.fracture_energy:
+            return replace(self, cutting_energy=None, severing_pressure=None)
+        rho, drop = self.opening_p / self.opening_u, self.strength - self.plateau
+        slope, plateau = drop / self.opening_a, self.plateau
+        end = (area - 0.5 * drop * self.opening_a) / (0.5 * self.plateau * (1.0 + rho))
+        a, p = self.opening_a, rho * end
+        if p < a:
+            b = 0.5 * self.strength * (1.0 + rho)
+            end = 2.0 * area / (b + math.sqrt(max(b * b - 2.0 * slope * rho * area, 0.0)))
+            a = p = rho * end
+            plateau = self.strength - slope * a
+            if slope * end > self.strength:
+                a = p = self.opening_a
+                plateau, end = self.plateau, (2.0 * area - self.strength * a) / self.plateau
+        return replace(
+            self,
+            plateau=plateau,
+            opening_a=a,
+            opening_p=p,
+            opening_u=end,
+            cutting_energy=None,
+            severing_pressure=None,
+        )
+
+    @property
+    def blunt_radius(self) -> float:
+        """r_c = (G - G_0)/(2 H), from which on an edge severs nothing [mm]."""
+        if self.cutting_energy is None or self.severing_pressure is None:
+            return math.inf
+        return 0.5 * (self.fracture_energy - self.cutting_energy) / self.severing_pressure
 
     @property
     def fracture_energy(self) -> float:
@@ -171,6 +269,7 @@ class CohesiveLaw:
                 self.onset,
                 self.short_branch,
                 self.start_opening,
+                self.fracture_energy,
             ]
         )
 

@@ -28,6 +28,11 @@ where ``slack`` is the length that bending around the edge added at that instant
 the test and delta_0): with it the law continues where it stood. The tool receives -(F^- + F^+).
 A branch shorter than ``law.short_branch`` keeps its last direction.
 
+A sharp edge severs: from the joint on sigma is that of the law cut off at G_s
+(:mod:`shellcut.cables.cohesive_law`). Beyond its plateau that is less than before, and what the
+cable has taken up to there, A(ell_max), is more than the law cut off has below it. The difference,
+``shed``, is dissipated at that moment.
+
 The joint sticks to its point of the edge (perfect adhesion), or slips as the law says
 (:mod:`shellcut.cables.joint_slip`): then it moves along the edge, and friction around the edge
 makes the stress of the branches (1 + kappa) sigma and (1 - kappa) sigma.
@@ -40,12 +45,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, SmallInts, Vec3, product
+from shellcut.arrays import Floats, Held, HeldBy, Ints, SmallInts, Vec3, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce, always_inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
-from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
+from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
@@ -55,7 +60,7 @@ from shellcut.tool.touch import Booking, Touch
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
-from .cohesive_law import ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
+from .cohesive_law import AREA, ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
 from .meeting import find_joint
 
@@ -113,8 +118,10 @@ class CableSet(ForceTerm):
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
         self.name = "joints"
         self.law = law
+        self.at_edge = law.at_edge(tool.edge_radius if tool is not None else 0.0)
+        """Law of the cables that the edge has met."""
         self.directional = directional and tool is not None
-        self._parameters = law.parameters()
+        self._laws = law.parameters(), self.at_edge.parameters()
         self._edges = CuttingEdges.of(tool)
         self._joint = joint_law(law, tool)
         # Of a cable that is bent back on itself.
@@ -168,7 +175,8 @@ class CableSet(ForceTerm):
         tables = CableTables(
             n_cable=c.count,
             directional=self.directional,
-            law=self._parameters,
+            law=self._laws[0],
+            at_edge=self._laws[1],
             joint=self._joint,
             edges=self._edges,
             nodes=CableNodes(**{name: getattr(n, name) for name in CableNodes._fields}),
@@ -177,20 +185,14 @@ class CableSet(ForceTerm):
         self._tables = self._hold(tables)
 
     def energies(self, state: State) -> tuple[float, float]:
-        """Return stored and dissipated energy of all cables by the law [N·mm].
+        """Return stored and dissipated energy of all cables by their laws [N·mm].
 
         Together they are the work done on the cables, apart from the equilibrium start.
         """
         c, n = state.cable, state.cable.count
         stored, dissipated, area = np.empty(n), np.empty(n), c.area[:n]
         self._energies_of(
-            c.status,
-            c.opening,
-            c.opening_max,
-            self._parameters,
-            self.law.fracture_energy,
-            stored,
-            dissipated,
+            c.status, c.edge, c.opening, c.opening_max, c.shed, *self._laws, stored, dissipated
         )
         return float(product(stored, area)), float(product(dissipated, area))
 
@@ -219,7 +221,7 @@ class CableSet(ForceTerm):
         node, stiffness = np.empty(room, np.int64), np.empty(room)
         cables = HeldCables(**{name: getattr(c, name) for name in HeldCables._fields})
         count = self._stiffness(
-            c.count, state.node.x, cables, self._parameters, self._compliance, node, stiffness
+            c.count, state.node.x, cables, *self._laws, self._compliance, node, stiffness
         )
         return node[:count], stiffness[:count]
 
@@ -237,6 +239,13 @@ def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: Cabl
         keep_direction(cables.branch, c, 0, load(cables.m, c))
         keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
     return length - onset
+
+
+@inline
+def _work(ell: float, ell_max: float, law: Floats) -> float:
+    """Return the work that has gone into a cable by a law, per area [N/mm]."""
+    stored, dissipated = energies(ell, ell_max, law)
+    return stored + dissipated
 
 
 @always_inline
@@ -274,9 +283,9 @@ def _add_cable_forces(
     wrench, sums = borrowed(touch)
     wrench[:], sums[:] = 0.0, 0.0
     couple = sums[5:]
-    law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
+    nodes, cables, radius = tables.nodes, tables.cables, tables.edges.radius
+    start_opening = tables.law[START_OPENING]
     status, opening_max = cables.status, cables.opening_max
-    start_opening = law[START_OPENING]
     work = 0.0
     start_work = 0.0
     friction_work = 0.0
@@ -288,10 +297,12 @@ def _add_cable_forces(
         i, j = cables.ends[c, 0], cables.ends[c, 1]
         minus, plus = load(nodes.x, i), load(nodes.x, j)
         may_meet = tables.directional and status[c] == STRAIGHT
-        if may_meet and find_joint(c, minus, plus, pose, before, tables):
+        met = may_meet and find_joint(c, minus, plus, pose, before, tables)
+        if met:
             status[c] = JOINTED
             n_made += 1
         jointed = status[c] == JOINTED
+        law = tables.at_edge if jointed else tables.law
         nothing = (0.0, 0.0, 0.0)
         joint = Joint(nothing, nothing, nothing, nothing, nothing, 0.0, 0.0)
         gain_minus = cables.arc_grip[c] + cables.grip[c]  # at t_{n-1}
@@ -299,12 +310,15 @@ def _add_cable_forces(
         if jointed:
             ell, joint = bend(c, minus, plus, pose, before, tables)
         else:
-            ell = _straight_length(c, minus, plus, law[ONSET], cables)
+            ell = _straight_length(c, minus, plus, tables.law[ONSET], cables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell
         opening_max[c] = max(opening_max[c], ell)
         fade = max(0.0, 1.0 - opening_max[c] / start_opening)
+        if met:
+            cables.shed[c] = _work(ell, opening_max[c], tables.law)
+            cables.shed[c] -= _work(ell, opening_max[c], law)
         sigma = traction(ell, opening_max[c], law)
         cables.traction[c] = sigma
         extra = scale(fade, load(cables.start_force, c))
@@ -373,16 +387,20 @@ def _add_cable_forces(
 @kernel
 def _energies(
     status: SmallInts,
+    edge: Ints,
     opening: Floats,
     opening_max: Floats,
-    law: Floats,
-    fracture_energy: float,
+    shed: Floats,
+    straight: Floats,
+    at_edge: Floats,
     stored: Floats,
     dissipated: Floats,
 ) -> None:
     """Write stored and dissipated energy per area [N/mm], both : (n,), of the first n cables."""
     for c in range(stored.shape[0]):
+        law = at_edge if edge[c] != NOT_MET else straight
         if status[c] == BROKEN:
-            stored[c], dissipated[c] = 0.0, fracture_energy
+            stored[c], dissipated[c] = 0.0, law[AREA]
         else:
             stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)
+        dissipated[c] += shed[c]

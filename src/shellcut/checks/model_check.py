@@ -118,7 +118,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         return  # a blunt tool has no edges whose way could be checked
     along_edges = sim.fracture.path == "edges"
     if law is not None:
-        yield from check_path(mesh, support, law, sweep, sim.fracture)
+        yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture)
     edge = float(np.median(mesh.edge_lengths()))
     if len(sweep.place) and along_edges:
         edge = Rows(sweep).spacing

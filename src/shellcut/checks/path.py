@@ -74,6 +74,7 @@ def check_path(
     support : ndarray of bool, shape (n_node, 6)
         Held components.
     law : CohesiveLaw
+        Of cables that the edge has met.
     sweep : Sweep
         Of the tool's whole motion.
     fracture : Fracture
@@ -96,8 +97,8 @@ def check_path(
             f"the process zone must be longer than the film's edges, opening_u more than "
             f"{RUNGS:g} of them, so that the blade always drags a cable; otherwise the tool's work "
             "grows to 1.1 times that of the cables or more",
-            f"opening_u {law.opening_u:.4g} mm and {h:.3g} mm from node to node of the path, "
-            f"{law.opening_u / h:.2g} edges",
+            f"opening_u {law.opening_u:.4g} mm at the edge and {h:.3g} mm from node to node of the "
+            f"path, {law.opening_u / h:.2g} edges",
             "use a finer film along the path; openings are in mm",
         )
 

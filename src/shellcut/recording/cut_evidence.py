@@ -6,8 +6,8 @@ off_path_mm             largest distance of a split from the path of the cutting
 n_split_off_path        splits farther from the path than a fifth of a film edge
 crack_lead_mm           largest distance of another split ahead of an end of the path
 overshoot_rel           mean distance the edge had passed the cables when their joints were made,
-                        over half of ``opening_u``, by which the edge then drags them: the share of
-                        work the joints missed (0.28 mm of 2 mm cost 15-17 %)
+                        over half of ``opening_u`` there, by which the edge then drags them: the
+                        share of work the joints missed (0.28 mm of 2 mm cost 15-17 %)
 ======================  ==========================================================================
 """
 
@@ -58,7 +58,7 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
         }
     if sim.cables.n_joint_made:
         missed = float(s.cable.overshoot[: s.n_cable].sum()) / sim.cables.n_joint_made
-        figures["overshoot_rel"] = missed / (0.5 * sim.law.opening_u)
+        figures["overshoot_rel"] = missed / (0.5 * sim.cables.at_edge.opening_u)
     return {name: value for name, value in figures.items() if isfinite(value)}
 
 

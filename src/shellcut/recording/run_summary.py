@@ -90,7 +90,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "check_every": sim.fracture.check_every,
         "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
-        "opening_u_mm": None if sim.law is None else sim.law.opening_u,
+        "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
     }
 
 
@@ -99,7 +99,7 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
     s = sim.state
     if sim.contact is None:
         return {}
-    return {
+    figures = {
         "n_cable_jointed": sim.cables.n_joint_made,
         "deepest_penetration_mm": sim.contact.deepest,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,
@@ -108,6 +108,14 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
         "film_half_thickness_mm": 0.5 * sim.material.thickness,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
     }
+    if sim.law is not None and sim.law.cutting_energy is not None:
+        figures |= {
+            "edge_radius_mm": sim.contact.tool.edge_radius,
+            "severing_energy_N_per_mm": sim.cables.at_edge.fracture_energy,
+            "severing_opening_mm": sim.cables.at_edge.opening_u,
+            "blunt_radius_mm": sim.law.blunt_radius,
+        }
+    return figures
 
 
 def _of_self_contact(sim: Simulation) -> dict[str, float]:

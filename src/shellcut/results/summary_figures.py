@@ -8,7 +8,8 @@ from typing import Any
 from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
 
 # The end of a name gives the unit; longer ones first.
-_UNITS = {"ns_per_quad_step": "ns", "_Nmm": "N·mm", "_deg": "°", "_mm": "mm", "_N": "N", "_s": "s"}
+_UNITS = {"ns_per_quad_step": "ns", "_N_per_mm": "N/mm", "_Nmm": "N·mm", "_deg": "°"}
+_UNITS |= {"_mm": "mm", "_N": "N", "_s": "s"}
 
 _STEADY = " over {window}"
 """Placeholder for the steady window in a label."""
@@ -60,6 +61,10 @@ LABELS = {
     "n_self_contact_looked": "looks at points for contact of the film with itself",
     "unfelt_penetration_mm": "deepest tool between nodes, without contact",
     "unfelt_film_edge_mm": "deepest edge of the film in the tool, without contact",
+    "edge_radius_mm": "cutting edge, radius",
+    "severing_energy_N_per_mm": "energy at which the edge severs cables",
+    "severing_opening_mm": "their length there",
+    "blunt_radius_mm": "radius from which an edge severs none",
     "largest_overshoot_mm": "largest overshoot of the edge past a cable",
     "n_recovery_borrowed": "stresses taken from a neighbour's patch",
 }

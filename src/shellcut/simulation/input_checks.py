@@ -27,6 +27,7 @@ def check_parts(
     problems = [
         *_without_partner(tool, motion, law, contact, fracture),
         *_not_with_path(fracture, tool),
+        *_not_with_edge(law, tool),
     ]
     if problems:
         raise ValueError("; ".join(problems))
@@ -64,6 +65,17 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
         yield (
             "Fracture.branching is of cracks that no blade drives, got a tool with "
             f"{tool.n_edge} cutting edges: leave out one of them"
+        )
+
+
+def _not_with_edge(law: CohesiveLaw | None, tool: Tool | None) -> Iterator[str]:
+    """Yield what the severing of cables does not go with."""
+    if law is None or law.cutting_energy is None or law.severing_pressure is not None:
+        return
+    if tool is not None and tool.edge_radius:
+        yield (
+            "cutting_energy is that of a razor: an edge with a radius needs severing_pressure too, "
+            f"got edge_radius = {tool.edge_radius:.4g} mm"
         )
 
 

@@ -351,6 +351,8 @@ class CableTable(_Table):
     """Work done on the cable so far [N·mm]."""
     start_work: Floats
     """Work done on the equilibrium-start force so far [N·mm]."""
+    shed: Floats
+    """What was dissipated as the edge met it, above its law from then on [N/mm]."""
     birth: Floats
     """Time of birth [s]."""
     end_time: Floats
