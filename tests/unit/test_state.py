@@ -69,7 +69,9 @@ def test_rows_have_the_shape_and_type_that_their_fields_say(name):
         if (name, field.name) == ("node", "quads"):
             row = (MAX_VALENCE,)
         assert (array.shape[1:], array.dtype) == (row, types[kind]), field.name
-        assert array.ctypes.data % 64 == 0 or array.size == 0 or field.name in ("quads", "n_quad_at")
+        assert (
+            array.ctypes.data % 64 == 0 or array.size == 0 or field.name in ("quads", "n_quad_at")
+        )
         assert array.flags.f_contiguous or kind != "Columns"
 
 

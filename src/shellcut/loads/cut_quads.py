@@ -23,7 +23,6 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 
-
 WHOLE = np.array([[1.0, xi / 3.0, eta / 3.0] for xi, eta in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
 """∫ N_a (1, xi, eta) over a whole quad, shape (4, 3)."""
 

@@ -18,7 +18,14 @@ from shellcut.arrays import Floats, Ints, Number, product
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
-from shellcut.numerics.lanes import add_row_columns, clear_rows, put_row_columns, total, vector_at, zero
+from shellcut.numerics.lanes import (
+    add_row_columns,
+    clear_rows,
+    put_row_columns,
+    total,
+    vector_at,
+    zero,
+)
 from shellcut.numerics.threads import NODE_CHUNK, Workers
 from shellcut.numerics.vec3 import dot, scale
 from shellcut.state import State

@@ -5,8 +5,6 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 
-import numpy as np
-
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline

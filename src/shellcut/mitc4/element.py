@@ -119,7 +119,10 @@ def chain_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> t
 @always_inline
 def _modes_at(v: Floats, n0: Any, n1: Any, n2: Any, n3: Any, lane: Lane) -> Modes:
     return modes(
-        vector_at(v, n0, lane), vector_at(v, n1, lane), vector_at(v, n2, lane), vector_at(v, n3, lane)
+        vector_at(v, n0, lane),
+        vector_at(v, n1, lane),
+        vector_at(v, n2, lane),
+        vector_at(v, n3, lane),
     )
 
 

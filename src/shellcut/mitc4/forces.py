@@ -78,7 +78,10 @@ def _linear_block(
         r = stiffness_product(tables, flat, b, lane, s, work)
         add_to_nodes(rows, corner, b, lane, (xm, tm), r)
         return dot16(s, r), zero(lane), zero(lane)
-    s_last, s_before = pick_all(step.last, b, 0, N_STRAIN, lane), pick_all(step.before, b, 0, N_STRAIN, lane)
+    s_last, s_before = (
+        pick_all(step.last, b, 0, N_STRAIN, lane),
+        pick_all(step.before, b, 0, N_STRAIN, lane),
+    )
     u = plus_scaled(s, step.rho, minus(s, s_last))
     r = stiffness_product(tables, flat, b, lane, u, work)
     put_all(step.before, b, 0, lane, s)

@@ -141,7 +141,7 @@ class Places:
         return np.asarray(self._stiffness[patch][quad % _PATCH])
 
     def _fill(self, state: State, row: int) -> None:
-        """Put a copy at its place: what does not change of its whole quad, the stiffness times w."""
+        """Put a copy at its place: of its quad what does not change, and the stiffness times w."""
         parent, share = int(state.quad.parent[row]), float(state.quad.share[row])
         linear, points = self.tables, self.points
         b, lane = divmod(int(self.blocks.slot[row]), self.blocks.width)
@@ -203,9 +203,7 @@ class Places:
 
         blocks, points = self.blocks, self.points
         self.blocks = replace(blocks, **grown(blocks, "quad", "filled", "corner", "chain"))
-        self.tables = self.tables._replace(
-            **grown(self.tables, "full_reference", "full_stiffness")
-        )
+        self.tables = self.tables._replace(**grown(self.tables, "full_reference", "full_stiffness"))
         names = ["full_frame"] * bool(points.rule.place.size) + ["axes"] * bool(points.axes.size)
         self.points = points._replace(**grown(points, *names))
 

@@ -82,7 +82,10 @@ def _point_block(
     if not step.damped:
         add_to_nodes(rows, quads.corner, b, lane, (xm, tm), r)
         return stored, zero(lane), lost
-    s_last, s_before = pick_all(step.last, b, 0, N_STRAIN, lane), pick_all(step.before, b, 0, N_STRAIN, lane)
+    s_last, s_before = (
+        pick_all(step.last, b, 0, N_STRAIN, lane),
+        pick_all(step.before, b, 0, N_STRAIN, lane),
+    )
     viscous = stiffness_product(quads.tables, flat, b, lane, minus(s, s_last), work)
     put_all(step.before, b, 0, lane, s)
     add_to_nodes(rows, quads.corner, b, lane, (xm, tm), plus_scaled(r, step.rho, viscous))
@@ -115,9 +118,7 @@ def _make_point_kernel(flat: bool) -> Any:
             none = zero(None)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
-                q0, q1, q2 = _point_block(
-                    b, None, flat, quads, points, step, history, rows, work
-                )
+                q0, q1, q2 = _point_block(b, None, flat, quads, points, step, history, rows, work)
                 p0, p1 = p0 + q0, p1 + q1
                 if dissipates(quads.points.rule.laws):
                     p2 = p2 + q2

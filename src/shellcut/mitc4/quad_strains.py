@@ -124,7 +124,9 @@ def flat_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) ->
 @always_inline
 def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
     """Return the strains of any quads."""
-    return minus(products(x, t), pick_all(tables.full_reference, b - tables.n_flat, 0, N_STRAIN, lane))
+    return minus(
+        products(x, t), pick_all(tables.full_reference, b - tables.n_flat, 0, N_STRAIN, lane)
+    )
 
 
 @always_inline

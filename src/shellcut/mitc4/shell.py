@@ -215,9 +215,7 @@ class MITC4Shell:
         """Return strains, history and damping of the step that has led to t_n."""
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         damped = self.damping_beta > 0.0
-        return QuadStep(
-            damped, rho, state.strain, state.strain_before, state.history, state.dt
-        )
+        return QuadStep(damped, rho, state.strain, state.strain_before, state.history, state.dt)
 
     def cut(
         self,

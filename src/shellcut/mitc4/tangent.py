@@ -56,9 +56,7 @@ def _write_products(x: Floats, t: Floats, m: Floats) -> None:
 def _write_products_change(x: Floats, t: Floats, dx: Floats, dt: Floats, m: Floats) -> None:
     """Write the linear change of the products of quads to m : (n, 16)."""
     for e in range(x.shape[0]):
-        row = _products_change(
-            _modes_in(x, e), _modes_in(t, e), _modes_in(dx, e), _modes_in(dt, e)
-        )
+        row = _products_change(_modes_in(x, e), _modes_in(t, e), _modes_in(dx, e), _modes_in(dt, e))
         for k in range(N_STRAIN):
             m[e, k] = row[k]
 
@@ -123,9 +121,7 @@ def _resultants(
     put_all(row, 0, 0, 0, strain_of(quads.tables, flat, b, lane, modes_now))
     for k in range(N_STRAIN):
         row[0, k, 0] -= bent[k]
-    return stiffness_product(
-        quads.tables, flat, b, lane, pick_all(row, 0, 0, N_STRAIN, 0), work
-    )
+    return stiffness_product(quads.tables, flat, b, lane, pick_all(row, 0, 0, N_STRAIN, 0), work)
 
 
 @kernel

@@ -142,9 +142,7 @@ _ZERO = ir.Constant(I64, 0)
 @intrinsic
 def load_lanes(typing_context: Any, array: Any, index: Any) -> Any:
     """Load eight numbers, doubles or node ids, that begin at an element of an array."""
-    kind, vector, size = (
-        (LANE_IDS, _IDS, 4) if array.dtype == types.int32 else (DOUBLES, LANES, 8)
-    )
+    kind, vector, size = (LANE_IDS, _IDS, 4) if array.dtype == types.int32 else (DOUBLES, LANES, 8)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         place = cgutils.unpack_tuple(builder, args[1], array.ndim)
@@ -168,7 +166,7 @@ def store_lanes(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
 
 
 def _numbers_from(context: Any, builder: Any, sig: Any, args: Any, n: int) -> list[Any]:
-    """Return the addresses of n numbers, of one quad or of all lanes; args: table, b, first, lane."""
+    """Return the addresses of n numbers, of one quad or all lanes; args: table, b, first, lane."""
     table, b, first, lane = args[:4]
     one = not takes_all(sig.args[3])
     kind = _DOUBLE if one else LANES

@@ -42,10 +42,10 @@ import numpy as np
 import numpy.typing as npt
 from numba.extending import overload
 
-from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
+from shellcut.arrays import Floats, Number, SmallIds, Vector
 
-from .lane_arithmetic import fused, sum_of_lanes
 from .jit import always_inline
+from .lane_arithmetic import fused, sum_of_lanes
 from .lane_instructions import (
     CACHE_LINE,
     OVERLOAD_OPTIONS,
@@ -116,7 +116,7 @@ def _put(table, b, k, lane, value):
 
 
 def pick_all(table: Floats, b: int, first: int, n: int, lane: Lane) -> tuple[Number, ...]:
-    """Return n numbers of block ``b`` of a table : (n_block, m, 8), from ``first`` on; n is fixed."""
+    """Return n numbers of block ``b`` of a table : (n_block, m, 8), from ``first``; n is fixed."""
     return tuple(pick(table, b, first + k, lane) for k in range(n))
 
 

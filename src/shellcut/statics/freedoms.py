@@ -26,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from shellcut.arrays import Floats, Ints, Numbers
+from shellcut.arrays import Floats, Ints
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.tangent import N_FREEDOM, quad_products, quad_products_change
 from shellcut.numerics.jit import kernel
