@@ -13,7 +13,10 @@ from shellcut.arrays import Vec3
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, norm, scale, sub
 
-_NEWTON_STEPS = 5
+_NEWTON_STEPS = 8
+
+# Of the second derivatives' determinant over that of a rectangle, below which it is no guide.
+_LEAST_CONVEX = 0.1
 
 # Of the square: steps below this are no more than round-off.
 _CONVERGED = 1e-12
@@ -70,10 +73,11 @@ def foot_on_quad(p: Vec3, quad: QuadSurface) -> tuple[float, float]:
         r = sub(p, point_of(quad, xi, eta))
         one, two = add_scaled(quad.a, eta, quad.d), add_scaled(quad.b, xi, quad.d)
         h11, h22 = dot(one, one), dot(two, two)
-        h12 = dot(one, two) - dot(r, quad.d)
+        level = dot(one, two)
+        h12 = level - dot(r, quad.d)
         whole = h11 * h22 - h12 * h12
-        if whole <= 0.0:  # far off, where the foot is none
-            break
+        if whole <= _LEAST_CONVEX * h11 * h22:  # of a skewed quad, far from the foot: Gauss-Newton
+            h12, whole = level, h11 * h22 - level * level
         f1, f2 = dot(r, one), dot(r, two)
         on, up = (h22 * f1 - h12 * f2) / whole, (h11 * f2 - h12 * f1) / whole
         xi, eta = min(max(xi + on, -2.0), 2.0), min(max(eta + up, -2.0), 2.0)

@@ -327,7 +327,8 @@ def _add_point_forces(
             continue
         if side[k] == 0:
             facing = dot(turn(load(points.outward, k), pose), normal)
-            above = 1 if height > 0.0 or (height == 0.0 and facing < 0.0) else -1
+            # A point as good as in the film's plane comes from where it does not face.
+            above = 1 if height > law.noticed or (facing < 0.0 and height > -law.noticed) else -1
             if above * facing < -_FACING:
                 side[k] = above
         g = far if side[k] * height < 0.0 else 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.point_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
@@ -34,6 +35,8 @@ class Cracks:
         Whose edges cut.
     motion : Motion, optional
         Of the tool, for cracks through quads.
+    points : PointContact, optional
+        By which the tool presses on whole film.
     """
 
     def __init__(
@@ -45,6 +48,7 @@ class Cracks:
         loads: LoadSet,
         tool: Tool | None,
         motion: Motion | None = None,
+        points: PointContact | None = None,
     ) -> None:
         if tool is not None and not tool.n_edge:
             tool = None  # a blunt tool cuts nothing: it only pushes
@@ -58,7 +62,7 @@ class Cracks:
             at_gauss_points=fracture.cable_places == "gauss",
         )
         """Carries them out."""
-        self.free = FreeCracks(state, self.cuts, fracture, law, shell, loads, tool, motion)
+        self.free = FreeCracks(state, self.cuts, fracture, law, shell, loads, tool, motion, points)
 
     def cut_due(self, state: State, pose: Pose) -> None:
         """Cut what must be cut now, in every ``check_every``-th step.

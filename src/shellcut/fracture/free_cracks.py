@@ -18,6 +18,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.point_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, KnownTopology, State
@@ -34,6 +35,7 @@ from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .options import Fracture
 from .pierce import Pierce
+from .puncture import puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .segment import Segment
@@ -66,6 +68,8 @@ class FreeCracks:
         Give the forces that hold a film together.
     tool, motion : Tool, Motion, optional
         Whose edges cut, and how they move.
+    points : PointContact, optional
+        By which the tool presses on whole film.
     """
 
     def __init__(
@@ -78,6 +82,7 @@ class FreeCracks:
         loads: LoadSet,
         tool: Tool | None,
         motion: Motion | None,
+        points: PointContact | None,
     ) -> None:
         self._cuts = cuts
         self.tips = tips_of_notches(state)
@@ -105,8 +110,11 @@ class FreeCracks:
         if tool is not None and motion is not None and fracture.blade_cut:
             drive = BladeDrive(CuttingEdges.of(tool), motion)
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
-            size = float(np.sqrt(shell.area.max()))
-            self._pierce = Pierce(state, self._path, drive, size)
+            force = fracture.puncture_force
+            if force is None:
+                force = puncture_force(shell.material, law, tool.edge_radius)
+            limits = force, law.strength
+            self._pierce = Pierce(state, self._path, drive, shell, limits, points)
 
     def run(self, state: State, pose: Pose) -> None:
         """Advance every crack that is due, and begin cuts where blades enter."""
@@ -253,7 +261,9 @@ class FreeCracks:
             self.tips.append(replace(behind, length=0.0))
         return self._tip_after(state, ahead, cut, 1, cut.heading)
 
-    def _through(self, state: State, back: Segment, ahead: Segment, kind: str) -> Cut | None:
+    def _through(
+        self, state: State, back: Segment, ahead: Segment, kind: str, measure: float = 0.0
+    ) -> Cut | None:
         """Cut a whole quad from where one ray from within leaves it to where the other does.
 
         If these are the ends of one side, that is broken.
@@ -266,7 +276,7 @@ class FreeCracks:
             return None
         else:
             chord = Segment(row, start, stop, side, end, along_side=True)
-        return self._cut(state, chord, kind, 0.0)
+        return self._cut(state, chord, kind, measure)
 
     def _advance_driven(self, state: State) -> bool:
         """Advance the cracks that a blade drives and that are due; return whether there are any."""
@@ -391,13 +401,14 @@ class FreeCracks:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
         driven = self._watch.driven_places()
-        for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
-            whole = self._cuts.topology.polygon(row)
+        for begun in self._pierce.found(state, pose, driven):
+            whole = self._cuts.topology.polygon(begun.row)
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
-            if state.node.halved[state.quads[row]].any() or whole != WHOLE:
+            if state.node.halved[state.quads[begun.row]].any() or whole != WHOLE:
                 continue
-            for back, ahead in self._pierce.ways(state, row, place, edge, self.tips):
-                cut = self._through(state, back, ahead, "blade")
+            for back, ahead in self._pierce.ways(state, begun, self.tips):
+                kind = "puncture" if begun.measure else "blade"
+                cut = self._through(state, back, ahead, kind, begun.measure)
                 if cut is not None:
                     break
             else:

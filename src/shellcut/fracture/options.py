@@ -116,6 +116,15 @@ class Fracture:
             unset="one quad in check_every steps, mostly below the film's Rayleigh speed",
         ),
     ] = None
+    puncture_force: Annotated[
+        float | None,
+        Option(
+            "N",
+            "on the tip of a cutting edge at which it goes through whole film",
+            above=0,
+            unset="from thickness, strength and the radius of the edge",
+        ),
+    ] = None
     branching: bool = False
     drop_loose: Annotated[
         DropLoose,

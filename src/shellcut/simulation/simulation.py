@@ -14,6 +14,7 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
+from shellcut.contact.point_contact import PointContact
 from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
@@ -175,8 +176,10 @@ class Simulation:
         self.cracks: Cracks | None = None
         self._loose: LoosePieces | None = None
         if self.law is not None:
+            points = next((one for one in self.terms if isinstance(one, PointContact)), None)
+            film = self.shell, self.loads
             self.cracks = Cracks(
-                self.state, self.fracture, self.law, self.shell, self.loads, self.tool, self.motion
+                self.state, self.fracture, self.law, *film, self.tool, self.motion, points
             )
             if self.fracture.drop_loose == "clear":
                 alpha = self.integrator.damping_alpha
