@@ -7,7 +7,7 @@ from far_pose import FAR
 from naive import cases
 from naive import contact as naive
 from shellcut.contact.penalty_contact import PenaltyContact
-from shellcut.contact.settings import Contact, smoothed, smoothed_integral
+from shellcut.contact.settings import NOTICED, Contact, smoothed, smoothed_integral
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -218,7 +218,7 @@ def test_a_jump_is_absorbed_and_let_go():
     state.dt = 0.0
     forces, result = evaluate(contact, state)
     depth = state.node.contact_depth[0]
-    assert depth > 5 * contact.law.noticed
+    assert depth > 5 * NOTICED * contact.law.smoothing_depth
     assert not forces.any()  # all of it is absorbed at first
     assert result.stored == 0.0
     state.dt = 1e-6
@@ -285,7 +285,7 @@ def test_growth_without_motion_is_absorbed_from_a_fifth_of_g_m_on():
     state = nodes_at([[-1.0, slope - 0.0035, 0.0]])
     state.dt = 1e-9
     contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
-    assert contact.law.noticed == 0.2 * G_M
+    assert NOTICED == 0.2
     for y in (0.0035, 0.007, 0.0105):
         state.node.x[0, 1] = slope - y
         forces, _ = evaluate(contact, state)

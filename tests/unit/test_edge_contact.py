@@ -11,9 +11,8 @@ from free_strip import cut_strip
 from naive.edge_contact import depth_at, forces_on_ends
 from notched_strip import cutting
 from shellcut.contact.coulomb_friction import TANGENTIAL
-from shellcut.contact.film_edges import open_edges
-from shellcut.contact.film_outline import FilmOutline
-from shellcut.contact.settings import STEEPEST, Contact, node_stiffness
+from shellcut.contact.film_outline import FilmOutline, open_edges
+from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
@@ -99,7 +98,7 @@ def test_forces_and_energy_are_those_of_a_plain_twin():
     rng = np.random.default_rng(4)
     sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
     t, law = term(sim), sim.contact.law
-    k, pressed = node_stiffness(sim.state.node.contact_area[0], law), 0
+    k, pressed = float(law.of_nodes(sim.state.node.contact_area[0])), 0
     for corners in random_quads(rng, 60):
         place(sim, corners)
         force, _, (_, found) = evaluated(sim)
@@ -170,7 +169,7 @@ def test_edges_add_nothing_to_the_step_where_their_nodes_count():
     sim = one_quad(quad_with(np.array([-0.02, -0.4, 0.0]), np.array([-0.02, 0.6, 0.0])))
     evaluated(sim)
     nodes = sim.corners
-    k = STEEPEST * node_stiffness(sim.state.node.contact_area[0], sim.contact.law)
+    k = STEEPEST * float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
     added = term(sim).stiffness(sim.state, {"contact": (nodes, np.full(4, k))})
     assert added[0].size == 0
     # Where an end does not count, it has half of each of its two edges: all that a node has.
@@ -198,7 +197,7 @@ PATHS = {
 @pytest.mark.parametrize("name", PATHS)
 def test_the_force_does_not_jump(name):
     sim = one_quad(PATHS[name](0.0))
-    k = node_stiffness(sim.state.node.contact_area[0], sim.contact.law)
+    k = float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
     last, worst, most = None, 0.0, 0.0
     for s in np.linspace(0.0, 1.0, 400):
         corners = PATHS[name](s)

@@ -14,7 +14,6 @@ from shellcut.contact.settings import (
     Contact,
     PenaltyLaw,
     largest_rebound,
-    node_stiffness,
     smoothed,
     smoothed_integral,
 )
@@ -70,7 +69,7 @@ def test_depth_and_step_do_not_depend_on_thickness_and_modulus(thickness, young)
     area, length, density = 0.04, 0.4, 2.7e-9
 
     def depth_and_step(of, thickness, young, density):
-        k = node_stiffness(area, of)
+        k = of.of_nodes(area)
         depth = 0.01 * young * thickness * length / k
         mass = density * thickness * length**2
         wave = length / math.sqrt(young / density)
@@ -89,12 +88,12 @@ def test_stiffness_is_bounded_for_the_finest_and_the_coarsest_quads():
     steepest = own.steepest(area)
     expected = [SOFTEST * stretching, 100.0, 400.0, 2500.0, STIFFEST * stretching]
     assert steepest == pytest.approx(STEEPEST * np.array(expected), rel=1e-13)
-    one = [node_stiffness(a, own) for a in area]
+    one = [float(own.of_nodes(a)) for a in area]
     assert one == pytest.approx(expected, rel=1e-13)
     # A penalty of one's own is what it says, of every quad.
     given = law(penalty=2e4)
     assert given.steepest(area) == pytest.approx(STEEPEST * 2e4 * area, rel=1e-13)
-    assert node_stiffness(1e-5, given) == 2e4 * 1e-5
+    assert given.of_nodes(1e-5) == 2e4 * 1e-5
 
 
 def test_smoothing_follows_the_film_and_stays_small_beside_the_tool():

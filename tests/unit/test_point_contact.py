@@ -5,22 +5,18 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
-import scipy
 
 from naive.booking import book
 from naive.contact import smoothed
 from notched_strip import cutting
-from shellcut.arrays import Floats
 from shellcut.contact.contact_points import contact_points
-from shellcut.contact.foot_on_quad import foot_on_quad, point_of, quad_surface
-from shellcut.contact.point_contact import felt_nodes
-from shellcut.contact.settings import Contact, node_stiffness
+from shellcut.contact.settings import Contact
+from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import ToolWires
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
-from shellcut.numerics.jit import kernel
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
@@ -81,53 +77,23 @@ def pressing(depth=0.02):
     s = sim.state
     inner = ~s.node.supported[: s.n_node]
     s.node.x[: s.n_node][inner] += np.random.default_rng(6).uniform(-0.02, 0.02, (inner.sum(), 3))
-    for to in np.linspace(-0.1, depth, 12):
+    for to in (*np.linspace(-0.1, depth, 12), depth):  # and rests there
         press(sim, to)
     points = term(sim)
     assert points.forces.n_touching == 1
-    return sim, points, s, int(np.flatnonzero(points._springs.depth)[0])
+    return sim, points, s, pressed(points)
 
 
-# ---------------------------------------------------------------- the foot
+def pressed(points):
+    """Row of what presses."""
+    return int(np.flatnonzero(points.carriers.pressure)[0])
 
 
-@kernel
-def _feet(p: Floats, corners: Floats, found: Floats) -> None:
-    for i in range(p.shape[0]):
-        c = corners[i]
-        quad = quad_surface(
-            (c[0, 0], c[0, 1], c[0, 2]),
-            (c[1, 0], c[1, 1], c[1, 2]),
-            (c[2, 0], c[2, 1], c[2, 2]),
-            (c[3, 0], c[3, 1], c[3, 2]),
-        )
-        xi, eta = foot_on_quad((p[i, 0], p[i, 1], p[i, 2]), quad)
-        s = point_of(quad, xi, eta)
-        found[i, 0], found[i, 1], found[i, 2] = s
-
-
-def test_the_foot_is_the_closest_point_of_the_quad():
-    rng = np.random.default_rng(3)
-    flat = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
-    corners = flat + rng.uniform(-0.15, 0.15, (60, 4, 3))
-    p = rng.uniform([-0.3, -0.3, -0.3], [1.3, 1.3, 0.3], (60, 3))
-    found = np.zeros((60, 3))
-    _feet(p, corners, found)
-    xi, eta = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9))
-    for k in range(60):
-
-        def place(at, c=corners[k]):
-            u, v = at
-            weights = [(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)]
-            return 0.25 * np.array(weights) @ c
-
-        def away(at, q=p[k], place=place):
-            return float(((place(at) - q) ** 2).sum())
-
-        start = min(zip(xi.ravel(), eta.ravel(), strict=True), key=away)
-        best = scipy.optimize.minimize(away, start, bounds=[(-1, 1)] * 2, tol=1e-14)
-        # As close as the minimiser comes: it stops at differences of 1e-14 mm².
-        assert np.linalg.norm(found[k] - p[k]) <= np.sqrt(best.fun) + 1e-6
+def stiffness_of(sim, points, row):
+    """k of the point that presses: its part of that of a node."""
+    area = sim.state.node.contact_area[points.carriers.node[row]].mean()
+    share = points.points.share[points.point_of_sheet()[row]]
+    return share * sim.contact.law.of_nodes(area)
 
 
 # ---------------------------------------------------------------- which points
@@ -202,68 +168,32 @@ def ball_of(radius, n=3):
 # ---------------------------------------------------------------- which pairs
 
 
-def boxes_near(sim, capture=0.5):
-    """By NumPy: the whole quads at the nodes near the tool, and the boxes around them."""
-    s, quads = sim.state, sim.state.quads
-    near = np.isin(quads, sim.contact.near.ids).any(axis=1)
-    cut = (s.quad.share[: s.n_quad] < 1.0) | s.node.halved[quads].any(axis=1)
-    whole = np.flatnonzero(near & ~cut)
-    area = s.node.contact_area[quads[whole]].max(axis=1)
-    margin = (capture * np.sqrt(4.0 * area) + term(sim)._slack)[:, None]
-    corners = s.node.x[quads[whole]]
-    return whole, corners.min(axis=1) - margin, corners.max(axis=1) + margin
-
-
-def away_from(place, corners):
-    """Distance of a point from a quad."""
-    quad = quad_surface(*(tuple(c) for c in corners))
-    return np.linalg.norm(place - point_of(quad, *foot_on_quad(tuple(place), quad)))
-
-
 def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
     sim = opening_test("quick", angle_deg=5.0, duration=4e-4).simulation
     points, s = term(sim), sim.state
     while sim.state.n_cable < 8:
         sim.step()
-    points._list(s, sim.pose)
-    whole, low, high = boxes_near(sim)
+    points._search(s, sim.pose)
+    # By NumPy: the whole quads at the nodes near the tool, and the boxes around them.
+    near = np.isin(s.quads, sim.contact.near.ids).any(axis=1)
+    cut = (s.quad.share[: s.n_quad] < 1.0) | s.node.halved[s.quads].any(axis=1)
+    whole = np.flatnonzero(near & ~cut)
+    corners = s.node.x[s.quads[whole]]
+    margin = points.law.capture + points._margin
+    low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
     p = sim.pose.to_space(points.points.place)[:, None]
     point, row = np.nonzero(((low < p) & (p < high)).all(axis=2))
-    pairs = points._pairs
-    pressing = np.flatnonzero(points._springs.depth)
-    np.testing.assert_array_equal(pairs.points(), np.union1d(point, pressing))
-    first = pairs.first[: pairs.used[0] + 1]
-    np.testing.assert_array_equal(np.repeat(pairs.points(), np.diff(first)), point)
-    np.testing.assert_array_equal(pairs.quad[: first[-1]], whole[row])
-    np.testing.assert_array_equal(pairs.nodes(), np.unique(s.quads[whole[row]]))
+    pairs = points.tables.pairs
+    found = np.unique(np.column_stack([pairs.point_of_pair, pairs.row]), axis=0)
+    np.testing.assert_array_equal(found, np.column_stack([point, whole[row]]))
     assert point.size > 20  # so there is something to find,
     assert s.node.halved.any()  # and to leave out
-
-    # The same pairs, node by node, in the bound on the step.
-    node, stiffness = points.stiffness(s, {})
-    pairs_of = zip(p[point, 0], s.node.x[s.quads[whole[row]]], strict=True)
-    away = np.array([away_from(place, corners) for place, corners in pairs_of])
-    soon = away <= points._slack + points._springs.depth[point]
-    assert np.count_nonzero(soon) < soon.size
-    both = np.unique(point[soon, None] * s.node.count + s.quads[whole[row[soon]]])
-    point, wanted = np.divmod(both, s.node.count)
-    np.testing.assert_array_equal(node, wanted)
-    area = s.node.contact_area[node]
-    away = np.linalg.norm(s.node.x[node] - p[point, 0], axis=1) / np.sqrt(4.0 * area)
-    weight = points.points.share[point] * np.clip(1.6 - away, 0.0, 1.0)
-    np.testing.assert_allclose(stiffness, weight * points._contact.law.steepest(area), rtol=1e-12)
-
-
-def test_a_list_that_outgrows_its_room_is_the_same():
-    sim, points, s, _ = pressing()
-    points._list(s, sim.pose)
-    whole = points._pairs
-    points._pairs = type(whole).none(whole.point.size, 1)
-    points._list(s, sim.pose)
-    used, n_pair = whole.used, whole.first[whole.used[0]]
-    np.testing.assert_array_equal(points._pairs.used, used)
-    np.testing.assert_array_equal(points._pairs.quad[:n_pair], whole.quad[:n_pair])
-    assert n_pair > 1
+    # Quads of one sheet hang together, and two sheets of a point have no common node.
+    for k in np.unique(point):
+        of_point = pairs.point_of_pair == k
+        sheets = pairs.sheet_of_pair[of_point]
+        nodes = [set(s.quads[pairs.row[of_point][sheets == i]].ravel()) for i in np.unique(sheets)]
+        assert sum(map(len, nodes)) == len(set().union(*nodes))
 
 
 # ---------------------------------------------------------------- forces
@@ -271,16 +201,17 @@ def test_a_list_that_outgrows_its_room_is_the_same():
 
 def test_waiting_misses_nothing():
     waits, looks = pricked(), pricked()
-    n_waiting = 0
+    n_listed = 0
     while waits.motion.coordinate(waits.state.time) < 0.1:
         waits.step()
-        term(looks)._springs.until[:] = 0.0
+        if (tables := term(looks).tables) is not None:
+            tables.waits.point[:] = tables.waits.pair[:] = 0.0
         looks.step()
         points = term(waits)
-        n_waiting += int((points._springs.until[points._pairs.points()] > points._walked).sum())
+        n_listed += len(points.tables.pairs.point)
         assert points.forces[1:] == term(looks).forces[1:]
     assert points.forces.n_touching == 1
-    assert n_waiting > waits.state.step  # more than a point in every step
+    assert points.n_looked < 0.5 * n_listed
     np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
 
 
@@ -319,12 +250,10 @@ def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
     sim, points, s, k = pressing()
     result = points.forces
     nodes, weights = points.carriers.node[k], points.carriers.weight[k]
-    tip = points.points.place[k] - [0.0, 0.0, GAP + 0.02]
+    tip = points.points.place[points.point_of_sheet()[k]] - [0.0, 0.0, GAP + 0.02]
     foot = weights @ s.node.x[nodes]
     depth = np.linalg.norm(tip - foot)
-    law = sim.contact.law
-    stiffness = node_stiffness(float(s.node.contact_area[nodes].mean()), law)
-    size = points.points.share[k] * stiffness * smoothed(depth, law.smoothing_depth)
+    size = stiffness_of(sim, points, k) * smoothed(depth, sim.contact.law.smoothing_depth)
     push = size * (tip - foot) / depth
     # Round-off: the foot is found to 1e-12 of the quad, the depth is some micrometres.
     np.testing.assert_allclose(s.node.force[nodes], weights[:, None] * push, rtol=1e-7)
@@ -382,7 +311,8 @@ def test_it_counts_in_the_step():
     nodes, stiffness = points.stiffness(s, {})
     total = np.bincount(nodes, stiffness, s.n_node)
     felt = points.carriers.node[k]
-    steepest = points.points.share[k] * sim.contact.law.steepest(s.node.contact_area[felt])
+    share = points.points.share[points.point_of_sheet()[k]]
+    steepest = share * sim.contact.law.steepest(s.node.contact_area[felt])
     assert (total[felt] >= points.carriers.weight[k] * steepest).all()
     assert total.max() < 3.0 * steepest.max()
 
@@ -432,21 +362,20 @@ def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
     # Over two sides of quads, all of one area, then half way back.
     ways = np.concatenate([np.linspace(0.0, along, 400), np.linspace(along, 0.5 * along, 200)[1:]])
     found, entries = rubbed(sim, [np.array([x, 0.5 * x, -GAP - depth]) for x in ways])
-    k = int(np.flatnonzero(term(sim)._springs.depth)[0])
-    pressed = np.linalg.norm(term(sim)._springs.force[k])
-    area = sim.state.node.contact_area[term(sim).carriers.node[k]].mean()
-    stiffness = 0.5 * term(sim).points.share[k] * node_stiffness(area, sim.contact.law)
+    k = pressed(term(sim))
+    pressure = term(sim).carriers.pressure[k]
+    stiffness = 0.5 * stiffness_of(sim, term(sim), k)
     length = np.hypot(1.0, 0.5)
     pulls = np.array([-f.wrench[0, 0] * length for f in found])  # on the film, along the way
-    stretched = mu * pressed / stiffness
+    stretched = mu * pressure / stiffness
     # The tool drags the film along; it turns back from a stretched spring.
     np.testing.assert_allclose(
-        pulls[:400], np.minimum(stiffness * ways[:400] * length, mu * pressed), rtol=1e-9
+        pulls[:400], np.minimum(stiffness * ways[:400] * length, mu * pressure), rtol=1e-9
     )
-    np.testing.assert_allclose(pulls[-1], -mu * pressed, rtol=1e-9)
+    np.testing.assert_allclose(pulls[-1], -mu * pressure, rtol=1e-9)
     slip = 1.5 * along * length - 3.0 * stretched
     # Steps of 1 µm: the two in which it begins to slip.
-    assert entries["friction_dissipated"] == pytest.approx(mu * pressed * slip, rel=1e-3)
+    assert entries["friction_dissipated"] == pytest.approx(mu * pressure * slip, rel=1e-3)
     assert entries["friction_work"] == pytest.approx(
         entries["friction_dissipated"] + found[-1].stored, rel=1e-9
     )

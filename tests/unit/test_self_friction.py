@@ -8,7 +8,7 @@ import pytest
 import shellcut as sc
 from naive.booking import book
 from naive.self_friction import forces_on_sheet, returned, slip_speed
-from shellcut.contact.self_friction import SelfFriction
+from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.tool.pose import Pose
@@ -24,7 +24,7 @@ class Drawn:
     def __init__(self, case, warp=0.0, mu=MU, dt=1e-6):
         gap, way, tilt = CASES[case]
         self.state, self.contact, x, self.first = touching(gap, tilt, warp)
-        self.friction = SelfFriction(self.contact, mu)
+        self.friction = CoulombFriction("self_friction", self.contact, mu)
         away = np.zeros_like(x)
         away[self.first :] = way
         approached(self.state, self.contact, x, away)
@@ -53,13 +53,13 @@ class Drawn:
         return self.step(moved)
 
     def pressure(self):
-        presses = self.contact.tables.presses
-        return np.linalg.norm(presses.force[: presses.n[0], 0], axis=1)
+        pressure = self.contact.carriers.pressure
+        return pressure[pressure > 0.0]
 
     def springs(self):
         """k_t of the points that press."""
-        t = self.contact.tables
-        return 0.5 * t.stiffness[t.touches.point[: t.presses.n[0]]]
+        carriers = self.contact.carriers
+        return 0.5 * carriers.stiffness[carriers.pressure > 0.0]
 
 
 # ---------------------------------------------------------------- the law
@@ -70,18 +70,18 @@ def test_forces_are_those_of_virtual_work(case):
     drawn = Drawn(case, warp=0.01)
     rng = np.random.default_rng(8)
     drawn.step(1e-5 * rng.normal(size=drawn.x.shape))
-    before = drawn.contact.tables.memory
-    u_before, row_before = before.drag.copy(), before.drag_row.copy()
+    before = drawn.friction.springs
+    u_before, quad_before = before.slip.copy(), before.node.copy()
     moved = 1e-5 * rng.normal(size=drawn.x.shape)
     force, found = drawn.step(moved)
-    t, state = drawn.contact.tables, drawn.state
+    carriers, points = drawn.contact.carriers, drawn.contact.point_of_sheet()
     wanted = np.zeros_like(force)
-    slipping = 0
-    for i in range(t.presses.n[0]):
-        row, (xi, eta), sheet = t.touches.row[i], t.touches.place[i], t.touches.sheet[i]
-        assert row_before[sheet] == row
-        quad, node = state.quads[row], t.presses.node[i, 0]
-        corners, pressed = drawn.x[quad], t.presses.force[i, 0]
+    slipping, pressing = 0, np.flatnonzero(carriers.pressure)
+    for sheet in pressing:
+        quad, node, w = carriers.node[sheet], points[sheet], carriers.weight[sheet]
+        xi, eta = w @ [-1, 1, 1, -1], w @ [-1, -1, 1, 1]
+        np.testing.assert_array_equal(quad_before[sheet], quad)
+        corners, pressed = drawn.x[quad], carriers.pressure[sheet] * carriers.normal[sheet]
         one = np.array([-(1 - eta), 1 - eta, 1 + eta, -(1 + eta)]) @ corners
         two = np.array([-(1 - xi), -(1 + xi), 1 + xi, 1 - xi]) @ corners
         n = np.cross(one, two) / np.linalg.norm(np.cross(one, two))
@@ -90,7 +90,7 @@ def test_forces_are_those_of_virtual_work(case):
         slip = slip_speed(moved[node], corners, moved[quad], xi, eta, over)
         # The frame at the new foot, by which the old one differs to second order only.
         u = u_before[sheet] @ np.array([one, np.cross(n, one), n])
-        k = 0.5 * t.stiffness[t.touches.point[i]]
+        k = 0.5 * carriers.stiffness[sheet]
         new = returned(u + slip, pressed, MU, k)
         slipping += np.linalg.norm(new) < 0.999 * np.linalg.norm(u + slip - (u + slip) @ n * n)
         wanted[node] += -k * new
@@ -98,7 +98,7 @@ def test_forces_are_those_of_virtual_work(case):
     scale = np.abs(wanted).max()
     assert scale > 0.0
     np.testing.assert_allclose(force, wanted, atol=2e-3 * scale)
-    assert found.n_slipping <= t.presses.n[0]
+    assert found.n_slipping <= pressing.size
     # Neither a sum nor a moment.
     np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-13 * scale)
     np.testing.assert_allclose(np.cross(drawn.x, force).sum(axis=0), 0.0, atol=1e-11 * scale)
@@ -283,7 +283,7 @@ def test_what_a_spring_held_is_dissipated_when_they_part():
     assert after.stored == 0.0
     # The half of the work that the last force did on the way is across the pull: none.
     assert drawn.works["friction_dissipated"] == pytest.approx(before.stored, rel=1e-6)
-    assert not drawn.contact.tables.memory.drag.any()
+    assert not drawn.friction.springs.slip.any()
 
 
 def test_friction_takes_energy_of_pieces_that_graze_and_no_momentum():

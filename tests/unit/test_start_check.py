@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.contact.start_overlap import check_tool_outside
+from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.motion import ScrewMotion, StraightMotion

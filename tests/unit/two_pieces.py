@@ -3,7 +3,7 @@
 import numpy as np
 
 import shellcut as sc
-from shellcut.contact.self_contact import SelfContact
+from shellcut.contact.sheet_contact import SelfContact
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell

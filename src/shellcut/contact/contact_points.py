@@ -12,14 +12,14 @@ pierced (:mod:`shellcut.fracture.pierce`). Their ends, the tips of teeth, are ne
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
-
 import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
+
+from .contact_tables import ToolPoints
 
 LEAST_TURN = np.radians(10.0)
 """Convex edges push that turn by more than this; flatter ones are lines between facets."""
@@ -38,24 +38,7 @@ _SAME_WAY = 0.5
 _PEAKED = 1e-4
 
 
-class ContactPoints(NamedTuple):
-    """Points of the tool in its body frame, for kernels."""
-
-    place: Annotated[Floats, "(n_point, 3)"]
-    """[mm]"""
-    outward: Annotated[Floats, "(n_point, 3)"]
-    """Mean unit normal of the surface there."""
-    body: Annotated[Ints, "(n_point,)"]
-    """Tooth of each."""
-    segment: Annotated[Ints, "(n_point,)"]
-    """Segment of the cutting edge on which each lies, -1 for none."""
-    is_tip: Annotated[Bools, "(n_point,)"]
-    """Whether a cutting edge ends there."""
-    share: Annotated[Floats, "(n_point,)"]
-    """Stiffness of each over that of a node of the film, less the more of them press together."""
-
-
-def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
+def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     """Return the points of a tool that push a film.
 
     Parameters
@@ -76,7 +59,7 @@ def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
     is_tip = np.concatenate([ends_cut, np.zeros(len(along.turn), np.bool_)])
     sharpness = np.where(is_tip, np.inf, np.concatenate([turn_at_vertex, along.turn]))
     kept = _spread(place, sharpness, CLOSEST * edge_length)
-    return ContactPoints(
+    return ToolPoints(
         place=np.ascontiguousarray(place[kept]),
         outward=np.ascontiguousarray(outward[kept]),
         body=np.ascontiguousarray(body[kept]),

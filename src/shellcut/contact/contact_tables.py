@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
 from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 
-from .settings import PenaltyLaw
+from .film_outline import Outline
+from .pair_search import Pairs
+from .settings import PenaltyLaw, SheetLaw
 
 
 class Carriers(NamedTuple):
@@ -88,9 +90,9 @@ class Memory(NamedTuple):
     row: Annotated[Ints, "(n_row,)"]
     """Row of each carrier in the following arrays: node ids if these are the state's."""
     side: Annotated[SmallInts, "(n_kept,)"]
-    """Side of the blade on which it lies: +1, -1, or 0 while unknown."""
+    """Side of the blade, or of a sheet, on which it lies: +1, -1, or 0 while unknown."""
     depth: Annotated[Floats, "(n_kept,)"]
-    """Depth in the tool [mm], 0 outside."""
+    """Depth [mm], 0 outside."""
     offset: Annotated[Floats, "(n_kept,)"]
     """Part of the depth that does not press [mm]."""
     work: Annotated[Floats, "(n_kept,)"]
@@ -160,6 +162,7 @@ class ContactNodes(NamedTuple):
     contact_area: Annotated[Floats, "(n_node,)"]
     contact_share: Annotated[Floats, "(n_node,)"]
     contact_mass: Annotated[Floats, "(n_node,)"]
+    push: Annotated[Floats, "(n_node, 2)"]
     supported: Annotated[Bools, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]
     """Of the blade, of each node: kernels write this and the force."""
@@ -186,3 +189,87 @@ class ContactTables(NamedTuple):
     memory: Memory
     nodes: ContactNodes
     around: QuadsAtNodes
+
+
+class ToolPoints(NamedTuple):
+    """Points of the tool in its body frame, for kernels."""
+
+    place: Annotated[Floats, "(n_of_tool, 3)"]
+    """[mm]"""
+    outward: Annotated[Floats, "(n_of_tool, 3)"]
+    """Mean unit normal of the surface there."""
+    body: Annotated[Ints, "(n_of_tool,)"]
+    """Tooth of each."""
+    segment: Annotated[Ints, "(n_of_tool,)"]
+    """Segment of the cutting edge on which each lies, -1 for none."""
+    is_tip: Annotated[Bools, "(n_of_tool,)"]
+    """Whether a cutting edge ends there."""
+    share: Annotated[Floats, "(n_of_tool,)"]
+    """Stiffness of each over that of a node of the film, less the more of them press together."""
+
+    @classmethod
+    def none(cls) -> ToolPoints:
+        """Return no points."""
+        nothing, never = np.zeros(0, np.int64), np.zeros(0, np.bool_)
+        return cls(np.zeros((0, 3)), np.zeros((0, 3)), nothing, nothing, never, np.zeros(0))
+
+
+class Waits(NamedTuple):
+    """How long points need not be looked at: ways, on the scale of ``walked``."""
+
+    point: Annotated[Floats, "(n_point,)"]
+    """Until when a point touches nothing [mm]."""
+    pair: Annotated[Floats, "(n_pair,)"]
+    """Until when it does not come near the quad [mm]."""
+
+
+class Presses(NamedTuple):
+    """Forces of the last evaluation: on a point, and on the nodes of the quad that it touches."""
+
+    node: Annotated[Ints, "(n_room, 5)"]
+    force: Annotated[Floats, "(n_room, 5, 3)"]
+    """[N]"""
+    n: Annotated[Ints, "(1,)"]
+    """How many points press."""
+
+    @classmethod
+    def with_room(cls, n_room: int, last: Presses | None = None) -> Presses:
+        """Return a table for so many points that press, with those of another one."""
+        count = 0 if last is None else int(last.n[0])
+        room = max(n_room, count)
+        node, force = np.zeros((room, 5), np.int64), np.zeros((room, 5, 3))
+        if last is not None:
+            node[:count], force[:count] = last.node[:count], last.force[:count]
+        return cls(node, force, np.array([count], np.int64))
+
+    def saved(self) -> dict[str, Any]:
+        """Return the rows in use."""
+        count = int(self.n[0])
+        return {"node": self.node[:count], "force": self.force[:count], "n": self.n}
+
+
+class SheetTables(NamedTuple):
+    """Kernel arguments of points against sheets, valid until the search is repeated."""
+
+    of_tool: bool
+    """Whether the points are the tool's; else they are nodes."""
+    radius: float
+    """Of the farthest of the tool's, around the body's origin [mm]."""
+    law: SheetLaw
+    points: ToolPoints
+    pairs: Pairs
+    stiffness: Annotated[Floats, "(n_pair,)"]
+    """k of the point on each quad [N/mm]."""
+    memory: Memory
+    """Sheet by sheet; the force is that on the point."""
+    met: Annotated[Bools, "(n_sheet,)"]
+    """Whether the point has been seen close to the sheet."""
+    waits: Waits
+    moving: Annotated[Ints, "(n_moving,)"]
+    """Points that are nodes, and nodes of the quads close to points."""
+    outline: Outline
+    quads: Annotated[SmallIds, "(n_quad, 4)"]
+    nodes: ContactNodes
+    carriers: Carriers
+    """Sheet by sheet, where and how hard the point presses on it."""
+    presses: Presses

@@ -1,17 +1,30 @@
-"""Coulomb friction of film and tool, regularised by a spring.
+"""Coulomb friction of what touches, regularised by a spring.
 
-Where a term presses the film on the tool with the force N along the outward normal n, at a carrier
-(a node, a place of an edge, the foot of a point of the tool on a quad), the film gets a tangential
-force besides. An elastic spring holds it to the tool; u is its elongation, the elastic slip, a
-vector in the tool's frame, so that the tool carries it along whatever it does. Over a step in which
-the film at the carrier moves by d against the tool,
+Where a term presses the film with the force N along the normal n, at a carrier (a node, a place of
+an edge, the foot of a point of the tool on a quad) against the tool, or at a node against a sheet
+of film, the film gets a tangential force besides. An elastic spring holds it to the *body* that it
+slides on; u is its elongation, the elastic slip, a vector in the frame of the body, which carries
+it along whatever it does. Over a step in which the film at the carrier moves by d against the body,
 
     u* = P (u + d),   P = 1 - n n^T                                     (trial: it sticks)
     u' = u* min(1, mu N / (k_t |u*|)),   force f' = -k_t u'             (else it slips)
 
 which is the return mapping of rigid-plastic slip with the elastic part k_t [Wriggers2006]: sticking
 up to mu N, then slipping with mu N against the slip, whatever the length of the step. The nodes of
-the carrier take f' by their shape functions, the tool minus that.
+the carrier take f' by their shape functions, the body minus that.
+
+*Film as the body.* A node P is at the distance d_n over its foot c on the sheet. What it slides on
+is the sheet's film at P, which turns with the sheet: the frame of the quad at c (along its first
+tangent, across it, along the normal n_q) with its origin at y = c + d_n n_q, where P is, and
+likewise of the positions a step before, with the same place of the quad and the same d_n. So two
+films that move together as a rigid body do not slip, however far they turn in a step and however
+far apart their mid-surfaces are. The forces are those of virtual work, f on P and on the nodes of
+the quad
+
+    - N_a f + d_n (f · grad N_a) n_q,
+
+N_a being the shape functions at c: no sum, as sum grad N_a = 0, and no moment: d_n f x n_q of the
+second part takes up what f at P and -f at c have together.
 
 *Works.* The force f of t_{n-1} has acted on its own carrier, which has moved by d_f, and f' acts on
 that of now. So with the energies -½ f·u and -½ f'·u' that the spring stored and stores
@@ -22,9 +35,11 @@ With the same carrier and k_t as in the last step (a node) that is ½ k_t (u + u
 mean force times the slip: also for a normal that turns (the spring loses its part along n), and for
 what comes off (N = 0, so u' = 0: what was stored is dissipated). The work itself comes from the
 forces on film and tool, each in their own motion, so that work = stored + dissipated is a check.
+Of film on film, whose frames follow from the same nodes, what is not stored is dissipated.
 
 *History.* The spring of a node is kept in the state, and a split leaves its new node that of the
-node it comes from. The spring of a point of the tool follows the point from quad to quad. That of
+node it comes from. The spring of a point of the tool follows the point from quad to quad, as does
+that of a node on a sheet, where it is read again in the frame of the quad at its last foot. That of
 a place on an edge stays with the place. What leaves the list of the term that presses it lets go.
 
 *Stiffness.* k_t is ``TANGENTIAL`` times the k of the penalty: what is pressed slips by mu N / k_t =
@@ -32,7 +47,9 @@ a place on an edge stays with the place. What leaves the list of the term that p
 penalty along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the
 penalty, the largest singular value of the two together is at most k sqrt(a² (1 + mu²) +
 TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so
-2 % of the step at most. Places on edges share the k of their nodes, and so its springs.
+2 % of the step at most. Places on edges share the k of their nodes, and so its springs. The couple
+of film on film, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to a
+thickness of 1.5 edges.
 """
 
 from __future__ import annotations
@@ -45,15 +62,29 @@ from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, add_scaled, add_to, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    combine,
+    cross,
+    dot,
+    load,
+    norm,
+    scale,
+    store,
+    sub,
+)
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
-from shellcut.tool.pose import Pose, to_body, turn, turn_back
+from shellcut.tool.pose import Pose
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
 from .contact_tables import Carriers, ContactNodes
+from .look_at_quad import Corners, normal_at, place_in, slopes_along, tangents_at
 from .press_forces import TOUCHING, PressTerm
 from .settings import STEEPEST
+from .sheet_contact import SelfContact
 
 TANGENTIAL = 0.5
 """Stiffness of the tangential spring over that of the penalty."""
@@ -90,22 +121,30 @@ class Springs(NamedTuple):
     weight: Annotated[Floats, "(n_spring, 4)"]
     """Its shape functions."""
     slip: Annotated[Floats, "(n_kept, 3)"]
-    """Elastic slip u, in the tool's frame [mm]."""
+    """Elastic slip u, in the body's frame [mm]."""
     force: Annotated[Floats, "(n_kept, 3)"]
-    """On the film [N]."""
+    """On the film [N], on the node where film is the body."""
+    point: Annotated[Ints, "(n_point,)"]
+    """That node; none of a tool."""
+    back: Annotated[Floats, "(n_point, 4, 3)"]
+    """On the nodes of the quad [N]."""
 
     @classmethod
-    def at_rest(cls, node: Ints) -> Springs:
+    def at_rest(cls, node: Ints, on_film: bool = False) -> Springs:
         """Return those of carriers with these nodes (n, 4) that nothing has stretched."""
         n, at = len(node), Carriers.of(node)
         slip, force = np.zeros((2, n, 3))
         row, holds = np.arange(n, dtype=np.int64), np.zeros(n, np.bool_)
-        return cls(row, holds, at.node, at.weight, slip, force)
+        n_point = n if on_film else 0
+        point, back = np.zeros(n_point, np.int64), np.zeros((n_point, 4, 3))
+        return cls(row, holds, at.node, at.weight, slip, force, point, back)
 
 
 class FrictionTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
+    point: Annotated[Ints, "(n_listed,)"]
+    """Nodes that are pressed on the quads of the carriers; none where the tool is the body."""
     carriers: Carriers
     springs: Springs
     nodes: ContactNodes
@@ -123,7 +162,7 @@ class FrictionForces(NamedTuple):
     stored: float
     """Energy of the springs at t_n [N·mm]."""
     n_slipping: int
-    """Number of nodes, points of the tool or edges of the film that slip."""
+    """Number of nodes, points of the tool or places on edges that slip."""
 
 
 _WORK, _DISSIPATED, _STORED = 0, 1, 2  # columns of Touch.sums, in the order of these fields
@@ -153,7 +192,8 @@ class CoulombFriction(ForceTerm):
         self.name, self.coefficient, self._pressing = name, coefficient, pressing
         self.touch = Touch.none(len(pressing.touch.wrench), len(FrictionForces._fields) - 1)
         self._touch, self._hold = Holder()(self.touch), Holder()
-        self.springs = Springs.at_rest(pressing.carriers.node)
+        self._on_film = isinstance(pressing, SelfContact)
+        self.springs = Springs.at_rest(pressing.carriers.node, self._on_film)
         """Those of all that is listed."""
         self._of: object = None
         self._held: Any = None
@@ -220,28 +260,102 @@ class CoulombFriction(ForceTerm):
             )
         else:
             rows = np.append(kept, np.setdiff1d(np.flatnonzero(was.holds), kept))
-            self.springs = Springs.at_rest(np.concatenate([node, was.node[rows[len(node) :]]]))
+            nodes = np.concatenate([node, was.node[rows[len(node) :]]])
+            self.springs = Springs.at_rest(nodes, self._on_film)
             to = np.flatnonzero(rows >= 0)
             for new, old in zip(self.springs[1:], was[1:], strict=True):
-                new[to] = old[rows[to]]
+                if len(old):
+                    new[to] = old[rows[to]]
+            # Halves of a split node have a spring each; its force has acted once.
+            again = np.setdiff1d(to, np.unique(rows, return_index=True)[1])
+            self.springs.force[again] = 0.0
+            if self._on_film:
+                self.springs.back[again] = 0.0
         self._lay_out(state)
 
     def _lay_out(self, state: State) -> None:
-        nodes = ContactNodes.of(state)
-        self._of = self._pressing.tables
-        self._held = self._hold(FrictionTables(self._pressing.carriers, self.springs, nodes))
+        nodes, pressing = ContactNodes.of(state), self._pressing
+        point = pressing.point_of_sheet() if self._on_film else np.zeros(0, np.int64)
+        self._of = pressing.tables
+        self._held = self._hold(FrictionTables(point, pressing.carriers, self.springs, nodes))
+
+
+class _Frame(NamedTuple):
+    """Of what film slides on: its origin [mm] and unit vectors."""
+
+    at: Vec3
+    along: Vec3
+    across: Vec3
+    normal: Vec3
 
 
 @inline
-def _carried(
-    i: int, node: Ints, weight: Floats, nodes: ContactNodes, dt: float, pose: Pose, before: Pose
-) -> tuple[Vec3, Vec3, Vec3]:
-    """Return where a carrier is, its velocity, and its way against the tool in the tool's frame."""
+def _frame_of(pose: Pose) -> _Frame:
+    """Return the frame of the tool."""
+    r, at = pose.rotation, pose.translation
+    return _Frame(
+        (at[0], at[1], at[2]),
+        (r[0, 0], r[1, 0], r[2, 0]),
+        (r[0, 1], r[1, 1], r[2, 1]),
+        (r[0, 2], r[1, 2], r[2, 2]),
+    )
+
+
+@inline
+def _seen(d: Vec3, frame: _Frame) -> Vec3:
+    """Return the components of a vector in a frame."""
+    return dot(frame.along, d), dot(frame.across, d), dot(frame.normal, d)
+
+
+@inline
+def _in_space(u: Vec3, frame: _Frame) -> Vec3:
+    """Return a vector from its components in a frame."""
+    return add_scaled(combine(u[0], frame.along, u[1], frame.across), u[2], frame.normal)
+
+
+@inline
+def _quad_at(i: int, node: Ints, nodes: ContactNodes, dt: float) -> Corners:
+    """Return the corners of the quad of a carrier, dt ago [mm]."""
+    x, v = nodes.x, nodes.velocity_half
+    a, b, c, d = node[i, 0], node[i, 1], node[i, 2], node[i, 3]
+    return Corners(
+        add_scaled(load(x, a), -dt, load(v, a)),
+        add_scaled(load(x, b), -dt, load(v, b)),
+        add_scaled(load(x, c), -dt, load(v, c)),
+        add_scaled(load(x, d), -dt, load(v, d)),
+    )
+
+
+@inline
+def _place_of(i: int, weight: Floats) -> tuple[float, float]:
+    """Return xi and eta of a carrier from its shape functions."""
+    w0, w1, w2, w3 = weight[i, 0], weight[i, 1], weight[i, 2], weight[i, 3]
+    return (w1 + w2) - (w0 + w3), (w2 + w3) - (w0 + w1)
+
+
+@inline
+def _frame_on(q: Corners, xi: float, eta: float, over: float) -> _Frame:
+    """Return the frame of a quad at a place, its origin ``over`` above that [mm]."""
+    a1, _ = tangents_at(q, xi, eta)
+    along, n = scale(1.0 / norm(a1), a1), normal_at(q, xi, eta)
+    return _Frame(add_scaled(place_in(q, xi, eta), over, n), along, cross(n, along), n)
+
+
+@inline
+def _carried(i: int, node: Ints, weight: Floats, nodes: ContactNodes) -> tuple[Vec3, Vec3]:
+    """Return where a carrier is and its velocity."""
     x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for c in range(4):
         x = add_scaled(x, weight[i, c], load(nodes.x, node[i, c]))
         v = add_scaled(v, weight[i, c], load(nodes.velocity_half, node[i, c]))
-    return x, v, sub(to_body(x, pose), to_body(add_scaled(x, -dt, v), before))
+    return x, v
+
+
+@inline
+def _slid(x: Vec3, v: Vec3, dt: float, now: _Frame, then: _Frame) -> Vec3:
+    """Return the way of film at x against a body over the last step, in the body's frame [mm]."""
+    was = _seen(sub(add_scaled(x, -dt, v), then.at), then)
+    return sub(_seen(sub(x, now.at), now), was)
 
 
 @kernel
@@ -261,34 +375,78 @@ def _add_friction(
     carriers, springs, nodes = tables.carriers, tables.springs, tables.nodes
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
+    on_film, n_listed = springs.point.shape[0] > 0, carriers.pressure.shape[0]
+    now, then = _frame_of(pose), _frame_of(before)
     work = stored = dissipated = 0.0
-    n_slipping, n_listed = 0, carriers.pressure.shape[0]
+    n_slipping = 0
     for i in range(springs.row.shape[0]):
         pressure = carriers.pressure[i] if i < n_listed else 0.0
         if pressure == 0.0 and not springs.holds[i]:
             continue
         row = springs.row[i]
         u, f = load(springs.slip, row), load(springs.force, row)
-        if springs.holds[i]:
-            _, v, d = _carried(i, springs.node, springs.weight, nodes, dt, pose, before)
+        if springs.holds[i] and not on_film:
+            x, v = _carried(i, springs.node, springs.weight, nodes)
             work += 0.5 * dt * dot(f, v)
-            dissipated -= 0.5 * dot(turn_back(f, before), add(u, d))
+            dissipated -= 0.5 * dot(_seen(f, then), add(u, _slid(x, v, dt, now, then)))
+        elif springs.holds[i]:
+            work += 0.5 * dt * _power_on_film(i, nodes, springs)
+            xi, eta = _place_of(i, springs.weight)
+            held = _frame_on(_quad_at(i, springs.node, nodes, 0.0), xi, eta, 0.0)
+            u = _in_space(u, held)
         new, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if pressure > 0.0:
-            k_t, normal = TANGENTIAL * carriers.stiffness[i], load(carriers.normal, i)
-            x, v, d = _carried(i, carriers.node, carriers.weight, nodes, dt, pose, before)
+            k_t, normal, over = TANGENTIAL * carriers.stiffness[i], load(carriers.normal, i), 0.0
+            if on_film:
+                xi, eta = _place_of(i, carriers.weight)
+                x, v = load(nodes.x, tables.point[i]), load(nodes.velocity_half, tables.point[i])
+                q = _quad_at(i, carriers.node, nodes, 0.0)
+                over = dot(sub(x, place_in(q, xi, eta)), normal_at(q, xi, eta))
+                now = _frame_on(q, xi, eta, over)
+                then = _frame_on(_quad_at(i, carriers.node, nodes, dt), xi, eta, over)
+                u, normal = _seen(u, now), _seen(normal, now)
+            else:
+                x, v = _carried(i, carriers.node, carriers.weight, nodes)
+            d = _slid(x, v, dt, now, then)
             new, slips = return_mapping(add(u, d), normal, k_t, coefficient * pressure)
-            f = scale(-k_t, turn(new, pose))
+            f = _in_space(scale(-k_t, new), now)
             n_slipping += slips
             stored += 0.5 * k_t * dot(new, new)
-            work += 0.5 * dt * dot(f, v)
-            dissipated += 0.5 * k_t * dot(new, sub(d, new))
             for c in range(4):
-                n, weight = carriers.node[i, c], carriers.weight[i, c]
-                springs.node[i, c], springs.weight[i, c] = n, weight
-                add_to(nodes.force, n, scale(weight, f))
-            react(f, x, carriers.body[i], pose, wrench)
+                springs.node[i, c], springs.weight[i, c] = (
+                    carriers.node[i, c],
+                    carriers.weight[i, c],
+                )
+            if on_film:
+                slopes = slopes_along(f, xi, eta, q)
+                springs.point[i] = tables.point[i]
+                add_to(nodes.force, tables.point[i], f)
+                for c in range(4):
+                    back = combine(-carriers.weight[i, c], f, over * slopes[c], now.normal)
+                    store(springs.back[i], c, back)
+                    add_to(nodes.force, carriers.node[i, c], back)
+            else:
+                work += 0.5 * dt * dot(f, v)
+                dissipated += 0.5 * k_t * dot(new, sub(d, new))
+                for c in range(4):
+                    add_to(nodes.force, carriers.node[i, c], scale(carriers.weight[i, c], f))
+                react(f, x, carriers.body[i], pose, wrench)
         store(springs.slip, row, new)
         store(springs.force, row, f)
         springs.holds[i] = pressure > 0.0
+        if on_film and pressure > 0.0:
+            work += 0.5 * dt * _power_on_film(i, nodes, springs)
+    if on_film:
+        dissipated = sums[_STORED] - stored - work
     sums[0], sums[1], sums[2], sums[3] = work, dissipated, stored, n_slipping
+
+
+@inline
+def _power_on_film(i: int, nodes: ContactNodes, springs: Springs) -> float:
+    """Return the power of the last forces of a node on a sheet [N·mm/s]."""
+    springs = borrowed(springs)
+    v = nodes.velocity_half
+    power = dot(load(springs.force, i), load(v, springs.point[i]))
+    for c in range(4):
+        power += dot(load(springs.back[i], c), load(v, springs.node[i, c]))
+    return power

@@ -1,11 +1,11 @@
 """Contact of the film's edges with the tool between their nodes.
 
 A rim, a notch or a flank that crosses the tool between its nodes is not felt there. So each edge of
-the film at which it ends (:mod:`.film_edges`) carries points, evenly spaced, that touch the tool as
-nodes do (:mod:`.press_kernel`): a place with the weights 1 - s and s on the ends, with a force of
-its own that these share.
+the film at which it ends (:mod:`.film_outline`) carries points, evenly spaced, that touch the tool
+as nodes do (:mod:`.press_kernel`): a place with the weights 1 - s and s on the ends, with a force
+of its own that these share.
 
-*Stiffness.* With K of an edge from :class:`.film_edges.OpenEdges`, its m points have K / m each,
+*Stiffness.* With K of an edge from :class:`.film_outline.OpenEdges`, its m points have K / m each,
 and either end gives up K / 2. As a spring on a weighted mean is no stiffer than its parts at the
 nodes, all of it together is no stiffer than the nodes alone were, and neither is the step shorter.
 
@@ -39,7 +39,7 @@ from shellcut.state import State
 from shellcut.tool.pose import Pose
 
 from .contact_tables import Carriers, ContactNodes, ContactTables, Looks, Memory
-from .film_edges import FilmEdges, OpenEdges
+from .film_outline import FilmEdges, OpenEdges
 from .penalty_contact import PenaltyContact
 from .press_forces import ABSORBED, WORK, PressTerm
 from .press_kernel import add_press_forces

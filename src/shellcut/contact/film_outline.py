@@ -1,9 +1,9 @@
-"""The film that each quad or copy holds, as a polygon, and where that film ends.
+"""The film that each quad or copy holds, as a polygon, and the edges at which that film ends.
 
-Contact of the film with itself asks two things of a quad: whether a point lies over its film, and
-how far it is from there to the next edge of the film. A whole quad is the square of its four sides;
-a copy of a cut quad holds a convex polygon of it (:mod:`shellcut.fracture.quad_polygon`), some
-edges of which lie on flanks of the crack.
+Contact asks of a quad whether a point lies over its film, how far it is from there to the next edge
+of the film, and where that touches the tool. A whole quad is the square of its four sides; a copy
+of a cut quad holds a convex polygon of it (:mod:`shellcut.fracture.quad_polygon`), some edges of
+which lie on flanks of the crack.
 
 An edge on a side of the quad is *closed* if the film goes on there, and *open* if it ends: at the
 rim, at a notch, at a flank. Quads that hang together along a side share both its nodes, so a side
@@ -13,6 +13,10 @@ open if an open edge ends there, be it that of another quad.
 Slivers are left out, as is film that has been taken out of the run: for contact the film ends where
 they begin. The nodes of a sliver swing by more than it is wide, and turn it any way; nobody could
 say what is over it.
+
+*Pairs of nodes.* An open edge runs between two points of a row's polygon. A corner is a node;
+another point is a flank point of that row, tied to its nodes. Where a crack crosses a side, the
+copies on both sides of that have a point of their own at one place: the first stands for all.
 """
 
 from __future__ import annotations
@@ -22,9 +26,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, norm
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.state import KnownTopology, State
+
+from .settings import PenaltyLaw
 
 Part = tuple[tuple[tuple[float, float], ...], tuple[int, ...]]
 """Points (xi, eta) of a polygon, counter-clockwise, and the side of the quad on which the edge from
@@ -36,24 +42,28 @@ _WHOLE: Part = (((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), (0, 1, 2, 
 SLIVER = 0.2
 """Part of a quad: rows that hold less are left out."""
 
-# Of a coordinate, from which on a point lies at the end of a side.
-_AT_CORNER = 1.0 - 1e-9
+# Edges of a polygon, at most: a key is that of its row times this, and its place there.
+_MOST_EDGES = 64
+
+# Of xi and eta: places that agree so far are one, as are weights on a side.
+_SAME = 1e-9
+_DIGITS = 9
 
 
 class Outline(NamedTuple):
     """Polygons of all rows, as kernels take them; good for one topology."""
 
-    n_edge: Annotated[Ints, "(n_row,)"]
+    n_edge: Annotated[Ints, "(n_quad,)"]
     """Number of points and edges of the polygon."""
-    point: Annotated[Floats, "(n_row, n_most, 2)"]
+    point: Annotated[Floats, "(n_quad, n_most, 2)"]
     """xi, eta of its points."""
-    side: Annotated[Ints, "(n_row, n_most)"]
+    side: Annotated[Ints, "(n_quad, n_most)"]
     """Side of the quad on which the edge from a point lies, -1 for a flank."""
-    open: Annotated[Bools, "(n_row, n_most)"]
+    open: Annotated[Bools, "(n_quad, n_most)"]
     """Whether the film ends at the edge."""
-    open_at: Annotated[Bools, "(n_row, n_most)"]
+    open_at: Annotated[Bools, "(n_quad, n_most)"]
     """Whether the film ends at the point."""
-    absent: Annotated[Bools, "(n_row,)"]
+    absent: Annotated[Bools, "(n_quad,)"]
     """Whether a row is left out."""
 
 
@@ -186,8 +196,168 @@ def _mark_open(
 @inline
 def _corner_of(xi: float, eta: float) -> int:
     """Return the corner of the parametric square at a point, -1 if there is none."""
-    if abs(xi) < _AT_CORNER or abs(eta) < _AT_CORNER:
+    if abs(xi) < 1.0 - _SAME or abs(eta) < 1.0 - _SAME:
         return -1
     if eta < 0.0:
         return 0 if xi < 0.0 else 1
     return 3 if xi < 0.0 else 2
+
+
+class OpenEdges(NamedTuple):
+    """The edges at which the film ends, and what of the nodes' stiffness they take."""
+
+    node: Annotated[Ints, "(n_edge, 2)"]
+    """Nodes at both ends."""
+    key: Annotated[Ints, "(n_edge,)"]
+    """Of row and edge of its polygon, ascending."""
+    length: Annotated[Floats, "(n_edge,)"]
+    """In the reference configuration [mm]."""
+    stiffness: Annotated[Floats, "(n_edge,)"]
+    """K of each, half of which either end gives up [N/mm]."""
+    left: Annotated[Floats, "(n_node,)"]
+    """What is left at each node [N/mm]."""
+
+    def near(self, nodes: Ints) -> Ints:
+        """Return the rows of the edges that end at one of some nodes."""
+        at = np.zeros(self.left.size, np.bool_)
+        at[nodes] = True
+        return np.flatnonzero(at[self.node].any(axis=1))
+
+    def with_ends_at(self, nodes: Ints) -> Ints:
+        """Return some nodes and the other ends of the edges that end there, ascending."""
+        return np.union1d(nodes, self.node[self.near(nodes)])
+
+
+class FilmEdges:
+    """Keeps the open edges of a film up to date from cut to cut.
+
+    Parameters
+    ----------
+    law : PenaltyLaw
+    part_of : Callable
+        Returns the polygon of a row that is cut.
+    """
+
+    def __init__(self, law: PenaltyLaw, part_of: Callable[[int], Part]) -> None:
+        self._law, self._outline, self._known = law, FilmOutline(part_of), KnownTopology()
+        self._edges: OpenEdges | None = None
+
+    def of(self, state: State) -> OpenEdges:
+        """Return the edges of the film as it is now."""
+        if self._edges is None or not self._known.is_of(state):
+            self._edges = open_edges(state, self._outline.of(state), self._law)
+            self._known.take(state)
+        return self._edges
+
+
+def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
+    """Return the edges at which the film ends.
+
+    Let k_a be the stiffness of a node and d_a the number of edges that end there: an edge takes
+    K = 2 min(k_a / d_a, k_b / d_b), half of it from either end.
+
+    Parameters
+    ----------
+    state : State
+    outline : Outline
+        Of its film.
+    law : PenaltyLaw
+    """
+    f, n, n_row = state.flank, state.node, state.n_quad
+    by_row = np.argsort(f.row[: f.count], kind="stable")
+    first = np.searchsorted(f.row[: f.count][by_row], np.arange(n_row + 1))
+    room = n_row * outline.point.shape[1]
+    found, key = np.empty((room, 2), np.int64), np.empty(room, np.int64)
+    count = _ends_of_open_edges(
+        n_row, outline, state.quad.nodes, first, f.node[by_row], f.place[by_row], found, key
+    )
+    node, key = found[:count], key[:count]
+    if f.count:
+        node = _one_of_each_place(state)[node]
+        differ = node[:, 0] != node[:, 1]
+        node, key = node[differ], key[differ]
+    own = n.contact_share[: n.count] * law.of_nodes(n.contact_area[: n.count])
+    ending = np.bincount(node.ravel(), minlength=n.count)
+    stiffness = 2.0 * (own[node] / ending[node]).min(axis=1)
+    taken = np.bincount(node.ravel(), np.repeat(0.5 * stiffness, 2), minlength=n.count)
+    return OpenEdges(
+        node=np.ascontiguousarray(node),
+        key=key.copy(),
+        length=norm(n.X[node[:, 1]] - n.X[node[:, 0]]),
+        stiffness=stiffness,
+        left=np.maximum(own - taken, 0.0),
+    )
+
+
+def _one_of_each_place(state: State) -> Ints:
+    """Return for each node the first of those at its place that are tied to the same two nodes."""
+    f, first = state.flank, np.arange(state.node.count)
+    node, weight, tied = f.node[: f.count], f.weight[: f.count], f.nodes[: f.count]
+    used = weight > _SAME
+    on_side = np.flatnonzero(used.sum(axis=1) == 2)
+    ends = tied[on_side][used[on_side]].reshape(-1, 2)
+    at = weight[on_side][used[on_side]].reshape(-1, 2)
+    low = np.argmin(ends, axis=1)
+    every = np.arange(on_side.size)
+    s = np.round(at[every, low], _DIGITS)
+    order = np.lexsort((on_side, s, ends[every, 1 - low], ends[every, low]))
+    a, b, s = ends[every, low][order], ends[every, 1 - low][order], s[order]
+    new = np.ones(order.size, np.bool_)
+    new[1:] = (a[1:] != a[:-1]) | (b[1:] != b[:-1]) | (s[1:] != s[:-1])
+    head = order[np.flatnonzero(new)][np.cumsum(new) - 1]
+    first[node[on_side[order]]] = node[on_side[head]]
+    return first
+
+
+@kernel
+def _ends_of_open_edges(
+    n_row: int,
+    outline: Outline,
+    quads: SmallIds,
+    first: Ints,
+    node: Ints,
+    place: Floats,
+    found: Ints,
+    key: Ints,
+) -> int:
+    """Write the ends of the open edges of all rows to found : (n, 2); return their number.
+
+    key : (n,), written, ascending.  first : (n_row + 1,), of each row's flank points.  node,
+    place : (n_flank,), (n_flank, 2), of these points row by row.
+    """
+    count = 0
+    for row in range(n_row):
+        if outline.absent[row]:
+            continue
+        n = outline.n_edge[row]
+        for k in range(n):
+            if not outline.open[row, k]:
+                continue
+            a = _node_at(row, k, outline, quads, first, node, place)
+            b = _node_at(row, (k + 1) % n, outline, quads, first, node, place)
+            if a >= 0 and b >= 0:
+                found[count, 0], found[count, 1] = a, b
+                key[count] = _MOST_EDGES * row + k
+                count += 1
+    return count
+
+
+@inline
+def _node_at(
+    row: int,
+    k: int,
+    outline: Outline,
+    quads: SmallIds,
+    first: Ints,
+    node: Ints,
+    place: Floats,
+) -> int:
+    """Return the node or flank point at a point of a row's polygon, -1 if there is none."""
+    xi, eta = outline.point[row, k, 0], outline.point[row, k, 1]
+    corner = _corner_of(xi, eta)
+    if corner >= 0:
+        return int(quads[row, corner])
+    for i in range(first[row], first[row + 1]):
+        if abs(place[i, 0] - xi) < _SAME and abs(place[i, 1] - eta) < _SAME:
+            return int(node[i])
+    return -1

@@ -110,6 +110,12 @@ class NearNodes:
         low, high = self._low + inner, self._high - inner
         return found[: self._within(self.ids, state.node.x, pose, low, high, found)]
 
+    def rows(self, state: State) -> Ints:
+        """Return the quads at listed nodes, ascending."""
+        n = state.node
+        at = np.arange(n.quads.shape[1]) < n.n_quad_at[self.ids, None]
+        return np.unique(n.quads[self.ids][at]).astype(np.int64)
+
 
 @inline
 def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:

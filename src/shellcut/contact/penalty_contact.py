@@ -55,8 +55,7 @@ from .contact_tables import (
     Looks,
     Memory,
 )
-from .film_edges import FilmEdges
-from .film_outline import Part
+from .film_outline import FilmEdges, Part
 from .near_nodes import NearNodes
 from .press_forces import PressTerm
 from .press_kernel import add_press_forces

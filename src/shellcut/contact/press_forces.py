@@ -32,7 +32,7 @@ class PressForces(NamedTuple):
     """Largest depth of them [mm]."""
 
 
-WORK, ABSORBED, STORED, TOUCHING = 0, 1, 2, 3
+WORK, ABSORBED, STORED, TOUCHING, DEEPEST = range(5)
 """Columns of :attr:`shellcut.tool.touch.Touch.sums`, in the order of the fields."""
 
 

@@ -18,10 +18,10 @@ from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.touch import Touch, react
 
-from .contact_tables import ContactTables
+from .contact_tables import ContactTables, Memory
 from .look_at_tool import see
 from .near_nodes import largest_speed, tool_way
-from .settings import largest_rebound, smoothed, smoothed_integral
+from .settings import NOTICED, largest_rebound, smoothed, smoothed_integral
 
 # Of what a place the blade goes through is too deep by: way after which it is looked at again.
 _AGAIN = 0.25
@@ -79,47 +79,58 @@ def _side_of_ends(i: int, tables: ContactTables) -> tuple[bool, int]:
 
 
 @always_inline
-def _impact(
-    i: int, x: Vec3, p: Vec3, g: float, dt: float, before: Pose, tables: ContactTables
-) -> tuple[bool, Vec3]:
-    """Write the depth g of a carrier; return whether it has hit the surface, and its way back [mm].
+def press(
+    row: int,
+    g: float,
+    k: float,
+    back: Vec3,
+    outward: Vec3,
+    pushed: float,
+    mass: float,
+    fading: float,
+    dt: float,
+    g_m: float,
+    memory: Memory,
+) -> tuple[float, float, float]:
+    """Return the force of a contact along its way out [N], its energy and what it has absorbed.
 
-    x, p : where it is in space and in the body frame [mm].
+    g, k : depth [mm] and stiffness [N/mm].  back, outward : way back over the last step [mm] and
+    way out.  pushed, mass : all other force into the face [N], and the mass that moves [t], 0 where
+    nothing does.  fading : part of the offset that fades in the step.  ``back``,
+    ``pushed`` and ``mass`` are used only if the depth has changed fast (:func:`is_fast`).
     """
-    memory, noticed = tables.memory, tables.law.noticed
-    row, way = memory.row[i], (0.0, 0.0, 0.0)
+    impact, offset, absorbed = is_fast(row, g, g_m, memory), memory.offset, 0.0
     change = g - memory.depth[row]
-    impact = abs(change) > noticed
-    if impact:
-        was = to_body(combine(1.0, x, -dt, _velocity_of(i, tables)), before)
-        way = sub(was, p)
-        if change > noticed + norm(way):  # more than film and tool have moved
-            memory.offset[row] += change
-            impact = False
+    if impact and change > NOTICED * g_m + norm(back):  # more than film and tool have moved
+        offset[row] += change
+        impact = False
     memory.depth[row] = g
-    return impact, way
-
-
-@always_inline
-def _loaded_depth(
-    i: int, g: float, stiffness: float, dt: float, tables: ContactTables
-) -> tuple[float, float]:
-    """Absorb part of a jump; return the depth that presses [mm] and the absorbed energy [N·mm]."""
-    absorbed = 0.0
-    law, row, offset = tables.law, tables.memory.row[i], tables.memory.offset
-    g_m, loaded = law.smoothing_depth, max(g, 0.0)
+    loaded = max(g, 0.0)
     if offset[row] > 0.0:
         loaded = max(g - offset[row], 0.0)
-        if tables.per_carrier == 1:
-            absorbed += stiffness * smoothed_integral(loaded, g_m)
-            edge_length = local_edge_length(tables.nodes.contact_area[tables.carriers.node[i, 0]])
-            offset[row] *= np.exp(-dt / (law.absorb_slowness * edge_length))
+        if fading > 0.0:
+            absorbed += k * smoothed_integral(loaded, g_m)
+            offset[row] *= np.exp(-fading)
         # What has come out may come in again: that is felt at once.
         offset[row] = min(offset[row], max(g, 0.0))
         loaded = max(g, 0.0) - offset[row]
-        if tables.per_carrier == 1:
-            absorbed -= stiffness * smoothed_integral(loaded, g_m)
-    return loaded, absorbed
+        if fading > 0.0:
+            absorbed -= k * smoothed_integral(loaded, g_m)
+    magnitude, energy = k * smoothed(loaded, g_m), k * smoothed_integral(loaded, g_m)
+    spent = energy
+    if impact and mass > 0.0 and dt > 0.0:
+        into = dot(back, outward)
+        spent = memory.work[row] + 0.5 * dot(load(memory.force, row), back)
+        magnitude = min(magnitude, largest_rebound(spent, into, pushed, mass, dt))
+        spent += 0.5 * magnitude * into
+    memory.work[row] = spent
+    return magnitude, energy, absorbed
+
+
+@always_inline
+def is_fast(row: int, g: float, g_m: float, memory: Memory) -> bool:
+    """Return whether a depth has changed by so much in a step that it is a jump or an impact."""
+    return bool(abs(g - memory.depth[row]) > NOTICED * g_m)
 
 
 @always_inline
@@ -162,7 +173,7 @@ def _pressure(
     x: Vec3,
     p: Vec3,
     g: float,
-    outward: Vec3,
+    out: Vec3,
     dt: float,
     before: Pose,
     pose: Pose,
@@ -170,24 +181,22 @@ def _pressure(
 ) -> tuple[float, float, float]:
     """Return the force of a carrier along its way out [N], its energy and what it has absorbed.
 
-    x, p : where it is in space and in the body frame [mm].  g, outward : its depth and the way out.
+    x, p : where it is in space and in the body frame [mm].  g, out : its depth and, in space, its
+    way out.
     """
-    memory, row = tables.memory, tables.memory.row[i]
-    stiffness, g_m = tables.carriers.stiffness[i], tables.law.smoothing_depth
-    impact, back = _impact(i, x, p, g, dt, before, tables)
-    loaded, absorbed = _loaded_depth(i, g, stiffness, dt, tables)
-    magnitude = stiffness * smoothed(loaded, g_m)
-    energy = stiffness * smoothed_integral(loaded, g_m)
-    spent = energy
-    if impact and dt > 0.0:
-        pushed, mass = _pushed(i, turn(outward, pose), tables)
-        if mass > 0.0:
-            into = dot(back, outward)
-            spent = memory.work[row] + 0.5 * dot(load(memory.force, row), turn(back, pose))
-            magnitude = min(magnitude, largest_rebound(spent, into, pushed, mass, dt))
-            spent += 0.5 * magnitude * into
-    memory.work[row] = spent
-    return magnitude, energy, absorbed
+    memory, law, carriers = tables.memory, tables.law, tables.carriers
+    row, g_m, back, fading = memory.row[i], tables.law.smoothing_depth, (0.0, 0.0, 0.0), 0.0
+    pushed = mass = 0.0
+    fast = is_fast(row, g, g_m, memory)
+    if fast:
+        was = to_body(combine(1.0, x, -dt, _velocity_of(i, tables)), before)
+        back = turn(sub(was, p), pose)
+        pushed, mass = _pushed(i, out, tables)
+    if tables.per_carrier == 1 and (fast or memory.offset[row] > 0.0):
+        edge_length = local_edge_length(tables.nodes.contact_area[carriers.node[i, 0]])
+        fading = dt / (law.absorb_slowness * edge_length)
+    k = carriers.stiffness[i]
+    return press(row, g, k, back, out, pushed, mass, fading, dt, g_m, memory)
 
 
 @kernel
@@ -235,10 +244,11 @@ def add_press_forces(
             continue
         side[row] = lies
         old, moved = load(memory.force, row), _velocity_of(i, tables)
-        magnitude, energy, lost = _pressure(i, x, p, g, outward, dt, before, pose, tables)
+        out = turn(outward, pose)
+        magnitude, energy, lost = _pressure(i, x, p, g, out, dt, before, pose, tables)
         n_touching, stored, absorbed = n_touching + 1, stored + energy, absorbed + lost
         deepest = max(deepest, g - memory.offset[row] if edges else g)
-        f = scale(magnitude, turn(outward, pose))
+        f = scale(magnitude, out)
         work += 0.5 * dt * dot(add(old, f), moved)
         store(carriers.normal, i, outward)
         carriers.body[i], carriers.pressure[i] = tool.triangle_body[triangle], magnitude

@@ -1,218 +1,454 @@
-"""Contact of a point with a sheet close to it, for kernels: how deep, and which way out.
+"""Contact of points with sheets of film: of the tool's corners and edges, and of film with film.
 
-A *sheet* is film of thickness h with flat cut edges, and the point stands for film as thick as
-that. In the sheet's frame at the closest place c, with the distance d from the mid-surface on the
-side s where the point is, and the distance e to the nearest edge inside the sheet's outline, the
-depth is
+*Film with film*: flaps behind the blade, a fold on the sheet, loose pieces. Points are the nodes
+and the open flank points near cracks and notches, within ``_RINGS`` sides of them, and all nodes of
+pieces that nothing holds. Film that is near no crack and hangs together touches nothing.
 
-    D = min(h - s d, e)   over the film,   D <= 0 beside it,
+*The tool*: nodes feel its faces; a corner of it that comes down between nodes feels the film here
+(:mod:`.contact_points`). The side of the film on which it first comes near, facing it, is its own;
+when it has passed the film by g it presses with k_p f(g). k_p is the stiffness of a node there over
+the number of points that may press on its quads together: a single tip is as stiff as a node, and
+so are all points of a ball that are on one node's quads. It leaves film at a crack alone: quads
+with a node on a flank, and cut ones. There the blade is between the flanks; a corner of it that
+laps a little over a quad did not come through its face, and what holds the flanks apart are the
+nodes on the blade's faces. A point that slips off the rim, or whose film is cut, lets go; what its
+spring held is booked as absorbed.
 
-the shorter of the two ways out: through the face, or through the edge. D is continuous, so the
-energy k F(D) is, and forces are its gradient: through the face along r = p - c, shared by the shape
-functions at c; through the edge along m, the normal of the edge in the tangent plane, with the
-couple that turns m with the film (:func:`slopes_along`). Both leave momentum and angular momentum
-as they are, to round-off.
+*Force.* A point inside a sheet by the depth D (:mod:`.look_at_quad`) gets k f(D) along its way out,
+the nodes of the quad the opposite by their shape functions: the gradient of k ∫f, in the nodes as
+in the tool.
 
-Flanks that are born together lie edge to edge: e = 0, so D = 0 whatever h is. They part freely,
-meet again at e = 0 in the plane, and pass over each other as soon as they are h apart. Nothing has
-to grow, and nothing sticks.
+*Search and waiting.* Pairs of points and quads (:mod:`.pair_search`) are listed until something may
+have moved by half of the margin. A step adds to the way *walked* what points and film may have come
+nearer to each other. Of the points found, it looks only at those that may touch: a look says how
+far the point may go before it does, and until that has been walked it is skipped.
+
+*History.* A point remembers the side of a sheet that it is on, so that however deep it is pushed in
+it comes out where it went in. What it sees inside at first sight (film that starts so, a tip that
+moves on) does not press: that depth is an offset, which goes as they part. A new half of a split
+node has the memory of its other half.
+
+*Impacts.* If the depth changes by more than a fifth of g_M in a step, the spring returns no more
+energy than was put in, as where nodes touch the tool (:func:`.settings.largest_rebound`), with the
+mass 1 / (1/m_P + sum N_a²/m_a) that moves between point and quad; a point of the tool has no 1/m_P.
 """
 
 from __future__ import annotations
 
-from math import sqrt
-from typing import NamedTuple
+from collections.abc import Callable, Iterable
+from typing import Any
 
-from shellcut.arrays import Floats, Ints, Vec3
-from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import always_inline, inline
-from shellcut.numerics.vec3 import add_scaled, dot, scale, sub
+import numpy as np
 
-from .close_pairs import Pairs
-from .film_outline import Outline
-from .quad_distance import (
-    Closest,
-    Corners,
-    closest_on_edge,
-    closest_place,
-    corners_of,
-    normal_at,
-    place_in,
-    tangents_at,
+from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.held_table import Holder
+from shellcut.numerics.jit import BoundOnce
+from shellcut.state import KnownTopology, State, local_edge_length
+from shellcut.state.pieces import Pieces
+from shellcut.tool.pose import Pose
+from shellcut.tool.touch import Booking
+
+from .contact_points import contact_points
+from .contact_tables import (
+    Carriers,
+    ContactNodes,
+    Memory,
+    Presses,
+    SheetTables,
+    ToolPoints,
+    Waits,
 )
+from .film_outline import FilmOutline, Part
+from .near_nodes import tool_way
+from .pair_search import Pairs, PairSearch, Points
+from .penalty_contact import PenaltyContact
+from .press_forces import ABSORBED, DEEPEST, STORED, WORK, PressTerm
+from .settings import STEEPEST, Contact, SheetLaw, film_stiffness
+from .sheet_press import add_sheet_forces, closest_of_pairs, farthest
 
-# Cosine of the largest angle between the normal of a quad and the way to a point over it: beyond a
-# closed side in the plane of the quad a point is over film that is no partner of it.
-_OVER = 0.5
+# Sides from a crack within which nodes are looked at.
+_RINGS = 2
 
-# Of the thickness: closer to the mid-surface the way to a point does not tell the normal.
-_ON_SURFACE = 1e-3
+# Margin of the search over the edge length, of nodes and of points of the tool: it lasts for some
+# ten or a hundred steps.
+_MARGIN, _SLACK = 0.75, 0.6
 
+# Distance of a point of the tool from the film beyond which it does not touch it, and way after
+# which one that does not face it is looked at again, over the edge length.
+_CAPTURE, _UNDECIDED = 0.5, 0.02
 
-class Nearest(NamedTuple):
-    """The place of a sheet that is closest to a point."""
-
-    row: int
-    """-1 if no quad of the sheet is near."""
-    place: Closest
-    free: float
-    """Way that the point and the other quads may go before one of these is near [mm]."""
-
-
-class Way(NamedTuple):
-    """The way out of a sheet."""
-
-    depth: float
-    """D [mm], at most 0 outside."""
-    row: int
-    """Quad that takes the force."""
-    xi: float
-    eta: float
-    """Where."""
-    direction: Vec3
-    """Unit vector that the point is pushed along."""
-    lifted: float
-    """Distance of the point from the tangent plane, for the couple of an edge; 0 at a face [mm]."""
-    side: int
-    """Of the sheet that the point is on."""
+# Steps between two looks at how far all nodes have moved since the search: at least, at most, and
+# by which factor nodes may become faster where there are more than the least. Film at rest may be
+# hit: in 20 steps of waves through an edge it goes a quarter of one at a thirtieth of their speed.
+_LEAST_STEPS, _MOST_STEPS, _FASTER = 10, 20, 2.0
 
 
-@always_inline
-def nearest_on(
-    p: Vec3,
-    sheet: int,
-    band: float,
-    walked: float,
-    until: Floats,
-    x: Floats,
-    quads: Ints,
-    pairs: Pairs,
-    outline: Outline,
-) -> Nearest:
-    """Return the place of a sheet closest to p, of its quads whose box is nearer than ``band``.
+class SheetContact(PressTerm):
+    """Points that press on sheets of film: what is the same for nodes and for points of the tool.
 
-    until : (n_pair,), the way walked up to which a pair is not near, written for those farther off.
+    Parameters
+    ----------
+    name : str
+        Of the term.
+    law : SheetLaw
+    points : ToolPoints
+        None of a term whose points are nodes.
+    n_body : int
+        Teeth of the tool.
+    margin : float
+        Of the search [mm].
+    outline : FilmOutline
+        Of the film.
     """
-    best, free = Closest(1e300, 0.0, 0.0, True), 1e300
-    found = -1
-    for j in range(pairs.first_pair[sheet], pairs.first_pair[sheet + 1]):
-        if walked < until[j]:
-            free = min(free, until[j] - walked)
-            continue
-        row = pairs.row[j]
-        q = corners_of(x, quads, row)
-        off = _off_box(p, q) - band
-        if off > 0.0:
-            until[j] = walked + off
-            free = min(free, off)
-            continue
-        place = closest_place(p, q, row, outline)
-        if place.square < best.square:
-            best, found = place, row
-    return Nearest(found, best, free)
+
+    def __init__(
+        self,
+        name: str,
+        law: SheetLaw,
+        points: ToolPoints,
+        n_body: int,
+        margin: float,
+        outline: FilmOutline,
+    ) -> None:
+        nothing = np.zeros(0, np.int64)
+        super().__init__(name, n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
+        self.law, self.points, self._margin, self._outline = law, points, margin, outline
+        self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
+        self._pairs, self._memory = Pairs.none(), Memory.blank(0)
+        self._met: Bools = np.zeros(0, np.bool_)
+        self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
+        self._tracked: Ints = nothing
+        self._x_then: Floats = np.zeros((0, 3))
+        self._pose: Pose | None = None
+        self._pose_then = Pose.at_origin()
+        self._walked = self._walk_to = 0.0
+        self._look_at = 0
+        self._known, self._find, self._hold = KnownTopology(), PairSearch(), Holder()
+        self._call, self._farthest = BoundOnce(add_sheet_forces), BoundOnce(farthest)
+        self._closest = BoundOnce(closest_of_pairs)
+        self.tables: SheetTables | None = None
+        """What the kernel takes, anew with each search."""
+        self.held: Any = None
+        """The same, laid out."""
+        self.deepest = 0.0
+        """Largest depth so far [mm]."""
+        self.n_looked = 0
+        """Points looked at so far, the work that it has cost."""
+
+    def add_forces(self, state: State, pose: Pose) -> None:
+        """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
+        before, self._pose = self._pose or pose, pose
+        lost = self._search(state, pose) if self._is_out_of_date(state, pose, before) else 0.0
+        found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
+        self._walked, n_looked = found
+        self.touch.sums[ABSORBED] += lost
+        self.deepest = max(self.deepest, float(self.touch.sums[DEEPEST]))
+        self.n_looked += n_looked
+
+    def point_of_sheet(self) -> Ints:
+        """Return the point of every carrier."""
+        return self._pairs.point_of_sheet
+
+    def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
+        """Return the points that look for partners, the quads that may be, and film that moves.
+
+        The last are the nodes whose motion makes the list of pairs old.
+        """
+        raise NotImplementedError
+
+    def _stiffness_of(self, state: State) -> Floats:
+        """Return k of every pair [N/mm]."""
+        raise NotImplementedError
+
+    # ---------------------------------------------------------------- search
+
+    def _is_out_of_date(self, state: State, pose: Pose, before: Pose) -> bool:
+        """Whether the pairs may lack one that touches before the next look."""
+        if not self._known.is_of(state):
+            return True
+        waits = self._walked <= self._walk_to  # by nodes that are listed, at each step
+        if waits and 0 < state.step < self._look_at:  # before the run film may be put anywhere
+            return False
+        n, then, radius = state.node, self._pose_then, self._radius
+        way, speed = self._farthest(
+            self._tracked, n.x, self._x_then, n.velocity_half, pose, then, radius
+        )
+        left, step = 0.5 * self._margin - way, state.dt * speed
+        if radius > 0.0:
+            step += float(tool_way(pose, before, radius))
+        if left < _LEAST_STEPS * step:
+            return True
+        # The way walked counts motion back and forth, too.
+        self._walk_to = self._walked + left
+        steps = _MOST_STEPS if left > _FASTER * _MOST_STEPS * step else left / (_FASTER * step)
+        self._look_at = state.step + max(int(steps), _LEAST_STEPS)
+        return False
+
+    def _search(self, state: State, pose: Pose) -> float:
+        """List the pairs anew; return the energy of springs that have gone [N·mm]."""
+        was, had, carried, met = self._pairs, self._memory, self.carriers, self._met
+        self._pose_then = pose
+        points, rows, self._tracked = self._near(state, pose)
+        reach = self._margin + (self.law.capture if self._radius else self.law.thickness)
+        self._pairs = self._find.find(points, rows, reach, state)
+        n_sheet, n_point = self._pairs.n_sheet, len(self._pairs.point)
+        self.kept = self._same_sheets(was, state)
+        to = np.flatnonzero(self.kept >= 0)
+        self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
+        self.carriers = Carriers.of(np.zeros((n_sheet, 4), np.int64))
+        now = *self._memory[1:], *self.carriers, self._met
+        for new, old in zip(now, (*had[1:], *carried, met), strict=True):
+            new[to] = old[self.kept[to]]
+        gone = np.setdiff1d(np.arange(was.n_sheet), self.kept)
+        self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
+        self._presses = Presses.with_room(n_sheet, self._presses)
+        self._known.take(state)
+        self._x_then = state.node.x[: state.n_node].copy()
+        self._walked, self._walk_to = 0.0, 0.5 * self._margin
+        self._look_at = state.step + _LEAST_STEPS
+        self.n_search += 1
+        self._lay_out(state)
+        return float(np.maximum(had.work[gone], 0.0).sum())
+
+    def _same_sheets(self, old: Pairs, state: State) -> Ints:
+        """Return for each sheet the one in old pairs with a common quad and the same point, or -1.
+
+        A node that is new has those of another half of its node at the same place.
+        """
+        new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
+        # There is nothing to remember of sheets that nothing has come close to, most of them.
+        of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
+        met = np.flatnonzero(self._met[of_old])
+        if not met.size or not new.row.size:
+            return kept
+        of_old, n_row = of_old[met], len(state.quad.nodes)
+        key = old.point_of_sheet[of_old] * n_row + old.row[met]
+        point = new.point_of_sheet[of_new]
+        fresh = [] if self._radius else np.setdiff1d(new.point, old.point).tolist()
+        for node in fresh:
+            halves = old.point[n.origin[old.point] == n.origin[node]]
+            same = halves[(n.x[halves] == n.x[node]).all(axis=1)]
+            if same.size:
+                point[point == node] = same[0]
+        order = np.argsort(key, kind="stable")
+        wanted = point * n_row + new.row
+        at = order[np.minimum(np.searchsorted(key[order], wanted), key.size - 1)]
+        common = np.flatnonzero(key[at] == wanted)
+        # Of several old sheets that have become one, the one that presses most: it is written last.
+        pressed = self.carriers.pressure[of_old[at[common]]]
+        common = common[np.argsort(pressed, kind="stable")]
+        kept[of_new[common]] = of_old[at[common]]
+        return kept
+
+    def _lay_out(self, state: State) -> None:
+        """Build the kernels' tables, good until the next search."""
+        f, pairs, quads = state.flank, self._pairs, state.quad.nodes
+        # Film moves as the ends of its flanks and its nodes do, not as virtual nodes swing.
+        listed, near = np.zeros(len(quads), np.bool_), np.zeros(len(state.node.x), np.bool_)
+        listed[pairs.row] = True
+        near[quads[listed]] = True
+        near &= state.node.real
+        near[f.node[: f.count]] = listed[f.row[: f.count]]
+        if not self._radius:
+            near[pairs.point] = True
+        self.tables = SheetTables(
+            of_tool=self._radius > 0.0,
+            radius=self._radius,
+            law=self.law,
+            points=self.points,
+            pairs=pairs,
+            stiffness=self._stiffness_of(state),
+            memory=self._memory,
+            met=self._met,
+            waits=self._waits,
+            moving=np.flatnonzero(near),
+            outline=self._outline.of(state),
+            quads=quads,
+            nodes=ContactNodes.of(state),
+            carriers=self.carriers,
+            presses=self._presses,
+        )
+        self.held = self._hold(self.tables)
+
+    def _places(self) -> Floats:
+        """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5)."""
+        found = np.zeros((len(self._pairs.row), 5))
+        if self._pose is not None:
+            self._closest(self._pose, self.held, found)
+        return found
+
+    # ---------------------------------------------------------------- restart
+
+    def saved(self) -> dict[str, Any]:
+        """Return pairs, memory and the last forces."""
+        return {name: getattr(self, f"_{name}")._asdict() for name in _SAVED} | {
+            "carriers": self.carriers._asdict(),
+            "presses": self._presses.saved(),
+            "touch": self.touch._asdict(),
+            "pose_then": self._pose_then._asdict(),
+            "x_then": self._x_then,
+            "tracked": self._tracked,
+            "met": self._met,
+            "revision": self._known.revision,
+            **{name: getattr(self, name) for name in _NUMBERS},
+        }
+
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, with the tool at its present pose."""
+        self._pose, self._pose_then = pose, Pose(**saved["pose_then"]).copied()
+        self.touch.take(saved["touch"])
+        self._x_then, self._tracked = saved["x_then"].copy(), saved["tracked"].copy()
+        self._met = saved["met"].copy()
+        for name, kind in _SAVED.items():
+            setattr(self, f"_{name}", kind(**{k: v.copy() for k, v in saved[name].items()}))
+        self.carriers = Carriers(**{k: v.copy() for k, v in saved["carriers"].items()})
+        self._presses = Presses.with_room(self._pairs.n_sheet, Presses(**saved["presses"]))
+        for name in _NUMBERS:
+            setattr(self, name, saved[name])
+        self._known.restore(saved["revision"], state)
+        self._lay_out(state)
 
 
-@always_inline
-def _off_box(p: Vec3, q: Corners) -> float:
-    """Return the distance of p from the box around a quad [mm]."""
-    square = 0.0
-    for c in range(3):
-        low = min(min(q.x0[c], q.x1[c]), min(q.x2[c], q.x3[c]))
-        high = max(max(q.x0[c], q.x1[c]), max(q.x2[c], q.x3[c]))
-        off = max(max(low - p[c], p[c] - high), 0.0)
-        square += off * off
-    return sqrt(square)
+_SAVED: dict[str, Any] = {"pairs": Pairs, "memory": Memory, "waits": Waits}
+_NUMBERS = "_walked", "_walk_to", "_look_at", "deepest", "n_looked", "n_search"
 
 
-@always_inline
-def way_out(
-    p: Vec3,
-    sheet: int,
-    side: int,
-    thickness: float,
-    near: Nearest,
-    x: Floats,
-    quads: Ints,
-    pairs: Pairs,
-    outline: Outline,
-) -> tuple[Way, float]:
-    """Return the way out of a sheet, and how far the point may go before it is within [mm]."""
-    row, place = near.row, near.place
-    q = corners_of(x, quads, row)
-    n = normal_at(q, place.xi, place.eta)
-    r = sub(p, place_in(q, place.xi, place.eta))
-    distance, above = sqrt(dot(r, r)), dot(r, n)
-    none = Way(0.0, row, place.xi, place.eta, n, 0.0, 0)
-    if place.beside:
-        within = sqrt(max(distance * distance - above * above, 0.0))
-        over = max(abs(above) - thickness, 0.0)
-        if over > 0.0:
-            none = Way(0.0, row, place.xi, place.eta, n, 0.0, 1 if above > 0.0 else -1)
-        return none, sqrt(within * within + over * over)
-    on_surface = distance <= _ON_SURFACE * thickness  # where the way to the point tells nothing
-    if abs(above) < _OVER * distance and not on_surface:  # beyond a closed side
-        return none, max(distance - thickness, 0.0)
-    now = 1 if above > 0.0 else -1
-    if distance >= thickness and side * now >= 0:
-        return Way(0.0, row, place.xi, place.eta, n, 0.0, now), distance - thickness
-    known = side if side != 0 else now
-    through_face = thickness - known * now * distance
-    edge = _way_to_edge(p, sheet, through_face, x, quads, pairs, outline)
-    if edge.depth < through_face:
-        # It came through the edge unless its side is known.
-        return Way(*edge[:6], side), 0.0
-    out = scale(float(known), n)
-    if not on_surface:
-        out = scale(known * now / distance, r)
-    return Way(through_face, row, place.xi, place.eta, out, 0.0, known), 0.0
+class PointContact(SheetContact):
+    """Contact of the tool's points with quads.
 
-
-@inline
-def _way_to_edge(
-    p: Vec3, sheet: int, most: float, x: Floats, quads: Ints, pairs: Pairs, outline: Outline
-) -> Way:
-    """Return the way to the nearest open edge of a sheet, if it is shorter than ``most``."""
-    pairs, outline = borrowed(pairs), borrowed(outline)
-    x, quads = borrowed(x), borrowed(quads)
-    best = Way(most, 0, 0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0)
-    for j in range(pairs.first_pair[sheet], pairs.first_pair[sheet + 1]):
-        row = pairs.row[j]
-        for k in range(outline.n_edge[row]):
-            if not outline.open[row, k]:
-                continue
-            q = corners_of(x, quads, row)
-            _, _, xi, eta = closest_on_edge(p, q, row, k, outline)
-            n = normal_at(q, xi, eta)
-            r = sub(p, place_in(q, xi, eta))
-            above = dot(r, n)
-            in_plane = add_scaled(r, -above, n)
-            depth = sqrt(dot(in_plane, in_plane))
-            if depth < best.depth:
-                # On the edge itself there is no direction, and no force.
-                out = scale(-1.0 / depth, in_plane) if depth > 0.0 else (0.0, 0.0, 0.0)
-                best = Way(depth, row, xi, eta, out, above, 0)
-    return best
-
-
-@inline
-def slopes_along(m: Vec3, xi: float, eta: float, q: Corners) -> tuple[float, float, float, float]:
-    """Return the slopes of the shape functions along m, over its length [1/mm].
-
-    They are linear in m; its part across the quad does not count.
-
-    A force F along m on a point at the distance d above the tangent plane has the moment d F (n x
-    m) about the closest place. Forces F d N_b,m n at the nodes take it up, N_b,m being the slopes
-    along m: their sum is zero, and sum N_b,m x_b = m. They are the part of the gradient of the
-    depth that comes from the turning of the tangent plane.
+    Parameters
+    ----------
+    contact : PenaltyContact
+        Of the nodes, evaluated before this in every step.
+    edge_length : float
+        Of the film's smaller quads [mm].
     """
-    a1, a2 = tangents_at(q, xi, eta)
-    g11, g12, g22 = dot(a1, a1), dot(a1, a2), dot(a2, a2)
-    b1, b2 = dot(m, a1), dot(m, a2)
-    det = g11 * g22 - g12 * g12
-    m1, m2 = (g22 * b1 - g12 * b2) / det, (g11 * b2 - g12 * b1) / det
-    return (
-        0.25 * (-(1.0 - eta) * m1 - (1.0 - xi) * m2),
-        0.25 * ((1.0 - eta) * m1 - (1.0 + xi) * m2),
-        0.25 * ((1.0 + eta) * m1 + (1.0 + xi) * m2),
-        0.25 * (-(1.0 + eta) * m1 + (1.0 - xi) * m2),
-    )
+
+    def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
+        law = SheetLaw(
+            thickness=0.0,
+            smoothing_depth=contact.law.smoothing_depth,
+            capture=_CAPTURE * edge_length,
+            undecided=_UNDECIDED * edge_length,
+        )
+        points, tool = contact_points(contact.tool, edge_length), contact.tool
+        super().__init__("points", law, points, tool.n_body, _SLACK * edge_length, FilmOutline())
+        self._contact = contact
+
+    def felt_nodes(self) -> Ints:
+        """Return the nodes of the quads that a point presses on."""
+        return np.unique(self.carriers.node[self.carriers.pressure > 0.0])
+
+    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
+        """Return the nodes that points may press soon and their steepest penalty [N/mm].
+
+        A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh a
+        mean). Between two searches a point moves by half of the margin at most from where it was
+        listed, so by the whole of it from where it is now. So only points count that press or are
+        no farther from a quad, and N_a of its nodes is taken as 1 + ``_SLACK`` - distance over edge
+        length, from 0 to 1.
+        """
+        if self.tables is None or self._pose is None:
+            return np.zeros(0, np.int64), np.zeros(0)
+        nodes, pairs = self.tables.nodes, self._pairs
+        depth = self._memory.depth[pairs.sheet_of_pair]
+        soon = self._places()[:, 0] <= self._margin + depth
+        key = pairs.point_of_pair[soon, None] * len(nodes.x) + self.tables.quads[pairs.row[soon]]
+        point, node = np.divmod(np.unique(key), len(nodes.x))
+        p, area = self._pose.to_space(self.points.place)[point], nodes.contact_area[node]
+        away = np.linalg.norm(nodes.x[node] - p, axis=1) / local_edge_length(area)
+        weight = self.points.share[point] * np.clip(1.0 + _SLACK - away, 0.0, 1.0)
+        return node, weight * self._contact.law.steepest(area)
+
+    def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
+        near, place = self._contact.near, pose.to_space(self.points.place)
+        rows = near.rows(state)
+        halved = state.node.halved[state.quads[rows]].any(axis=1)
+        whole = (state.quad.share[rows] >= 1.0) & ~halved
+        points = Points(np.arange(len(place)), place, np.full(len(place), -1))
+        return points, rows[whole], near.ids
+
+    def _stiffness_of(self, state: State) -> Floats:
+        area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
+        return self.points.share[self._pairs.point_of_pair] * self._contact.law.of_nodes(area)
+
+
+class SelfContact(SheetContact):
+    """Forces of the film on itself.
+
+    Parameters
+    ----------
+    contact : Contact
+        Parameters.
+    film : ShellMaterial
+        Of the film, which sets the law.
+    edge_length : float
+        Of a typical quad [mm].
+    part_of : Callable, optional
+        Returns the polygon of a row, if quads may be cut.
+    """
+
+    booked = (Booking("self_contact_work", WORK, -1.0),)
+
+    def __init__(
+        self,
+        contact: Contact,
+        film: ShellMaterial,
+        edge_length: float,
+        part_of: Callable[[int], Part] | None = None,
+    ) -> None:
+        law = SheetLaw(film.thickness, contact.smoothing * film.thickness)
+        outline, margin = FilmOutline(part_of), _MARGIN * edge_length
+        super().__init__("self_contact", law, ToolPoints.none(), 0, margin, outline)
+        self._film, self._ids, self._rings = film, self._tracked, self._tracked
+        self._chosen_for = KnownTopology()
+
+    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
+        """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
+
+        A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most
+        k u_P² + k sum N_a u_a²: no more than 2 k at the point and 2 k N_a at the nodes. It is taken
+        at the places of sheets that are closest now, of points closer to them than the thickness
+        and the margin.
+        """
+        if self.tables is None:
+            return np.zeros(0, np.int64), np.zeros(0)
+        pairs, places = self._pairs, self._places()
+        order = np.lexsort((places[:, 0], pairs.sheet_of_pair))
+        nearest = order[pairs.first_pair[:-1]]
+        nearest = nearest[places[nearest, 0] <= self.law.thickness + self._margin]
+        node = np.column_stack(
+            [pairs.point_of_pair[nearest], self.tables.quads[pairs.row[nearest]]]
+        )
+        k = self.tables.stiffness[nearest, None] * np.insert(places[nearest, 1:], 0, 1.0, axis=1)
+        return node.ravel(), 2.0 * STEEPEST * k.ravel()
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
+        return {"self_contact_stored": float(self.touch.sums[STORED])}
+
+    def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
+        n, quads = state.node, state.quads
+        if not self._chosen_for.is_of(state):
+            near = n.halved[: n.count].copy()
+            for _ in range(_RINGS):
+                near[quads[near[quads].any(axis=1)]] = True
+            near |= Pieces.of(state).loose_nodes(state)
+            self._ids = np.flatnonzero(near & n.real[: n.count])
+            beside = self.law.thickness / local_edge_length(n.contact_area[self._ids])
+            self._rings = 1 + beside.astype(np.int64)
+            self._chosen_for.take(state)
+        film = n.real[: n.count].copy()
+        film[state.flank.node[: state.flank.count]] = True
+        rows = np.flatnonzero(~self._outline.of(state).absent[: state.n_quad])
+        return Points(self._ids, n.x[self._ids], self._rings), rows, np.flatnonzero(film)
+
+    def _stiffness_of(self, state: State) -> Floats:
+        return film_stiffness(state.node, self._pairs.point_of_pair, self._film)
+
+
+def felt_nodes(terms: Iterable[object]) -> Ints:
+    """Return the nodes of the quads that a point of the tool presses on, ascending."""
+    felt = [term.felt_nodes() for term in terms if isinstance(term, PointContact)]
+    return np.unique(np.concatenate(felt)) if felt else np.zeros(0, np.int64)

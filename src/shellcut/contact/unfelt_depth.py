@@ -1,4 +1,4 @@
-"""Penetration that no contact feels, measured during a run: the tool in quads, edges in the tool.
+"""Penetration that no contact feels: the tool in quads, edges in the tool.
 
 Nodes feel the faces of the tool, and quads its corners and edges, but for those that cut; what goes
 through a quad without either is measured during a run and reported. At the start any is refused.
@@ -10,17 +10,20 @@ the edges (:mod:`.edge_contact`), if these touch; what goes deeper than is felt 
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.arrays import Bools, Floats, Ints, Vec3, product, unit
+from shellcut.arrays import norm as length_of
+from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
 from shellcut.state import State
+from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.rounded_depth import rounded_depth
 from shellcut.tool.signed_distance import signed_distance
@@ -28,8 +31,7 @@ from shellcut.tool.tool import Tool
 
 from .contact_tables import ContactTool
 from .edge_contact import EdgeContact
-from .film_edges import FilmEdges
-from .film_outline import Part
+from .film_outline import FilmEdges, Part
 from .penalty_contact import PenaltyContact
 from .settings import PenaltyLaw
 
@@ -39,12 +41,17 @@ _BUNDLE = 64
 _PARTS = 16
 """Of an edge of the film; its depth is looked up where these meet."""
 
+# Of the tool's extent along its way: a start this far in is no small error of its place; of the
+# speed: an advance along the axis below it is none; steps of the search for a free start, along the
+# tool's extent and past the film.
+_FAR, _ROUND_OFF, _STEPS = 0.25, 1e-9, (20, 40)
+
 # Fraction of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
 
 
 class _Wires(NamedTuple):
-    """Wires of a tool in its body frame, tooth by tooth, and boxes around them."""
+    """Wires of a tool in its body frame, and boxes around bundles of them."""
 
     ends: Annotated[Floats, "(n_wire, 2, 3)"]
     """Both ends [mm]."""
@@ -52,8 +59,6 @@ class _Wires(NamedTuple):
     """First wire of each bundle, and the end."""
     bundles: Annotated[Floats, "(n_bundle, 2, 3)"]
     """Low and high corners of the boxes around the bundles [mm]."""
-    teeth: Annotated[Floats, "(n_body, 2, 3)"]
-    """Low and high corners of the boxes around the teeth [mm]."""
 
 
 class ToolWires:
@@ -63,17 +68,11 @@ class ToolWires:
         sides = tool.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         wires, first = np.unique(np.sort(sides, axis=1), axis=0, return_index=True)
         body = tool.triangle_body[first // 3]
-        wires = wires[np.argsort(body, kind="stable")]
-        ends = tool.vertices[wires]
-        teeth = np.searchsorted(np.sort(body), np.arange(tool.n_body + 1))
-        bundles = [np.arange(first, end, _BUNDLE) for first, end in pairwise(teeth.tolist())]
-        first = np.append(np.concatenate(bundles), len(wires))
-        self._wires = _Wires(
-            ends=ends,
-            first=first,
-            bundles=_boxes(ends, first[:-1]),
-            teeth=_boxes(ends, teeth[:-1]),
-        )
+        ends = tool.vertices[wires[np.argsort(body, kind="stable")]]
+        first = np.append(np.arange(0, len(ends), _BUNDLE), len(ends))
+        low = np.minimum.reduceat(ends.min(axis=1), first[:-1])
+        high = np.maximum.reduceat(ends.max(axis=1), first[:-1])
+        self._wires = _Wires(ends, first, np.stack([low, high], axis=1))
         check_tables([self._wires])
 
     def crossed_quads(
@@ -111,18 +110,24 @@ class ToolWires:
 
 
 def missed_penetration(
-    wires: ToolWires, state: State, pose: Pose, felt: Ints | None = None
+    wires: ToolWires,
+    state: State,
+    pose: Pose,
+    felt: Ints | None = None,
+    rows: Ints | None = None,
 ) -> tuple[int, float]:
     """Return the number of quads that the tool passes through, and the largest depth [mm].
 
     Quads with a node in contact or with a split node are left out, and those with a node in
-    ``felt``, of quads that a point of the tool presses on.
+    ``felt``, of quads that a point of the tool presses on.  rows : those that may be, by default
+    all.
     """
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
     if felt is not None:
         noticed[felt] = True
-    quads, depth = wires.crossed_quads(n.x, state.quads, noticed, pose)
+    looked = state.quads if rows is None else state.quads[rows]
+    quads, depth = wires.crossed_quads(n.x, looked, noticed, pose)
     return quads.size, float(depth.max(initial=0.0))
 
 
@@ -224,13 +229,6 @@ def _deepest_unfelt(
     return deepest
 
 
-def _boxes(wires: Floats, first: Ints) -> Floats:
-    """Return the low and high corners of the boxes around runs of wires, shape (n, 2, 3)."""
-    low = np.minimum.reduceat(wires.min(axis=1), first)
-    high = np.maximum.reduceat(wires.max(axis=1), first)
-    return np.stack([low, high], axis=1)
-
-
 @kernel
 def _deepest_crossings(
     x: Floats,
@@ -245,18 +243,13 @@ def _deepest_crossings(
     noticed : (n_node,), nodes whose quads are left out.
     """
     pose, wires = borrowed(pose), borrowed(wires)
-    around = _boxes_in_space(wires.teeth, pose)
     for e in range(quads.shape[0]):
         n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
-        x0, x1, x2, x3 = load(x, n0), load(x, n1), load(x, n2), load(x, n3)
-        low, high = _box(x0, x1, x2, x3)
-        far = True
-        for b in range(around.shape[0]):
-            far &= _apart(low, high, around, b)
-        if far or noticed[n0] or noticed[n1] or noticed[n2] or noticed[n3]:
+        if noticed[n0] or noticed[n1] or noticed[n2] or noticed[n3]:
             continue
-        halves = (to_body(x0, pose), to_body(x1, pose), to_body(x2, pose), to_body(x3, pose))
-        low, high = _box(halves[0], halves[1], halves[2], halves[3])
+        x0, x1 = to_body(load(x, n0), pose), to_body(load(x, n1), pose)
+        x2, x3 = to_body(load(x, n2), pose), to_body(load(x, n3), pose)
+        low, high = _box(x0, x1, x2, x3)
         for b in range(wires.bundles.shape[0]):
             if _apart(low, high, wires.bundles, b):
                 continue
@@ -271,26 +264,9 @@ def _deepest_crossings(
                     continue
                 depth[e] = max(
                     depth[e],
-                    _crossing_depth(start, end, halves[0], halves[1], halves[2]),
-                    _crossing_depth(start, end, halves[0], halves[2], halves[3]),
+                    _crossing_depth(start, end, x0, x1, x2),
+                    _crossing_depth(start, end, x0, x2, x3),
                 )
-
-
-@inline
-def _boxes_in_space(boxes: Floats, pose: Pose) -> Floats:
-    """Return boxes in space that enclose boxes : (n, 2, 3) of the body frame."""
-    rotation, translation = pose.rotation, pose.translation
-    around = np.empty(boxes.shape)
-    for b in range(boxes.shape[0]):
-        for c in range(3):
-            centre, reach = translation[c], 0.0
-            for k in range(3):
-                centre += rotation[c, k] * 0.5 * (boxes[b, 0, k] + boxes[b, 1, k])
-                reach += abs(rotation[c, k]) * 0.5 * (boxes[b, 1, k] - boxes[b, 0, k])
-            reach += _BORDER * (abs(centre) + reach)  # more than round-off
-            around[b, 0, c] = centre - reach
-            around[b, 1, c] = centre + reach
-    return around
 
 
 @inline
@@ -340,3 +316,83 @@ def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
     ):
         return 0.0
     return min(abs(d0), abs(d1)) / norm(normal)
+
+
+def check_tool_outside(
+    mesh: Mesh,
+    tool: Tool,
+    grid: ClosestTriangleGrid,
+    pose: Pose,
+    motion: Motion | None = None,
+) -> None:
+    """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad.
+
+    Parameters
+    ----------
+    mesh, tool, grid, pose
+        The pose is that of the start.
+    motion : Motion, optional
+        Tells how far back on its way the tool is free.
+    """
+    wires = ToolWires(tool)
+
+    def overlap(at: Pose) -> tuple[Ints, Ints]:
+        _, inside, _, _ = grid.query(at.to_body(mesh.nodes))
+        nowhere = np.zeros(mesh.n_node, np.bool_)
+        return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, at)[0]
+
+    problems = []
+    inside, pierced = overlap(pose)
+    if inside.size:
+        problems.append(f"nodes {_some(inside, mesh.nodes)} lie inside the tool")
+    if pierced.size:
+        centres = mesh.nodes[mesh.quads].mean(axis=1)
+        problems.append(f"the tool passes through quads {_some(pierced, centres)}")
+    if not problems:
+        return
+    way = _first_way(motion)
+    reach = float(np.ptp(product(pose.to_space(tool.vertices), way)))
+    past = 1.01 * (reach + float(np.ptp(product(mesh.nodes, way))))
+    fine, coarse = (
+        np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
+    )
+    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
+    starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
+    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
+    free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
+    raise ValueError(
+        f"the tool must start outside the sheet, but {' and '.join(problems)}: "
+        f"{_cure(way, float(free), reach)}"
+    )
+
+
+def _first_way(motion: Motion | None) -> Floats:
+    # unit vector of the first advance, along the axis of a screw; 0 of a tool that only turns
+    for time in 2.0 ** np.arange(-20, 1) if motion else ():  # from a microsecond to a second
+        spin, way = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
+        speed = float(length_of(way))
+        if spin.any():
+            axis = unit(spin)
+            way = axis * (product(axis, way))
+        if (length := float(length_of(way))) > _ROUND_OFF * speed:
+            return np.asarray(way / length)
+    return np.zeros(3)
+
+
+def _cure(way: Floats, back: float, reach: float) -> str:
+    notch = "cut a notch for it (Mesh.cut)"
+    turn = "turn it: its axis or the direction of its motion may be wrong"
+    if not back:
+        return f"move the tool's start, {turn}, or {notch}"
+    x, y, z = way + 0.0
+    move = f"move the tool's start back by {back:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
+    return f"{move}, or {notch}" if back <= _FAR * reach else f"{move}, or {turn}; or {notch}"
+
+
+def _some(ids: Ints, places: Floats) -> str:
+    shown = ", ".join(
+        f"{i} at ({places[i, 0]:.4g}, {places[i, 1]:.4g}, {places[i, 2]:.4g})"
+        for i in ids[:5].tolist()
+    )
+    more = f" and {ids.size - 5} more" if ids.size > 5 else ""
+    return shown + more

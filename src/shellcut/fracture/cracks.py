@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.contact.point_contact import PointContact
+from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State

@@ -18,7 +18,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.contact.point_contact import PointContact
+from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, KnownTopology, State

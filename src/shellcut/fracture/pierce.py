@@ -24,7 +24,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3, product, norm, unit
 from shellcut.contact.near_nodes import NearNodes, in_box
-from shellcut.contact.point_contact import PointContact
+from shellcut.contact.sheet_contact import PointContact
 from shellcut.contact.press_forces import TOUCHING
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
@@ -136,19 +136,21 @@ class Pierce:
         if self._points is None or not self._points.touch.sums[TOUCHING]:
             return
         on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
-        for k in np.flatnonzero((force > 0.0) & (on.is_tip | (on.segment >= 0))).tolist():
-            (row,) = np.flatnonzero((state.quads == node[k]).all(axis=1)).tolist()
-            here = product(weight[k], state.node.x[node[k]])
+        point = self._points.point_of_sheet()
+        for i in np.flatnonzero((force > 0.0) & (on.is_tip | (on.segment >= 0))[point]).tolist():
+            k = int(point[i])
+            (row,) = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
+            here = product(weight[i], state.node.x[node[i]])
             near = _NEAR_A_TIP * math.sqrt(self._shell.area[row])
             if (norm(tips - here) < near).any():
                 continue
             segment = int(on.segment[k])
             if on.is_tip[k]:
-                segment, measure = self._segment_at(k), force[k] / self._force
+                segment, measure = self._segment_at(k), force[i] / self._force
             else:
                 measure = self._across(state, pose, row, segment) / self._strength
             if measure >= 1.0:
-                w = weight[k]
+                w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
                 yield Begun(row, place, segment, float(measure))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from shellcut.arrays import Ints
 from shellcut.contact.edge_contact import EdgeContact
-from shellcut.contact.point_contact import felt_nodes
+from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import FlankPenetration, ToolWires, missed_penetration
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ class UnfeltPenetration:
             return Unfelt()
         sim = self._sim
         felt = np.append(felt_nodes(sim.terms), self._about_to_be_cut())
-        _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt)
+        rows = sim.contact.near.rows(sim.state) if sim.contact is not None else None
+        _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt, rows)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
 
     def _about_to_be_cut(self) -> Ints:

@@ -11,10 +11,8 @@ from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
-from shellcut.contact.point_contact import PointContact
-from shellcut.contact.self_contact import SelfContact
-from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
+from shellcut.contact.sheet_contact import PointContact, SelfContact
 from shellcut.fracture.options import Fracture
 from shellcut.fracture.ray_ahead import MERGE
 from shellcut.material.shell_material import ShellMaterial
@@ -66,7 +64,7 @@ def contact_terms(
 
 def self_contact_terms(
     settings: Contact, mesh: Mesh, film: ShellMaterial, part_of: Callable[[int], Part]
-) -> tuple[()] | tuple[SelfContact] | tuple[SelfContact, SelfFriction]:
+) -> tuple[()] | tuple[SelfContact] | tuple[SelfContact, CoulombFriction]:
     """Return the terms of a film's contact with itself in the order of their evaluation.
 
     part_of : returns the polygon of a row that is cut.
@@ -77,7 +75,7 @@ def self_contact_terms(
     contact = SelfContact(settings, film, edge_length, part_of)
     if settings.self_friction == 0.0:
         return (contact,)
-    return contact, SelfFriction(contact, settings.self_friction)
+    return contact, CoulombFriction("self_friction", contact, settings.self_friction)
 
 
 def polygons_of(simulation: Simulation) -> Callable[[int], Part]:

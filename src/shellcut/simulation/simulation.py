@@ -14,10 +14,9 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.point_contact import PointContact
-from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
-from shellcut.contact.start_overlap import check_tool_outside
+from shellcut.contact.sheet_contact import PointContact, SelfContact
+from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.options import Fracture

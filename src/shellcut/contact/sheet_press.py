@@ -1,0 +1,236 @@
+"""The penalty of points on sheets of film: one kernel for nodes and for points of the tool.
+
+A point inside a sheet by the depth D (:mod:`.look_at_quad`) is pushed out with k f(D); the nodes of
+the quad take the opposite by their shape functions, and the tool what its points get. See
+:mod:`.sheet_contact`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import always_inline, inline, kernel
+from shellcut.numerics.vec3 import add_scaled, add_to, combine, dot, load, scale, store, sub
+from shellcut.tool.pose import Pose, to_space, turn, turn_back
+from shellcut.tool.touch import Touch, react
+
+from .contact_tables import ContactNodes, Presses, SheetTables
+from .look_at_quad import (
+    Way,
+    closest_place,
+    corners_of,
+    nearest_on,
+    normal_at,
+    place_in,
+    slopes_along,
+    way_out,
+    weights_at,
+)
+from .near_nodes import largest_speed, tool_way
+from .press_kernel import is_fast, press
+
+# Steps of the fastest node by which a point is looked at before it can touch.
+_AHEAD = 4.0
+
+
+@kernel
+def add_sheet_forces(
+    pose: Pose, before: Pose, dt: float, walked: float, tables: SheetTables, touch: Touch
+) -> tuple[float, int]:
+    """Add the forces of all points on the sheets that they touch, and minus these, to the nodes.
+
+    walked : way that two things may have gone towards each other since the search [mm].  Writes
+    memory, waits, carriers, presses and touch, see :class:`.press_forces.PressForces`.  Returns the
+    way walked and the number of points looked at.
+    """
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
+    law, pairs, memory, waits = tables.law, tables.pairs, tables.memory, tables.waits
+    nodes, presses, carriers, rigid = tables.nodes, tables.presses, tables.carriers, tables.of_tool
+    step = dt * largest_speed(tables.moving, tables.moving.shape[0], nodes.velocity_half)
+    step += tool_way(pose, before, tables.radius) if rigid else step
+    walked += step
+    ahead = _AHEAD * step
+    work, g_m = half_work_of(presses, nodes, dt), law.smoothing_depth
+    stored = absorbed = deepest = 0.0
+    count = n_looked = 0
+    for i in range(pairs.point.shape[0]):
+        if walked < waits.point[i]:
+            continue
+        n_looked += 1
+        point = pairs.point[i]
+        p, came, outward = _point_at(point, dt, pose, before, tables)
+        free = 1e300
+        for sheet in range(pairs.first_sheet[i], pairs.first_sheet[i + 1]):
+            band = ahead + (law.capture if rigid else law.thickness)
+            near = nearest_on(p, sheet, band, walked, tables)
+            free = min(free, near.free + ahead)  # then one of them is in the band
+            first_sight = not tables.met[sheet]
+            tables.met[sheet] = True
+            if near.pair < 0:
+                absorbed += max(memory.work[sheet], 0.0)
+                _forget(sheet, 0, tables)
+                continue
+            way, off = way_out(p, outward, sheet, near, tables)
+            free = min(free, off)
+            if off > 0.0 or way.depth <= 0.0:
+                absorbed += max(memory.work[sheet], 0.0) if way.side == 0 else 0.0
+                _forget(sheet, way.side, tables)
+                continue
+            memory.side[sheet] = way.side
+            if first_sight:
+                memory.offset[sheet] = way.depth
+            if first_sight or dt == 0.0:  # before the run film may be put anywhere: that is no jump
+                memory.depth[sheet] = way.depth
+            back, pushed, mass, k = (0.0, 0.0, 0.0), 0.0, 0.0, tables.stiffness[near.pair]
+            if is_fast(sheet, way.depth, g_m, memory):
+                back, pushed, mass = _approach(point, came, way, dt, tables)
+            out = way.direction
+            force, energy, _ = press(
+                sheet, way.depth, k, back, out, pushed, mass, 0.0, dt, g_m, memory
+            )
+            store(memory.force, sheet, scale(force, out))
+            stored += energy
+            deepest = max(deepest, way.depth - memory.offset[sheet])
+            _press(count, point, force, way, tables)
+            weights, row = weights_at(near.place.xi, near.place.eta), pairs.row[near.pair]
+            for a in range(4):
+                carriers.node[sheet, a] = tables.quads[row, a]
+                carriers.weight[sheet, a] = weights[a]
+            carriers.stiffness[sheet], carriers.pressure[sheet] = k, force
+            normal = scale(-1.0, out)
+            if rigid:
+                q = corners_of(nodes.x, tables.quads, way.row)
+                carriers.body[sheet] = tables.points.body[point]
+                s = place_in(q, way.xi, way.eta)
+                react(scale(force, normal), s, carriers.body[sheet], pose, wrench)
+                normal = turn_back(normal, pose)
+            store(carriers.normal, sheet, normal)
+            count += 1
+        waits.point[i] = walked + max(free - ahead, 0.0)
+    presses.n[0] = count
+    work += half_work_of(presses, nodes, dt)
+    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, count, deepest
+    return walked, n_looked
+
+
+@always_inline
+def _point_at(
+    point: int, dt: float, pose: Pose, before: Pose, tables: SheetTables
+) -> tuple[Vec3, Vec3, Vec3]:
+    """Return where a point is, its way over the last step [mm], and the tool's normal there."""
+    if tables.of_tool:
+        at = load(tables.points.place, point)
+        p = to_space(at, pose)
+        return p, sub(p, to_space(at, before)), turn(load(tables.points.outward, point), pose)
+    p, v = load(tables.nodes.x, point), load(tables.nodes.velocity_half, point)
+    return p, scale(dt, v), (0.0, 0.0, 0.0)
+
+
+@inline
+def _approach(
+    point: int, came: Vec3, way: Way, dt: float, tables: SheetTables
+) -> tuple[Vec3, float, float]:
+    """Return the way back of a point from a quad over the last step [mm].
+
+    And all other force that pushes them together [N], and the mass that moves between them [t].
+    """
+    tables = borrowed(tables)
+    quads, nodes = tables.quads, tables.nodes
+    back, towards, give = scale(-1.0, came), (0.0, 0.0, 0.0), 0.0
+    if not tables.of_tool and not nodes.supported[point]:
+        give = 1.0 / nodes.contact_mass[point]
+        towards = scale(-give, load(nodes.force, point))
+    weights = weights_at(way.xi, way.eta)
+    for a in range(4):
+        n, weight = quads[way.row, a], weights[a]
+        back = add_scaled(back, dt * weight, load(nodes.velocity_half, n))
+        give += weight * weight * nodes.push[n, 0]
+        towards = add_scaled(towards, weight * nodes.push[n, 0], load(nodes.force, n))
+    if give == 0.0:
+        return back, 0.0, 0.0
+    return back, dot(towards, way.direction) / give, 1.0 / give
+
+
+@always_inline
+def _forget(sheet: int, side: int, tables: SheetTables) -> None:
+    """Take a point out of contact, on a side of the sheet or on none."""
+    memory = tables.memory
+    memory.side[sheet] = side
+    memory.offset[sheet] = memory.depth[sheet] = memory.work[sheet] = 0.0
+    tables.carriers.pressure[sheet] = 0.0
+
+
+@inline
+def half_work_of(presses: Presses, nodes: ContactNodes, dt: float) -> float:
+    """Return half the work of forces over the last step [N·mm]."""
+    work = 0.0
+    for i in range(presses.n[0]):
+        for a in range(5):
+            v = load(nodes.velocity_half, presses.node[i, a])
+            f = presses.force[i, a, 0], presses.force[i, a, 1], presses.force[i, a, 2]
+            work += 0.5 * dt * dot(f, v)
+    return work
+
+
+@inline
+def _press(at: int, point: int, force: float, way: Way, tables: SheetTables) -> None:
+    """Add a force [N] on a node, and minus it on the quad; write both to row ``at`` of presses."""
+    tables = borrowed(tables)
+    quads, nodes, presses = tables.quads, tables.nodes, tables.presses
+    q = corners_of(nodes.x, quads, way.row)
+    n = normal_at(q, way.xi, way.eta)
+    weights, turns = weights_at(way.xi, way.eta), (0.0, 0.0, 0.0, 0.0)
+    if way.lifted != 0.0:
+        turns = slopes_along(way.direction, way.xi, way.eta, q)
+    if tables.of_tool:  # what it gets is on the tool
+        put_on(at, 0, 0, (0.0, 0.0, 0.0), nodes, presses)
+    else:
+        put_on(at, 0, point, scale(force, way.direction), nodes, presses)
+    for a in range(4):
+        back = combine(-force * weights[a], way.direction, force * way.lifted * turns[a], n)
+        put_on(at, a + 1, quads[way.row, a], back, nodes, presses)
+
+
+@always_inline
+def put_on(at: int, which: int, node: int, f: Vec3, nodes: ContactNodes, presses: Presses) -> None:
+    """Add a force [N] to a node; write it to a place of row ``at`` of presses."""
+    presses.node[at, which] = node
+    store(presses.force[at], which, f)
+    add_to(nodes.force, node, f)
+
+
+@kernel
+def closest_of_pairs(pose: Pose, tables: SheetTables, found: Floats) -> None:
+    """Write distance [mm] and weights of the closest place of every pair to found : (n_pair, 5)."""
+    pose, tables = borrowed(pose), borrowed(tables)
+    pairs = tables.pairs
+    for i in range(pairs.point.shape[0]):
+        p, _, _ = _point_at(pairs.point[i], 0.0, pose, pose, tables)
+        first, end = pairs.first_sheet[i], pairs.first_sheet[i + 1]
+        for j in range(pairs.first_pair[first], pairs.first_pair[end]):
+            row = pairs.row[j]
+            q = corners_of(tables.nodes.x, tables.quads, row)
+            place = closest_place(p, q, row, tables.outline)
+            found[j, 0], weights = np.sqrt(place.square), weights_at(place.xi, place.eta)
+            for a in range(4):
+                found[j, 1 + a] = weights[a]
+
+
+@kernel
+def farthest(
+    nodes: Ints, x: Floats, then: Floats, velocity: Floats, pose: Pose, before: Pose, radius: float
+) -> tuple[float, float]:
+    """Return how far some nodes, and the tool within a radius, have moved at most, and how fast.
+
+    The first is the sum of both [mm], the second is of the nodes [mm/s].
+    """
+    way = 0.0
+    for i in range(nodes.shape[0]):
+        moved = sub(load(x, nodes[i]), load(then, nodes[i]))
+        way = max(way, dot(moved, moved))
+    fastest = largest_speed(nodes, nodes.shape[0], velocity)
+    return np.sqrt(way) + tool_way(pose, before, radius), fastest
