@@ -12,6 +12,8 @@ pierced (:mod:`shellcut.fracture.pierce`). Their ends, the tips of teeth, are ne
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy
 

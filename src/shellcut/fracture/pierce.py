@@ -139,7 +139,10 @@ class Pierce:
         point = self._points.point_of_sheet()
         for i in np.flatnonzero((force > 0.0) & (on.is_tip | (on.segment >= 0))[point]).tolist():
             k = int(point[i])
-            (row,) = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
+            rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
+            if not rows:  # it has been cut since it was pressed
+                continue
+            row = rows[0]
             here = product(weight[i], state.node.x[node[i]])
             near = _NEAR_A_TIP * math.sqrt(self._shell.area[row])
             if (norm(tips - here) < near).any():
