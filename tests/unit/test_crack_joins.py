@@ -7,6 +7,7 @@ from scipy.sparse.csgraph import connected_components
 
 from free_strip import cut_strip, slanted_strip
 from shellcut.fracture.drawn_film import DrawnFilm
+from shellcut.fracture.pierce import Begun
 from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
@@ -112,7 +113,7 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     sim.notch((7.0, middles[row, 1] + 0.06, 0.0), (right + 0.01, middles[row, 1] + 0.06, 0.0))
     (there,) = free.at_tips(sim.mesh.nodes)
     assert there[0] == pytest.approx(right, abs=0.1)
-    monkeypatch.setattr(free._pierce, "found", lambda *_: [(row, (0.0, 0.0), 0)])
+    monkeypatch.setattr(free._pierce, "found", lambda *_: [Begun(row, (0.0, 0.0), 0, 1.0)])
     free._begin_cuts(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]

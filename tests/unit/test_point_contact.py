@@ -119,22 +119,29 @@ def test_a_box_pushes_with_corners_and_edges():
     assert (away > 0.3).all()
 
 
-def test_a_cutting_edge_does_not_push_but_its_tips_do():
+def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     ring = tooth_ring(n_teeth=1)
     points = contact_points(ring, 0.4)
-    edge = ring.vertices[ring.edges[:, 0]], ring.vertices[ring.edges[:, 1]]
-    tip = ring.vertices[ring.edges].reshape(-1, 3)
-    tip = tip[tip[:, 2].argmin()]
+    ends = ring.vertices[ring.edges]
+    tip = ends.reshape(-1, 3)[ends.reshape(-1, 3)[:, 2].argmin()]
     away = np.linalg.norm(points.place - tip, axis=1)
     assert away.min() == 0.0
+    assert points.is_tip[away.argmin()]
     assert points.outward[away.argmin(), 2] < -0.5
-    inner = points.place[(away > 0.0) & (points.place[:, 2] < ring.vertices[:, 2].max() - 0.01)]
-    along = np.stack([(1 - s) * edge[0] + s * edge[1] for s in np.linspace(0, 1, 9)])
-    gaps = np.linalg.norm(inner[:, None, None] - along[None], axis=3).min(axis=(1, 2))
-    assert gaps.min() > 0.02
+    # The others know their segment and lie on it, no farther apart than half an edge of the film.
+    on = np.flatnonzero(points.segment >= 0)
+    start, vector = ends[points.segment[on], 0], np.diff(ends, axis=1)[points.segment[on], 0]
+    share = ((points.place[on] - start) * vector).sum(axis=1) / (vector**2).sum(axis=1)
+    foot = start + share[:, None] * vector
+    np.testing.assert_allclose(points.place[on], foot, atol=1e-9)
+    assert ((share > 0.0) & (share < 1.0 + 1e-9)).all()
     blade = contact_points(straight_blade(height=3.0), 0.4)
-    at_edge = np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9
-    assert np.abs(blade.place[at_edge, 2]).min() == 1.5
+    z = np.sort(blade.place[np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9, 2])
+    assert abs(z[[0, -1]]).max() == 1.5
+    assert np.diff(z).max() < 0.2 + 1e-9
+    at_end = abs(abs(blade.place[blade.is_tip, 2]) - 1.5) < 1e-9
+    assert blade.is_tip.sum() == 2
+    assert at_end.all()
 
 
 def test_points_are_spread_and_share_their_stiffness():

@@ -158,8 +158,8 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, n, path = sim.state, sim.state.node, Rules(sim).path
     drive = BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
-    size = float(np.sqrt(sim.shell.area.max()))
-    kept, none = Pierce(s, path, drive, size), np.zeros((0, 3))
+    parts = s, path, drive, sim.shell, (1.0, 1.0), None
+    kept, none = Pierce(*parts), np.zeros((0, 3))
     dt = 2.6e-4 / 900
     for step in range(900):
         if step % 30 == 0:
@@ -167,9 +167,9 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
         n.x[: n.count] += n.velocity_half[: n.count] * dt
         s.step, s.time = step, step * dt
         pose = Pose.of(*sim.motion.pose(s.time))
-        rows = kept.found(s, pose, none, sim.shell.area)
+        rows = kept.found(s, pose, none)
         if step % 5 == 0:
-            again = Pierce(s, path, drive, size).found(s, pose, none, sim.shell.area)
+            again = Pierce(*parts).found(s, pose, none)
             assert rows == again
             found += len(rows)
     assert 3 < kept._near.n_search < 300

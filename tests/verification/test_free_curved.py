@@ -202,7 +202,7 @@ def test_a_blade_pierces_a_surface_of_revolution_and_cuts_across(film, shape):
     tool, imbalance = np.array(rows).T
     assert worst(tool, imbalance) < 1e-3
     # It began in the film and went on with the blade, in one crack.
-    assert sim.state.splits[0].kind == "blade"
+    assert sim.state.splits[0].kind == "puncture"
     reached = max(cut.reference[0] for cut in sim.state.splits)
     assert reached > start + way - 3.0 * SIZE
     assert len(free.tips) <= 2

@@ -6,12 +6,13 @@ one (a ball) too, and points along convex edges that turn by more than ``LEAST_T
 apart than half an edge of the film. Where they are closer than 0.4 of an edge, as on a
 surface finer than the film, some are left out; sharper ones stay.
 
-A *cutting edge* does not push: it is perfectly sharp, and what it meets is cut, or is about to be
-(:mod:`shellcut.fracture.pierce`). Its two ends do: the tip of a tooth that comes down on whole
-film.
+*Cutting edges* push like all others, for film on whose face they come down carries them until it is
+pierced (:mod:`shellcut.fracture.pierce`). Their ends, the tips of teeth, are never left out.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -50,34 +51,31 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
         Of the film's smaller quads [mm].
     """
     surface = Surface(tool.vertices, tool.triangles)
-    cutting = is_cutting(tool, surface)
-    vertex, sharpness = _corners(tool, surface, cutting)
+    vertex, turn_at_vertex, ends_cut = _corners(tool, surface)
+    along = _along_edges(tool, surface, SPACING * edge_length)
     at_vertex = np.zeros_like(tool.vertices)
     at_vertex[tool.triangles] = ClosestTriangleGrid.of(tool).arrays.surface.pseudo_normals[:, 1:4]
     body_of = np.zeros(tool.n_vertex, np.int64)
     body_of[tool.triangles] = tool.triangle_body[:, None]
-    along, normal, turn, body = _along_edges(tool, surface, cutting, SPACING * edge_length)
-    place = np.concatenate([tool.vertices[vertex], along])
-    outward = np.concatenate([unit(at_vertex[vertex]), normal])
-    bodies = np.concatenate([body_of[vertex], body])
-    kept = _spread(place, np.concatenate([sharpness, turn]), CLOSEST * edge_length)
+    place = np.concatenate([tool.vertices[vertex], along.place])
+    outward = np.concatenate([unit(at_vertex[vertex]), along.outward])
+    body = np.concatenate([body_of[vertex], along.body])
+    segment = np.concatenate([np.full(len(vertex), -1), along.segment])
+    is_tip = np.concatenate([ends_cut, np.zeros(len(along.turn), np.bool_)])
+    sharpness = np.where(is_tip, np.inf, np.concatenate([turn_at_vertex, along.turn]))
+    kept = _spread(place, sharpness, CLOSEST * edge_length)
     return ToolPoints(
         place=np.ascontiguousarray(place[kept]),
         outward=np.ascontiguousarray(outward[kept]),
-        body=np.ascontiguousarray(bodies[kept]),
+        body=np.ascontiguousarray(body[kept]),
+        segment=np.ascontiguousarray(segment[kept]),
+        is_tip=np.ascontiguousarray(is_tip[kept]),
         share=_shares(place[kept], outward[kept], edge_length),
     )
 
 
-def is_cutting(tool: Tool, surface: Surface) -> Bools:
-    """Return which edges of the surface cut, (n_edge,)."""
-    cut = np.sort(tool.edges, axis=1)
-    keys = cut[:, 0] * tool.n_vertex + cut[:, 1]
-    return np.isin(surface.keys, keys)
-
-
-def _corners(tool: Tool, surface: Surface, cutting: Bools) -> tuple[Ints, Floats]:
-    """Return the vertices that push, and the largest turn of an edge at each."""
+def _corners(tool: Tool, surface: Surface) -> tuple[Ints, Floats, Bools]:
+    """Return the vertices that push, their largest turn of an edge, and whether each is a tip."""
     lo, hi, turn = surface.lo, surface.hi, surface.turn
     least, most = np.full(tool.n_vertex, np.inf), np.full(tool.n_vertex, -np.inf)
     for ends in (lo, hi):
@@ -87,17 +85,31 @@ def _corners(tool: Tool, surface: Surface, cutting: Bools) -> tuple[Ints, Floats
     one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
     around = np.zeros(tool.n_vertex)
     np.add.at(around, tool.triangles, angles(one, two))
-    cuts = np.bincount(np.append(lo[cutting], hi[cutting]), minlength=tool.n_vertex)
     convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - around > _PEAKED)
-    pushes = np.flatnonzero(convex & (cuts < 2))
-    return pushes, most[pushes]
+    n_cut = np.bincount(tool.edges.ravel(), minlength=tool.n_vertex)
+    pushes = np.flatnonzero((convex & (n_cut == 0)) | (n_cut == 1))
+    return pushes, most[pushes], n_cut[pushes] == 1
 
 
-def _along_edges(
-    tool: Tool, surface: Surface, cutting: Bools, spacing: float
-) -> tuple[Floats, Floats, Floats, Ints]:
-    """Return places, normals, turns and teeth of points along convex edges, both ends included."""
-    rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~cutting)
+class _Along(NamedTuple):
+    """Points along edges, both ends included."""
+
+    place: Floats
+    outward: Floats
+    turn: Floats
+    body: Ints
+    segment: Ints
+
+
+def _along_edges(tool: Tool, surface: Surface, spacing: float) -> _Along:
+    """Return points along the edges that cut, turned the most, and the other convex ones."""
+    cut = np.sort(tool.edges, axis=1)
+    segment_of = np.full(len(surface.keys), -1)
+    segment_of[np.searchsorted(surface.keys, cut[:, 0] * tool.n_vertex + cut[:, 1])] = np.arange(
+        tool.n_edge
+    )
+    turn = np.where(segment_of >= 0, np.pi, surface.turn)
+    rows = np.flatnonzero(turn > LEAST_TURN)
     on_cut = np.zeros(tool.n_vertex, np.bool_)
     on_cut[tool.edges] = True
     start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
@@ -105,14 +117,19 @@ def _along_edges(
     of = np.repeat(np.arange(len(rows)), pieces + 1)
     first = np.cumsum(pieces + 1) - (pieces + 1)
     share = (np.arange(len(of)) - first[of]) / pieces[of]
-    # Not the ends that lie on a cutting edge.
-    inner = ~((share == 0.0) & on_cut[surface.lo[rows]][of])
-    inner &= ~((share == 1.0) & on_cut[surface.hi[rows]][of])
+    # Of other edges not the ends that lie on a cutting edge.
+    other = segment_of[rows][of] < 0
+    inner = ~((share == 0.0) & on_cut[surface.lo[rows]][of] & other)
+    inner &= ~((share == 1.0) & on_cut[surface.hi[rows]][of] & other)
     of, share = of[inner], share[inner, None]
-    place = (1.0 - share) * start[of] + share * end[of]
     normal = unit(surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]])
-    teeth = tool.triangle_body[surface.forward[rows]]
-    return place, normal[of], surface.turn[rows][of], teeth[of]
+    return _Along(
+        place=(1.0 - share) * start[of] + share * end[of],
+        outward=normal[of],
+        turn=turn[rows][of],
+        body=tool.triangle_body[surface.forward[rows]][of],
+        segment=segment_of[rows][of],
+    )
 
 
 def _shares(place: Floats, outward: Floats, reach: float) -> Floats:

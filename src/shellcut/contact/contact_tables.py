@@ -208,13 +208,18 @@ class ToolPoints(NamedTuple):
     """Mean unit normal of the surface there."""
     body: Annotated[Ints, "(n_of_tool,)"]
     """Tooth of each."""
+    segment: Annotated[Ints, "(n_of_tool,)"]
+    """Segment of the cutting edge on which each lies, -1 for none."""
+    is_tip: Annotated[Bools, "(n_of_tool,)"]
+    """Whether a cutting edge ends there."""
     share: Annotated[Floats, "(n_of_tool,)"]
     """Stiffness of each over that of a node of the film, less the more of them press together."""
 
     @classmethod
     def none(cls) -> ToolPoints:
         """Return no points."""
-        return cls(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros(0))
+        nothing, never = np.zeros(0, np.int64), np.zeros(0, np.bool_)
+        return cls(np.zeros((0, 3)), np.zeros((0, 3)), nothing, nothing, never, np.zeros(0))
 
 
 class Waits(NamedTuple):

@@ -45,10 +45,14 @@ from shellcut.numerics.vec3 import add, add_scaled, combine, cross, dot, load, n
 
 from .contact_tables import SheetTables
 from .film_outline import Outline
+from .settings import NOTICED
 
 # Newton's method converges quadratically; a foot that is not found by then lies far outside.
 _MOST_STEPS = 12
 _FOUND = 1e-13
+
+# Of the determinant of second derivatives over that of a rectangle, below which it is no guide.
+_LEAST_CONVEX = 0.1
 _FAR_OUTSIDE = 4.0
 
 # A foot this little outside a polygon, in xi and eta, is on its edge: far above round-off.
@@ -144,9 +148,12 @@ def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
         r = sub(p, place_in(q, xi, eta))
         g1, g2 = dot(r, a1), dot(r, a2)
         h11, h22 = dot(a1, a1), dot(a2, a2)
-        h12 = dot(a1, a2) - dot(r, twist)
+        level = dot(a1, a2)
+        h12 = level - dot(r, twist)
         det = h11 * h22 - h12 * h12
-        if not det > 0.0:  # far from the quad, or it is not finite
+        if det < _LEAST_CONVEX * h11 * h22:  # of a skewed quad, far from the foot: Gauss-Newton
+            h12, det = level, h11 * h22 - level * level
+        if not det > 0.0:  # it has no area, or is not finite
             return xi, eta, False
         step_xi, step_eta = (h22 * g1 - h12 * g2) / det, (h11 * g2 - h12 * g1) / det
         xi += step_xi
@@ -281,6 +288,9 @@ def way_out(
     r = sub(p, place_in(q, place.xi, place.eta))
     distance, above = norm(r), dot(r, n)
     now = 1 if above > 0.0 else -1
+    if tables.of_tool and side == 0 and abs(above) <= NOTICED * law.smoothing_depth:
+        # A point as good as in the film's plane comes from where it does not face.
+        now = 1 if dot(outward, n) < 0.0 else -1
     none = Way(0.0, row, place.xi, place.eta, n, 0.0, 0)
     if place.beside:
         within = sqrt(max(distance * distance - above * above, 0.0))

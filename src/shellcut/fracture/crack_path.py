@@ -346,12 +346,18 @@ class CrackPath:
         return self._segment(state, table, direction, lean)
 
     def side_near(
-        self, state: State, row: int, place: Point, way: Floats, lean: Floats
+        self,
+        state: State,
+        row: int,
+        place: Point,
+        way: Floats,
+        lean: Floats,
+        within: float = NEAR,
     ) -> Segment | None:
         """Return the side of a row along which a plane through a place of it is best followed.
 
-        Both its ends lie within ``NEAR`` of the plane; the segment leads the way of ``way``. None
-        if no side does that can be broken.
+        Both its ends lie within so many local edge lengths of the plane; the segment leads the way
+        of ``way``. None if no side does that can be broken.
 
         way, lean : as of :meth:`segment_from`.
         """
@@ -359,7 +365,7 @@ class CrackPath:
         normal = unit(np.cross(at.t - lean, way))
         gaps = state.node.x[state.quads[row]] - at.x
         off, far = np.abs(product(gaps, normal)), product(gaps, way)
-        found, least = None, NEAR * at.size
+        found, least = None, within * at.size
         for a in range(4):
             b = (a + 1) % 4
             if max(off[a], off[b]) < least and self.may_break(row, a, b):

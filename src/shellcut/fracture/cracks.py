@@ -17,6 +17,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, KnownTopology, State
@@ -33,6 +34,7 @@ from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .options import Fracture
 from .pierce import Pierce
+from .puncture import puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .side_tears import Due, LargestStress, SideTears
@@ -59,6 +61,8 @@ class Cracks:
         Give the forces that hold a film together.
     tool, motion : Tool, Motion, optional
         Whose edges cut, and how they move.
+    points : PointContact, optional
+        By which the tool presses on whole film.
     """
 
     def __init__(
@@ -70,6 +74,7 @@ class Cracks:
         loads: LoadSet,
         tool: Tool | None = None,
         motion: Motion | None = None,
+        points: PointContact | None = None,
     ) -> None:
         film, gauss = fracture.anisotropy, fracture.cable_places == "gauss"
         self.cuts = Cuts(state, shell, law, film, loads=loads, at_gauss_points=gauss)
@@ -99,8 +104,11 @@ class Cracks:
         if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
             drive = BladeDrive(CuttingEdges.of(tool), motion)
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
-            size = float(np.sqrt(shell.area.max()))
-            self._pierce = Pierce(state, self._path, drive, size)
+            force = fracture.puncture_force
+            if force is None:
+                force = puncture_force(shell.material, law, tool.edge_radius)
+            limits = force, law.strength
+            self._pierce = Pierce(state, self._path, drive, shell, limits, points)
 
     def cut_due(self, state: State, pose: Pose) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.
@@ -259,7 +267,9 @@ class Cracks:
             self.tips.append(replace(behind, length=0.0))
         return self._tip_after(state, ahead, cut, 1, cut.heading)
 
-    def _through(self, state: State, back: Segment, ahead: Segment, kind: str) -> Cut | None:
+    def _through(
+        self, state: State, back: Segment, ahead: Segment, kind: str, measure: float = 0.0
+    ) -> Cut | None:
         """Cut a whole quad from where one ray from within leaves it to where the other does.
 
         If these are the ends of one side, that is broken.
@@ -272,7 +282,7 @@ class Cracks:
             return None
         else:
             chord = Segment(row, start, stop, side, end, along_side=True)
-        return self._cut(state, chord, kind, 0.0)
+        return self._cut(state, chord, kind, measure)
 
     def _advance_driven(self, state: State) -> bool:
         """Advance the cracks that a blade drives and that are due; return whether there are any."""
@@ -395,13 +405,14 @@ class Cracks:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
         driven = self._watch.driven_places()
-        for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
-            whole = self.cuts.topology.polygon(row)
+        for begun in self._pierce.found(state, pose, driven):
+            whole = self.cuts.topology.polygon(begun.row)
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
-            if state.node.halved[state.quads[row]].any() or whole != WHOLE:
+            if state.node.halved[state.quads[begun.row]].any() or whole != WHOLE:
                 continue
-            for back, ahead in self._pierce.ways(state, row, place, edge, self.tips):
-                cut = self._through(state, back, ahead, "blade")
+            for back, ahead in self._pierce.ways(state, begun, self.tips):
+                kind = "puncture" if begun.measure else "blade"
+                cut = self._through(state, back, ahead, kind, begun.measure)
                 if cut is not None:
                     break
             else:

@@ -106,6 +106,15 @@ class Fracture:
             "where the force of a cut ripples less",
         ),
     ] = "ends"
+    puncture_force: Annotated[
+        float | None,
+        Option(
+            "N",
+            "on the tip of a cutting edge at which it goes through whole film",
+            above=0,
+            unset="from thickness, strength and the radius of the edge",
+        ),
+    ] = None
     branching: bool = False
 
     def __post_init__(self) -> None:

@@ -1,25 +1,36 @@
-"""Where a cutting edge goes through film that no crack has reached: the start of a cut.
+"""Where a cut begins in film that no crack has reached.
 
-A tooth that comes down in the middle of the sheet finds no crack tip to drive. When a segment of
-its edge passes through whole film away from the tips that it drives, the quad there is cut along
-the trace of the mid-plane of the blade: a short crack with a closed tip at either end. Film at a
-flank is left alone; a blade that crosses an earlier cut begins anew in the row behind it.
+*On its face.* A tooth that comes down in the middle of the sheet presses it by its contact points.
+The film parts under a tip once this carries F_p (:mod:`.puncture`), and along an edge once the mean
+membrane stress across it reaches the strength in the quad under it. The force on a tip does not
+depend on the mesh, which the stress under it does.
+
+*At its rim,* or at the flank of another cut, an edge cuts what it goes through: nothing there holds
+the film against it. So it does everywhere if the tool's points do not press.
+
+The quad is cut along the trace of the mid-plane of the blade: a short crack with a closed tip at
+either end. Film at a flank is left alone; a blade that crosses an earlier cut begins anew in the
+row behind it.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
-from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3, product, unit
+from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
+from shellcut.contact.contact_tables import TOUCHING
 from shellcut.contact.near_nodes import NearNodes, in_box
+from shellcut.contact.sheet_contact import PointContact
+from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
+from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
 from shellcut.tool.cutting_edge import (
     BACK,
@@ -32,7 +43,8 @@ from shellcut.tool.cutting_edge import (
 from shellcut.tool.pose import Pose, to_body, turn
 
 from .blade_drive import BladeDrive
-from .crack_path import CrackPath
+from .crack_path import NEAR, CrackPath
+from .open_edges import boundary_edges
 from .quad_polygon import AWAY, Point, shape_functions
 from .ray_ahead import AT_POINT, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
@@ -41,12 +53,26 @@ from .tip import Segment, Tip
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0
 
+# Sine of the angle to the film up to which an edge lies on it, and enters over no rim.
+_FLAT = 0.1
+
 # Rows that are looked at, a tooth.
 _CANDIDATES = 4
 
 
+class Begun(NamedTuple):
+    """Where a cut begins."""
+
+    row: int
+    place: Point
+    segment: int
+    """Of the cutting edge."""
+    measure: float
+    """Force or stress over what the film carries on its face, 0 at a rim."""
+
+
 class Pierce:
-    """Finds whole quads that a cutting edge goes through.
+    """Finds whole quads in which a cutting edge begins a cut.
 
     Parameters
     ----------
@@ -54,12 +80,27 @@ class Pierce:
         At the start.
     path, drive : CrackPath, BladeDrive
         Where cracks go, and where edges do.
-    size : float
-        Largest edge length of the film [mm].
+    shell : MITC4Shell
+        The film.
+    limits : tuple of float
+        F_p [N] and the strength [MPa].
+    points : PointContact, optional
+        By which the tool presses on the film.
     """
 
-    def __init__(self, state: State, path: CrackPath, drive: BladeDrive, size: float) -> None:
-        self._path, self._drive = path, drive
+    def __init__(
+        self,
+        state: State,
+        path: CrackPath,
+        drive: BladeDrive,
+        shell: MITC4Shell,
+        limits: tuple[float, float],
+        points: PointContact | None,
+    ) -> None:
+        self._path, self._drive, self._shell, self._points = path, drive, shell, points
+        self._force, self._strength = limits
+        size = float(np.sqrt(shell.area.max()))
+        self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         self._edges = edges = drive.edges
         quad = table_of(state, path, [(0, (0.0, 0.0))], [()])  # of any whole quad
         start = edges.segments[:, START]
@@ -75,13 +116,8 @@ class Pierce:
         self._quad, self._chord = quad, Aimed.of(2)
         self._find = BoundOnce(_pierced)
 
-    def found(
-        self, state: State, pose: Pose, tips: Floats, area: Floats
-    ) -> list[tuple[int, Point, int]]:
-        """Return the whole rows that an edge goes through, where, and which segment.
-
-        The edge runs between the flanks of its own cut: rows at a flank are left out, and those
-        that its mid-plane would not part.
+    def found(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+        """Return where cuts begin, in whole rows.
 
         Parameters
         ----------
@@ -91,8 +127,55 @@ class Pierce:
             Of the tool.
         tips : ndarray, shape (n, 3)
             Where the cracks end that an edge drives [mm].
-        area : ndarray, shape (n_row,)
-            Of the quads [mm²].
+        """
+        return [*self._pressed(state, pose, tips), *self._entered(state, pose, tips)]
+
+    def _pressed(self, state: State, pose: Pose, tips: Floats) -> Iterator[Begun]:
+        """Yield where a tip or an edge on the face of the film has reached what this carries."""
+        if self._points is None or not self._points.touch.sums[TOUCHING]:
+            return
+        on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
+        point = self._points.point_of_sheet()
+        for i in np.flatnonzero((force > 0.0) & (on.is_tip | (on.segment >= 0))[point]).tolist():
+            k = int(point[i])
+            rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
+            if not rows:  # it has been cut since it was pressed
+                continue
+            row = rows[0]
+            here = product(weight[i], state.node.x[node[i]])
+            near = _NEAR_A_TIP * math.sqrt(self._shell.area[row])
+            if (norm(tips - here) < near).any():
+                continue
+            segment = int(on.segment[k])
+            if on.is_tip[k]:
+                segment, measure = self._segment_at(on.place[k]), force[i] / self._force
+            else:
+                measure = self._across(state, pose, row, segment) / self._strength
+            if measure >= 1.0:
+                w = weight[i]
+                place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
+                yield Begun(row, place, segment, float(measure))
+
+    def _segment_at(self, place: Floats) -> int:
+        """Return the segment of the cutting edge that ends at a place of the tool, (3,)."""
+        ends = self._edges.segments[:, START], self._edges.segments[:, VECTOR]
+        gaps = [norm(at - place) for at in (ends[0], ends[0] + ends[1])]
+        return int(np.argmin(np.minimum(*gaps)))
+
+    def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
+        """Return the mean membrane stress across an edge in a row [MPa]."""
+        nodes = state.quads[row]
+        t = unit(state.node.t[nodes].sum(axis=0))
+        normal = product(pose.rotation, self._edges.segments[segment, NORMAL])
+        way = unit(normal - product(normal, t) * t)
+        stress = self._shell.stress(state, np.array([row]), place="nominal")[0]
+        return float(product(product(stress, way), way))
+
+    def _entered(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+        """Return where an edge goes through film that nothing holds against it.
+
+        The edge runs between the flanks of its own cut: rows at a flank are left out, and those
+        that its mid-plane would not part.
         """
         if self._near.renew(state, pose):
             self._list(state)
@@ -103,7 +186,7 @@ class Pierce:
             state.quads,
             self._rows,
             self._first,
-            area,
+            self._shell.area,
             tips,
             pose,
             self._edges,
@@ -116,25 +199,37 @@ class Pierce:
             place,
         )
         return [
-            (int(row[k]), (float(place[k, 0]), float(place[k, 1])), int(segment[k]))
+            Begun(int(row[k]), (float(place[k, 0]), float(place[k, 1])), int(segment[k]), 0.0)
             for k in range(n_found)
         ]
 
     def ways(
-        self, state: State, row: int, place: Point, edge: int, tips: Sequence[Tip]
+        self, state: State, begun: Begun, tips: Sequence[Tip]
     ) -> Iterator[tuple[Segment, Segment]]:
         """Yield segments from a place in a row to where an edge was and to where it will be.
 
         First those that lead to where an oncoming crack ends, if there are any. Cracks along sides
-        only lead along the nearest side of the row, both ways.
+        only, and those begun so near a side that both ways lead to it, follow the nearest one.
 
-        edge : segment of the cutting edge.  tips : of all cracks.
+        tips : of all cracks.
         """
-        if not self._path.sides_only:
-            both = (self._towards(state, row, place, edge, tips, end) for end in (-1.0, 1.0))
-            yield from itertools.product(*both)
-        elif side := self._path.side_near(state, row, place, *self._way(state, row, place, edge)):
-            yield side.reversed(), side
+        row, place, edge, measure = begun
+        way, sides_only = self._way(state, row, place, edge), self._path.sides_only
+        if not sides_only:
+            ends = (self._towards(state, row, place, edge, tips, end) for end in (-1.0, 1.0))
+            for back, ahead in itertools.product(*ends):
+                if measure or self._leads_out(state, back):
+                    yield back, ahead
+        if measure or sides_only:
+            within = np.inf if measure and sides_only else NEAR
+            side = self._path.side_near(state, row, place, *way, within)
+            if side is not None and (measure or self._leads_out(state, side.reversed())):
+                yield side.reversed(), side
+
+    def _leads_out(self, state: State, back: Segment) -> bool:
+        """Return whether an edge has come into a row over the rim, or over a flank next to it."""
+        side = (back.side, (back.side + 1) % 4) if back.corner < 0 else (back.corner,)
+        return bool(self._open[state.quads[back.row, list(side)]].all())
 
     def _towards(
         self,
@@ -178,23 +273,30 @@ class Pierce:
         self._list(state)
 
     def _list(self, state: State) -> None:
-        """List the whole rows near the tool without a node at a flank, by their first nodes."""
+        """List the whole rows near the tool without a node at a flank, by their first nodes.
+
+        Those at the rim and next to rows at a flank; all of them if the tool's points do not press.
+        """
         quads, near = state.quads, np.zeros(state.n_node, np.bool_)
         near[self._near.ids] = True
-        rows = np.flatnonzero(near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0))
-        self._rows = rows[~state.node.halved[quads[rows]].any(axis=1)]
+        at_flank = state.node.halved[quads].any(axis=1)
+        may = near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0) & ~at_flank
+        self._open = np.full(state.n_node, self._points is None)
+        self._open[self._at_rim] = self._open[quads[at_flank]] = True
+        may &= self._open[quads].any(axis=1)
+        self._rows = np.flatnonzero(may)
         self._first = quads[self._rows, 0].astype(np.int64)
 
 
 @inline
 def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
     """Return whether a segment goes through a triangle, and the weights of b and c there."""
-    normal = cross(sub(b, a), sub(c, a))
+    normal, vector = cross(sub(b, a), sub(c, a)), sub(end, start)
     d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
-    if d0 * d1 >= 0.0:
+    area, rise = dot(normal, normal), d0 - d1
+    if d0 * d1 >= 0.0 or rise * rise < _FLAT * _FLAT * area * dot(vector, vector):
         return False, 0.0, 0.0
-    p = combine(1.0, start, d0 / (d0 - d1), sub(end, start))
-    area = dot(normal, normal)
+    p = combine(1.0, start, d0 / rise, vector)
     w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
     w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
     return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
@@ -227,7 +329,7 @@ def parts_quad(
         quad.nodes[0, a] = quads[e, a]
     upright = (0.0, 0.0, 0.0)
     trace = cross(at(quad, 0, xi, eta, t), normal)
-    trace = scale(1.0 / norm(trace), trace)
+    trace = scale(1.0 / length(trace), trace)
     for i in range(2):
         way = scale(2.0 * i - 1.0, trace)
         if not through(quad, 0, i, x, t, way, upright, False, chord):
@@ -302,7 +404,7 @@ def _pierced(
                 if not hit:
                     continue
                 plane = turn(segment_part(segments, k, NORMAL), pose)
-                if parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, sqrt(area[e])):
+                if parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, math.sqrt(area[e])):
                     row[n_found], segment[n_found] = e, k
                     place[n_found, 0], place[n_found, 1] = xi, eta
                     n_found += 1

@@ -15,7 +15,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.settings import Contact
-from shellcut.contact.sheet_contact import SelfContact
+from shellcut.contact.sheet_contact import PointContact, SelfContact
 from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
@@ -173,8 +173,10 @@ class Simulation:
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         if self.law is not None:
+            points = next((one for one in self.terms if isinstance(one, PointContact)), None)
+            film = self.shell, self.loads
             self.cracks = Cracks(
-                self.state, self.fracture, self.law, self.shell, self.loads, self.tool, self.motion
+                self.state, self.fracture, self.law, *film, self.tool, self.motion, points
             )
 
     def _begin(self, imperfection: int) -> None:

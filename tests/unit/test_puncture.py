@@ -1,0 +1,153 @@
+"""The force at which a tip goes through whole film: the film around it, solved, and what follows."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+from shellcut import CohesiveLaw, Fracture, ShellMaterial, Simulation
+from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
+from shellcut.loads.supports import Support
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.tool import Tool
+
+FAR = 1e4
+OUTER = (9.0 / 16.0) ** (1.0 / 3.0)
+"""Far out n = OUTER x^(-2/3) and t = 1/(n x): a membrane under a point load."""
+
+
+def _film(u, y):
+    """Föppl-von Kármán in u = ln x, for t, t', p and p'."""
+    t, tu, p, pu = y
+    x = np.exp(u)
+    return np.array([tu, t + x * p * t - x, pu, p - 0.5 * x * t * t])
+
+
+def _membrane(end):
+    return [end[0] - FAR ** (-1.0 / 3.0) / OUTER, end[3] - end[2] / 3.0]
+
+
+def _guess(x, t, p):
+    u = np.log(x)
+    t, p = np.minimum(t, x ** (-1.0 / 3.0) / OUTER), np.minimum(p, OUTER * x ** (1.0 / 3.0))
+    return np.array([t, np.gradient(t, u), p, np.gradient(p, u)])
+
+
+def tension_under_point():
+    """n(0) under a point load."""
+    near = 1e-4
+    x = np.exp(np.linspace(np.log(near), np.log(FAR), 400))
+
+    def ends(a, b):  # t = -½ x ln x + c x and p = n(0) x close to the point
+        return np.array([a[1] - a[0] + 0.5 * near, a[3] - a[2], *_membrane(b)])
+
+    guess = _guess(x, 0.3 * x - 0.5 * x * np.log(np.minimum(x, 0.3)), 0.48 * x)
+    found = solve_bvp(_film, ends, np.log(x), guess, tol=1e-8, max_nodes=200_000)
+    assert found.status == 0
+    return found.y[2, 0] / near
+
+
+def tension_under_ball(rho):
+    """n(0) under a ball on which the film lies up to x = a, with t = x/rho there."""
+
+    def film(s, y, free):
+        width = np.log(FAR) - free[0]
+        return width * _film(free[0] + s * width, y)
+
+    def ends(inner, outer, free):
+        a, n0 = np.exp(free[0]), free[1]
+        bent = a**3 / (16.0 * rho**2)
+        lies = [inner[0] - a / rho, inner[1] - a / rho]
+        return np.array(
+            [*lies, inner[2] - (n0 * a - bent), inner[3] - (n0 * a - 3.0 * bent), *_membrane(outer)]
+        )
+
+    s = np.linspace(0.0, 1.0, 400)
+    n0 = 1.0 / np.sqrt(1.0 / CENTRE**2 + rho)
+    for part in (0.3, 0.6):
+        x = part * rho * (FAR / (part * rho)) ** s
+        found = solve_bvp(
+            film, ends, s, _guess(x, x / rho, n0 * x), p=[np.log(part * rho), n0], tol=1e-7,
+            max_nodes=100_000,
+        )  # fmt: skip
+        if found.status == 0 and found.p[1] > 0.0:
+            return found.p[1]
+    raise AssertionError(f"no solution for rho = {rho}")
+
+
+def test_the_tension_under_a_point_is_the_constant():
+    assert tension_under_point() == pytest.approx(CENTRE, rel=1e-5)
+
+
+@pytest.mark.parametrize("rho", [0.3, 1.0, 3.0, 8.0])
+def test_sharp_and_blunt_tips_add_as_squares(rho):
+    # In units of 2 pi sigma_F h sqrt(D / B): F is 1/n(0), F_s 1/CENTRE, F_m 2 rho n(0).
+    n0 = tension_under_ball(rho)
+    assert -0.005 < n0 * np.hypot(1.0 / CENTRE, 2.0 * rho * n0) - 1.0 < 0.043
+
+
+def test_a_sharp_tip_needs_a_force_that_no_modulus_changes():
+    law = CohesiveLaw()
+    for young in (500.0, 70e3):
+        film = ShellMaterial.homogeneous(young=young)
+        expected = 2.0 * np.pi / CENTRE * 18.0 * 0.074**2 / np.sqrt(12.0 * (1.0 - 0.09))
+        assert puncture_force(film, law) == pytest.approx(expected, rel=1e-9)
+    film = ShellMaterial.homogeneous()
+    blunt = 4.0 * np.pi * 5.0 * 0.074 * 18.0**2 / 1678.0
+    assert puncture_force(film, law, 5.0) == pytest.approx(np.hypot(0.39046, blunt), rel=1e-4)
+
+
+def flat_edge(length):
+    """A wedge that points down, its edge along y through the origin."""
+    blade = straight_blade(height=length)
+    turned = blade.vertices @ np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]).T
+    return Tool.from_triangles(
+        turned, blade.triangles, edges=blade.edges, flank_angle_deg=blade.flank_angle_deg
+    )
+
+
+def strip_force(depth, film, half):
+    """q of a clamped strip [N/mm] that a line pushes by a depth, with its boundary layers."""
+    stretching = 1678.0 * film.thickness
+    bending = stretching * film.thickness**2 / 12.0
+    slope = depth / half
+    for _ in range(30):
+        tension = 0.5 * stretching * slope**2
+        tension *= 1.0 - 3.0 * np.sqrt(bending / tension) / half
+        slope = depth / (half - 2.0 * np.sqrt(bending / tension))
+    return 2.0 * tension * np.sin(slope)
+
+
+@pytest.mark.parametrize(("size", "beside"), [(0.8, 0.03), (0.4, 0.1)])
+def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(size, beside):
+    half, width, strength, thickness = 4.0, 8.0, 18.0, 0.074
+    film, law = ShellMaterial.homogeneous(poisson=0.0), CohesiveLaw()
+    mesh = rectangle(2.0 * half, width, size=size)
+    middle = 0.5 * (mesh.nodes.min(axis=0) + mesh.nodes.max(axis=0))
+    ends = np.flatnonzero(np.isclose(abs(mesh.nodes[:, 0] - middle[0]), half))
+    tool = flat_edge(width + 4.0).translated(middle + (beside, 0.0, 0.02))
+    run = Simulation(
+        mesh,
+        film,
+        supports=[Support.clamped(ends)],
+        tool=tool,
+        motion=StraightMotion((0.0, 0.0, -1.0), speed=4000.0, ramp=1e-4),
+        law=law,
+        fracture=Fracture(path="free"),
+    )
+    force, down = [], []
+    while not run.state.split_log:
+        force.append(run.terms.wrench[0, 2])
+        down.append(-run.pose.translation[2] - 0.02)
+        run.step()
+        assert run.state.time < 3e-4
+    bent = bending_length(film, law)
+    slope = np.sqrt(2.0 * strength / 1678.0 / (1.0 - 3.0 * bent / half))
+    assert down[-1] == pytest.approx(slope * (half - 2.0 * bent), rel=0.05)
+    # The edge rides on ripples of the film: a mean, beside that of the strip at the same depths.
+    expected = strip_force(np.array(down[-800:]), film, half) * width
+    assert np.mean(force[-800:]) == pytest.approx(np.mean(expected), rel=0.05)
+    assert expected[-1] == pytest.approx(
+        2.0 * strength * thickness * width * np.sin(slope), rel=0.02
+    )
+    assert run.state.split_log[0].kind == "puncture"
