@@ -275,6 +275,8 @@ class Cracks:
         If these are the ends of one side, that is broken.
         """
         row, start, stop, end = ahead.row, back.exit, ahead.exit, ahead.corner
+        if start == stop:
+            return None
         side = common_side(WHOLE, start, stop)
         if side is None:
             chord = Segment(row, start, stop, ahead.side, end)
