@@ -32,7 +32,7 @@ class SplitRecord:
     reference: tuple[float, float, float]
     """Reference position [mm]."""
     kind: str
-    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.options`; ``NOTCH``; or
+    """``"criterion"``, ``"blade"`` or ``"puncture"``, see :mod:`shellcut.fracture.options`; ``NOTCH``; or
     ``DROPPED``, of a piece that has been taken out."""
     measure: float
     """Value of the criterion; a split is due at 1."""
