@@ -185,6 +185,7 @@ class Pierce:
 
     def _segment_at(self, k: int) -> int:
         """Return the segment of the cutting edge that ends at a point of the tool."""
+        assert self._points is not None
         ends = self._edges.segments[:, START], self._edges.segments[:, VECTOR]
         gaps = [norm(at - self._points.points.place[k]) for at in (ends[0], ends[0] + ends[1])]
         return int(np.argmin(np.minimum(*gaps)))
