@@ -1,8 +1,9 @@
-"""The force at which a tip goes through whole film: the film around it, solved, and what follows."""
+"""The force at which a tip goes through whole film: the film around it, solved."""
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
+
 from shellcut import CohesiveLaw, Fracture, ShellMaterial, Simulation
 from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
 from shellcut.loads.supports import Support
@@ -125,7 +126,7 @@ def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(size, beside):
     mesh = rectangle(2.0 * half, width, size=size)
     middle = 0.5 * (mesh.nodes.min(axis=0) + mesh.nodes.max(axis=0))
     ends = np.flatnonzero(np.isclose(abs(mesh.nodes[:, 0] - middle[0]), half))
-    tool = flat_edge(width + 4.0).translated(middle + (beside, 0.0, 0.02))
+    tool = flat_edge(width + 4.0).translated(middle + np.array([beside, 0.0, 0.02]))
     run = Simulation(
         mesh,
         film,

@@ -125,8 +125,8 @@ class CrackPath(TipPlaces):
     ) -> Segment | None:
         """Return the side of a row along which a plane through a place of it is best followed.
 
-        Both its ends lie within so many local edge lengths of the plane; the segment leads the way of ``way``. None
-        if no side does that can be broken.
+        Both its ends lie within so many local edge lengths of the plane; the segment leads the way
+        of ``way``. None if no side does that can be broken.
 
         way, lean : as of :meth:`segment_from`.
         """

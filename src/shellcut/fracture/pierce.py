@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3, product, norm, unit
+from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
 from shellcut.contact.near_nodes import NearNodes, in_box
-from shellcut.contact.sheet_contact import PointContact
 from shellcut.contact.press_forces import TOUCHING
+from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel

@@ -32,8 +32,8 @@ class SplitRecord:
     reference: tuple[float, float, float]
     """Reference position [mm]."""
     kind: str
-    """``"criterion"``, ``"blade"`` or ``"puncture"``, see :mod:`shellcut.fracture.options`; ``NOTCH``; or
-    ``DROPPED``, of a piece that has been taken out."""
+    """``"criterion"``, ``"blade"`` or ``"puncture"``, see
+    :mod:`shellcut.fracture.options`; ``NOTCH``; or ``DROPPED``, of a piece that has been taken out."""
     measure: float
     """Value of the criterion; a split is due at 1."""
     force_jump: float
