@@ -33,7 +33,8 @@ class SplitRecord:
     """Reference position [mm]."""
     kind: str
     """``"criterion"``, ``"blade"`` or ``"puncture"``, see
-    :mod:`shellcut.fracture.options`; ``NOTCH``; or ``DROPPED``, of a piece that has been taken out."""
+    :mod:`shellcut.fracture.options`; ``NOTCH``; or ``DROPPED``, of a
+    piece that has been taken out."""
     measure: float
     """Value of the criterion; a split is due at 1."""
     force_jump: float
