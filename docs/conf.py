@@ -52,6 +52,7 @@ PAGES = {
         "howto/own-tool",
         "howto/own-film",
         "howto/tear",
+        "howto/pierce",
         "howto/hand-built",
         "howto/resume",
         "howto/read-results",

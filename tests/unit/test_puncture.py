@@ -1,8 +1,9 @@
-"""The force at which a tip goes through whole film: the film around it, and what follows."""
+"""The force at which a tip goes through whole film: the film around it, solved."""
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
+
 from shellcut import CohesiveLaw, Fracture, ShellMaterial, Simulation
 from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
 from shellcut.loads.supports import Support

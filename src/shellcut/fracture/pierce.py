@@ -128,7 +128,33 @@ class Pierce:
         tips : ndarray, shape (n, 3)
             Where the cracks end that an edge drives [mm].
         """
-        return [*self._pressed(state, pose, tips), *self._entered(state, pose, tips)]
+        entered = self._entered(state, pose, tips)
+        if entered and (on := self._tips_on_face(state)):
+            entered = [one for one in entered if not self._lies_on(state, one, on)]
+        return [*self._pressed(state, pose, tips), *entered]
+
+    def _tips_on_face(self, state: State) -> list[tuple[int, Floats]]:
+        """Return segments of the cutting edges whose tips press on the film, and where these do."""
+        if self._points is None:
+            return []
+        carriers, point = self._points.carriers, self._points.point_of_sheet()
+        on = np.flatnonzero((carriers.pressure > 0.0) & self._points.points.is_tip[point]).tolist()
+        return [
+            (
+                self._segment_at(int(point[i])),
+                product(carriers.weight[i], state.node.x[carriers.node[i]]),
+            )
+            for i in on
+        ]
+
+    def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats]]) -> bool:
+        """Return whether the tip of an edge is still on the face within an edge length.
+
+        A tip that starts in the film's plane is above or below it by round-off.
+        """
+        here = self._path.place_in(state, begun.row, begun.place).x
+        near = math.sqrt(self._shell.area[begun.row])
+        return any(k == begun.segment and norm(at - here) < near for k, at in on)
 
     def _pressed(self, state: State, pose: Pose, tips: Floats) -> Iterator[Begun]:
         """Yield where a tip or an edge on the face of the film has reached what this carries."""
