@@ -141,7 +141,7 @@ class Pierce:
         on = np.flatnonzero((carriers.pressure > 0.0) & self._points.points.is_tip[point]).tolist()
         return [
             (
-                self._segment_at(int(point[i])),
+                self._segment_at(self._points.points.place[point[i]]),
                 product(carriers.weight[i], state.node.x[carriers.node[i]]),
             )
             for i in on
