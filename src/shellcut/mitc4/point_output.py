@@ -34,6 +34,7 @@ from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads, in_lamina
 from .element import GAUSS, Modes, Sixteen
 from .film_axes import into_axes
+from .present_quads import PresentQuads
 from .quad_strains import PointQuads, one_quad
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, PointTables, strain_at, turn_strain
 
@@ -75,15 +76,15 @@ class PointOutput:
         """Take over the tables of the shell, after a cut has made them anew."""
         self._blocks, self._points = blocks, points
 
-    def cauchy(self, state: State, quads: PointQuads, which: Ints, place: str) -> Floats:
+    def cauchy(self, state: State, present: PresentQuads, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).
 
         Parameters
         ----------
         state : State
             History of t_n.
-        quads : PointQuads
-            All quads of this state.
+        present : PresentQuads
+            Gives all quads of this state.
         which : ndarray of int, shape (n,)
             The quads asked for.
         place : {"mid", "top", "bottom", "nominal"}
@@ -91,12 +92,12 @@ class PointOutput:
         """
         check_place(place)
         which = check_quads(which, len(state.quads))
-        return self._stress(state, quads, which, [place])[0][:, 0]
+        return self._stress(state, present.of(state), which, [place])[0][:, 0]
 
-    def faces(self, state: State, quads: PointQuads) -> FaceStresses:
+    def faces(self, state: State, present: PresentQuads) -> FaceStresses:
         """Return the stresses of membrane, top and bottom, and the thickness of all quads."""
-        n = len(state.quads)
-        sigma, thickness = self._stress(state, quads, np.arange(n), ["membrane", "top", "bottom"])
+        every, places = np.arange(len(state.quads)), ["membrane", "top", "bottom"]
+        sigma, thickness = self._stress(state, present.of(state), every, places)
         return in_lamina(sigma, thickness, state.node.x, state.quads)
 
     def history_means(self, state: State) -> dict[str, Floats]:

@@ -327,7 +327,7 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
-        return self._output.cauchy(state, self._present.of(state), quads, place)
+        return self._output.cauchy(state, self._present, quads, place)
 
     def linear_stress(
         self,
@@ -354,7 +354,7 @@ class MITC4Shell:
 
     def face_stresses(self, state: State) -> FaceStresses:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
-        return self._output.faces(state, self._present.of(state))
+        return self._output.faces(state, self._present)
 
     def history_means(self, state: State) -> dict[str, Floats]:
         """Return the history numbers of the quads by name, shape (n_quad,) each.
