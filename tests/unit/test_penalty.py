@@ -7,7 +7,6 @@ import pytest
 
 from naive import contact as naive
 from shellcut.contact.settings import (
-    NOTICED,
     SOFTEST,
     STEEPEST,
     STIFFEST,
@@ -100,7 +99,6 @@ def test_smoothing_follows_the_film_and_stays_small_beside_the_tool():
     assert law(0.02).smoothing_depth == 0.005
     thick = law(1.0)
     assert thick.smoothing_depth == BLADE.half_thickness() / 8
-    assert thick.noticed == NOTICED * thick.smoothing_depth
     thin_blade = straight_blade(half_thickness=0.02, wedge_half_angle_deg=3.0)
     assert law(tool=thin_blade).smoothing_depth < 0.02 / 8
     assert law(0.02, smoothing=0.1).smoothing_depth == 0.002

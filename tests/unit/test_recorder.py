@@ -283,7 +283,7 @@ def test_a_cutting_edge_ahead_of_a_tip_is_not_unfelt(monkeypatch):
     monkeypatch.setattr(
         shellcut.recording.unfelt_penetration,
         "missed_penetration",
-        lambda _wires, _state, _pose, felt: (left_out.append(felt.tolist()), 0.0),
+        lambda _wires, _state, _pose, felt, _rows: (left_out.append(felt.tolist()), 0.0),
     )
     sim = cutting()
     UnfeltPenetration(sim).now()

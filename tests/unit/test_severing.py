@@ -19,8 +19,8 @@ from shellcut.tool.shapes import straight_blade
 SHORT = CohesiveLaw(opening_a=0.05, opening_p=0.2, opening_u=0.3)
 
 
-def sharp_cut(law=None, radius=0.01):
-    inputs = dict(cutting().inputs)
+def sharp_cut(law=None, radius=0.01, threads=None):
+    inputs = dict(cutting().inputs) | {"threads": threads}
     inputs["tool"] = straight_blade(
         half_thickness=0.1, length=2.0, height=2.0, edge_radius=radius
     ).translated((-0.02, 0.0, 0.0))
