@@ -16,7 +16,7 @@ around it at F_m = 4 pi rho (sigma_F h)² / B. In between
 
     F_p = sqrt(F_s² + F_m²)
 
-is within +4.2 and -0.4 % of the full problem ([METHOD3] 1; the tests solve it).
+is within +4.3 and -0.1 % of the full problem, which the tests solve.
 
 *Axes.* D / B is the mean of those along and across the film. *Yielding.* F_s needs no modulus, and
 stands for a film that follows a deformation theory with the same stiffness everywhere; in F_m the
