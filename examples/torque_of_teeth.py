@@ -71,7 +71,7 @@ def main() -> None:
     print("inclination [deg]  pitch [mm]  torque [N*mm]  theory [N*mm]")
     for run in found.plan.runs:
         figures = found.outcomes[run.number].figures
-        values = {**found.plan.settings, **run.values}
+        values = {**found.plan.definition.settings, **run.values}
         inclination = float(values["tool.edge_inclination_deg"])
         pitch = float(values["motion.pitch"])
         if "torque_plateau_Nmm" not in figures:

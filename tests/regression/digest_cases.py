@@ -16,7 +16,7 @@ _SHORT = {"membrane.length": "12 mm", "membrane.width": "6.4 mm", "travel": "4 m
 _TORN = {"membrane.length": "14 mm", "travel": "4 mm"}
 CASES = {
     "opening": ("opening", {"mesh": "quick", "motion.angle_deg": 12.0, "duration": "0.8 ms"}),
-    "opening on M1": ("opening", {"motion.angle_deg": 3.0, "duration": "0.2 ms"}),
+    "opening on M1": ("opening", {"motion.angle_deg": 7.0, "duration": "0.45 ms"}),
     "guillotine": ("guillotine", _SHORT),
     "through quads": ("guillotine", {**_SHORT, "path": "free"}),
     "slicing": (

@@ -146,7 +146,7 @@ def test_a_steep_tooth_cuts_only_the_side_through_which_it_goes(eta):
         sim.step()
         assert np.degrees(sim.motion.coordinate(sim.state.time)) < 6.0
     assert [split.kind for split in sim.state.split_log] == ["puncture"] * 4
-    ends = sim.cracks.free.at_tips(sim.mesh.nodes)
+    ends = sim.cracks.at_tips(sim.mesh.nodes)
     angles = np.sort(np.degrees(np.arctan2(ends[:, 1], ends[:, 0])) % 360.0)
     wanted = np.sort(np.add.outer(np.arange(4) * 90.0, [0.0, 5.0]).ravel())
     np.testing.assert_allclose(angles, wanted, atol=1e-9)

@@ -126,12 +126,14 @@ import json
 import numpy as np
 from shellcut import CohesiveLaw
 from shellcut.cables.directional_cable import _energies
+from shellcut.state.tables import NOT_MET
 
 law = CohesiveLaw(
     strength=18.0, plateau=12.0, opening_a=0.5, opening_p=3.0, opening_u=4.0
 ).parameters()
 stored, dissipated = np.zeros(1), np.zeros(1)
-_energies(np.zeros(1, np.int8), np.ones(1), np.ones(1), law, 45.0, stored, dissipated)
+met, one = np.full(1, NOT_MET), np.ones(1)
+_energies(np.zeros(1, np.int8), met, one, one, np.zeros(1), law, law, stored, dissipated)
 hits = sum(_energies.stats.cache_hits.values())
 print(json.dumps({"energy": stored[0] + dissipated[0], "loaded": hits}))
 """

@@ -27,7 +27,7 @@ def momenta(sim):
 
 @kernel
 def _closest(p, x, quads, row, outline):
-    return closest_place((p[0], p[1], p[2]), corners_of(x, quads, row), row, outline)
+    return closest_place((p[0], p[1], p[2]), corners_of(x, quads, row), row, outline, False)
 
 
 SQUARE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))

@@ -50,9 +50,6 @@ from .settings import NOTICED
 # Newton's method converges quadratically; a foot that is not found by then lies far outside.
 _MOST_STEPS = 12
 _FOUND = 1e-13
-
-# Of the determinant of second derivatives over that of a rectangle, below which it is no guide.
-_LEAST_CONVEX = 0.1
 _FAR_OUTSIDE = 4.0
 
 # A foot this little outside a polygon, in xi and eta, is on its edge: far above round-off.
@@ -139,7 +136,7 @@ def normal_at(q: Corners, xi: float, eta: float) -> Vec3:
 
 
 @always_inline
-def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
+def foot_on(p: Vec3, q: Corners, of_tool: bool) -> tuple[float, float, bool]:
     """Return where the foot of the perpendicular from p on a quad is, and whether there is one."""
     twist = scale(0.25, sub(add(q.x0, q.x2), add(q.x1, q.x3)))
     xi = eta = 0.0
@@ -151,7 +148,7 @@ def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
         level = dot(a1, a2)
         h12 = level - dot(r, twist)
         det = h11 * h22 - h12 * h12
-        if det < _LEAST_CONVEX * h11 * h22:  # of a skewed quad, far from the foot: Gauss-Newton
+        if of_tool and not det > 0.0:  # far from the foot in a skewed quad: Gauss-Newton
             h12, det = level, h11 * h22 - level * level
         if not det > 0.0:  # it has no area, or is not finite
             return xi, eta, False
@@ -166,10 +163,10 @@ def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
 
 
 @always_inline
-def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
+def closest_place(p: Vec3, q: Corners, row: int, outline: Outline, of_tool: bool) -> Closest:
     """Return the place of a row's film that is closest to p."""
     n, point = outline.n_edge[row], outline.point
-    xi, eta, found = foot_on(p, q)
+    xi, eta, found = foot_on(p, q, of_tool)
     inside = found
     for k in range(n):
         end = (k + 1) % n
@@ -254,7 +251,7 @@ def nearest_on(p: Vec3, sheet: int, band: float, walked: float, tables: SheetTab
             until[j] = walked + off
             free = min(free, off)
             continue
-        place = closest_place(p, q, row, tables.outline)
+        place = closest_place(p, q, row, tables.outline, tables.of_tool)
         if place.square < best.square:
             best, found = place, j
     return Nearest(found, best, free)

@@ -32,8 +32,10 @@ import math
 
 import numpy as np
 
+from shellcut.arrays import product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.small_matrices import inverse
 
 CENTRE = 0.47994
 """n(0) under a point load, solved in ``tests/unit/test_puncture.py``."""
@@ -81,6 +83,7 @@ def _stiffnesses(film: ShellMaterial) -> tuple[float, float]:
     membrane = np.einsum("i,ijk->jk", weight, laws)
     coupling = np.einsum("i,ijk->jk", weight * z, laws)
     second = np.einsum("i,ijk->jk", weight * z * z, laws)
-    bending = second - coupling @ np.linalg.solve(membrane, coupling)
-    tension = 1.0 / np.diag(np.linalg.inv(membrane))[:2]
+    compliance = inverse(membrane)
+    bending = second - product(coupling, compliance, coupling)
+    tension = 1.0 / np.diag(compliance)[:2]
     return math.sqrt(tension[0] * tension[1]), math.sqrt(bending[0, 0] * bending[1, 1])
