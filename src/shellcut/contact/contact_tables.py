@@ -361,6 +361,10 @@ class PressTerm(ForceTerm):
         self.touch.take(saved["touch"])
         for name, kind in {"carriers": Carriers, **self.kept_tables}.items():
             rows = {field: rows.copy() for field, rows in saved[name].items()}
+            for field, now in getattr(self, name)._asdict().items():
+                if np.shape(rows[field])[1:] != np.shape(now)[1:]:
+                    wanted, got = np.shape(now)[1:], np.shape(rows[field])
+                    raise ValueError(f"{name}.{field} must have rows of shape {wanted}, got {got}")
             setattr(self, name, kind(**rows))
         for name in self.kept_values:
             setattr(self, name, copy(saved[name]))
