@@ -60,7 +60,9 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     place = np.concatenate([tool.vertices[vertex], along.place])
     outward = np.concatenate([unit(at_vertex[vertex]), along.outward])
     body = np.concatenate([body_of[vertex], along.body])
-    segment = np.concatenate([np.full(len(vertex), -1), along.segment])
+    at_end = np.full(tool.n_vertex, -1)
+    at_end[tool.edges] = np.arange(tool.n_edge)[:, None]
+    segment = np.concatenate([np.where(ends_cut, at_end[vertex], -1), along.segment])
     is_tip = np.concatenate([ends_cut, np.zeros(len(along.turn), np.bool_)])
     sharpness = np.where(is_tip, np.inf, np.concatenate([turn_at_vertex, along.turn]))
     kept = _spread(place, sharpness, CLOSEST * edge_length)

@@ -52,6 +52,10 @@ _MOST_STEPS = 12
 _FOUND = 1e-13
 _FAR_OUTSIDE = 4.0
 
+# Of the second derivatives' determinant over that without the quad's twist: below it the twist is
+# left out.
+_CONVEX = 0.5
+
 # A foot this little outside a polygon, in xi and eta, is on its edge: far above round-off.
 _ON_EDGE = 1e-12
 
@@ -136,7 +140,7 @@ def normal_at(q: Corners, xi: float, eta: float) -> Vec3:
 
 
 @always_inline
-def foot_on(p: Vec3, q: Corners, of_tool: bool) -> tuple[float, float, bool]:
+def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
     """Return where the foot of the perpendicular from p on a quad is, and whether there is one."""
     twist = scale(0.25, sub(add(q.x0, q.x2), add(q.x1, q.x3)))
     xi = eta = 0.0
@@ -147,12 +151,14 @@ def foot_on(p: Vec3, q: Corners, of_tool: bool) -> tuple[float, float, bool]:
         h11, h22 = dot(a1, a1), dot(a2, a2)
         level = dot(a1, a2)
         h12 = level - dot(r, twist)
-        det = h11 * h22 - h12 * h12
-        if of_tool and not det > 0.0:  # far from the foot in a skewed quad: Gauss-Newton
-            h12, det = level, h11 * h22 - level * level
+        det, flat = h11 * h22 - h12 * h12, h11 * h22 - level * level
+        if not det > _CONVEX * flat:  # far from the foot in a skewed quad: Gauss-Newton
+            h12, det = level, flat
         if not det > 0.0:  # it has no area, or is not finite
             return xi, eta, False
         step_xi, step_eta = (h22 * g1 - h12 * g2) / det, (h11 * g2 - h12 * g1) / det
+        longest = max(abs(step_xi), abs(step_eta), 1.0)  # half a quad at most
+        step_xi, step_eta = step_xi / longest, step_eta / longest
         xi += step_xi
         eta += step_eta
         if abs(xi) + abs(eta) > 2.0 * _FAR_OUTSIDE:
@@ -163,10 +169,10 @@ def foot_on(p: Vec3, q: Corners, of_tool: bool) -> tuple[float, float, bool]:
 
 
 @always_inline
-def closest_place(p: Vec3, q: Corners, row: int, outline: Outline, of_tool: bool) -> Closest:
+def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
     """Return the place of a row's film that is closest to p."""
     n, point = outline.n_edge[row], outline.point
-    xi, eta, found = foot_on(p, q, of_tool)
+    xi, eta, found = foot_on(p, q)
     inside = found
     for k in range(n):
         end = (k + 1) % n
@@ -251,7 +257,7 @@ def nearest_on(p: Vec3, sheet: int, band: float, walked: float, tables: SheetTab
             until[j] = walked + off
             free = min(free, off)
             continue
-        place = closest_place(p, q, row, tables.outline, tables.of_tool)
+        place = closest_place(p, q, row, tables.outline)
         if place.square < best.square:
             best, found = place, j
     return Nearest(found, best, free)

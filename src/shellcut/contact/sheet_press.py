@@ -214,7 +214,7 @@ def closest_of_pairs(pose: Pose, tables: SheetTables, found: Floats) -> None:
         for j in range(pairs.first_pair[first], pairs.first_pair[end]):
             row = pairs.row[j]
             q = corners_of(tables.nodes.x, tables.quads, row)
-            place = closest_place(p, q, row, tables.outline, tables.of_tool)
+            place = closest_place(p, q, row, tables.outline)
             found[j, 0], weights = np.sqrt(place.square), weights_at(place.xi, place.eta)
             for a in range(4):
                 found[j, 1 + a] = weights[a]

@@ -137,15 +137,11 @@ class Pierce:
         """Return segments of the cutting edges whose tips press on the film, and where these do."""
         if self._points is None:
             return []
-        carriers, point = self._points.carriers, self._points.point_of_sheet()
-        on = np.flatnonzero((carriers.pressure > 0.0) & self._points.points.is_tip[point]).tolist()
-        return [
-            (
-                self._segment_at(self._points.points.place[point[i]]),
-                product(carriers.weight[i], state.node.x[carriers.node[i]]),
-            )
-            for i in on
-        ]
+        on, carriers = self._points.points, self._points.carriers
+        point = self._points.point_of_sheet()
+        pressing = np.flatnonzero((carriers.pressure > 0.0) & on.is_tip[point]).tolist()
+        places = [product(carriers.weight[i], state.node.x[carriers.node[i]]) for i in pressing]
+        return list(zip(on.segment[point[pressing]].tolist(), places, strict=True))
 
     def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats]]) -> bool:
         """Return whether the tip of an edge is still on the face within an edge length.
@@ -162,7 +158,7 @@ class Pierce:
             return
         on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
         point = self._points.point_of_sheet()
-        for i in np.flatnonzero((force > 0.0) & (on.is_tip | (on.segment >= 0))[point]).tolist():
+        for i in np.flatnonzero((force > 0.0) & (on.segment[point] >= 0)).tolist():
             k = int(point[i])
             rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
             if not rows:  # it has been cut since it was pressed
@@ -174,19 +170,13 @@ class Pierce:
                 continue
             segment = int(on.segment[k])
             if on.is_tip[k]:
-                segment, measure = self._segment_at(on.place[k]), force[i] / self._force
+                measure = force[i] / self._force
             else:
                 measure = self._across(state, pose, row, segment) / self._strength
             if measure >= 1.0:
                 w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
                 yield Begun(row, place, segment, float(measure))
-
-    def _segment_at(self, place: Floats) -> int:
-        """Return the segment of the cutting edge that ends at a place of the tool, (3,)."""
-        ends = self._edges.segments[:, START], self._edges.segments[:, VECTOR]
-        gaps = [norm(at - place) for at in (ends[0], ends[0] + ends[1])]
-        return int(np.argmin(np.minimum(*gaps)))
 
     def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
         """Return the mean membrane stress across an edge in a row [MPa]."""
