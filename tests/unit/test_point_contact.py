@@ -129,7 +129,7 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     assert points.is_tip[away.argmin()]
     assert points.outward[away.argmin(), 2] < -0.5
     # The others know their segment and lie on it, no farther apart than half an edge of the film.
-    on = np.flatnonzero(points.segment >= 0)
+    on = np.flatnonzero((points.segment >= 0) & ~points.is_tip)
     start, vector = ends[points.segment[on], 0], np.diff(ends, axis=1)[points.segment[on], 0]
     share = ((points.place[on] - start) * vector).sum(axis=1) / (vector**2).sum(axis=1)
     foot = start + share[:, None] * vector
