@@ -124,7 +124,7 @@ class RunFiles:
         own = [snapshot(self.folder, k).name for k in range(n_picture)]
         self._taken.resume([*self._planned(0)[0], *own])
         later = [path.name for path in snapshots(self.folder, first=n_picture)]
-        self._taken.remove([*self._last_names(drawn=True), *later])
+        self._taken.files.remove([*self._last_names(drawn=True), *later])
         self._open(row_time, frame_time)
 
     def are_summed_up(self, drawn: bool) -> bool:
@@ -134,7 +134,7 @@ class RunFiles:
     def new_picture(self, number: int) -> Path:
         """Return the path of the next snapshot."""
         path = snapshot(self.folder, number)
-        self._taken.add(path)
+        self._taken.files.add(path.name)
         return path
 
     def look(self) -> None:
@@ -156,7 +156,7 @@ class RunFiles:
                 f"{self.folder} has been removed, moved or emptied while {self._name} was written "
                 "there; if it was moved, the run can be resumed where it is now"
             )
-        self._taken.hold()
+        self._taken.lock.hold()
         self.lost = False
 
     def close(self) -> None:
@@ -177,7 +177,7 @@ class RunFiles:
 
     def release(self) -> None:
         """Let others write in the folder; a second call does nothing."""
-        self._taken.close()
+        self._taken.lock.close()
 
     def _last_names(self, drawn: bool) -> list[str]:
         curves = [resistance_picture(self.folder, self._curve).name, ENERGY_PICTURE]
