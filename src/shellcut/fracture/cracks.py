@@ -234,7 +234,7 @@ class Cracks:
             )
         while tip is not None and (ahead := self._path.rows_ahead(tip)):
             at = self._path.place_in(state, *ahead[0])
-            way, lean = line.direction(self._path.reference_of(state, tip), at)
+            way, lean = line.direction(self._path.at_tip(tip, state.node.X), at)
             segment = self._path.segment_from(state, tip, way, lean, self.tips)
             if segment is None and len(state.split_log) == before:
                 raise ValueError(
@@ -245,7 +245,7 @@ class Cracks:
                 return
             cut = self._cut(state, segment, NOTCH, 0.0)
             tip = self._tip_after(state, segment, cut, 1, tip.heading)
-            if tip is not None and line.ends(self._path.reference_of(state, tip), cut.length):
+            if tip is not None and line.ends(self._path.at_tip(tip, state.node.X), cut.length):
                 self.tips.append(replace(tip, length=0.0))
                 return
 
@@ -374,7 +374,7 @@ class Cracks:
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
         here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self._path.size(segment.row)
-        gaps = [norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
+        gaps = [norm(self._path.at_tip(tip, state.node.X) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
         joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
         if joined is not None and product(joined.heading, came) < ONCOMING:
@@ -390,12 +390,12 @@ class Cracks:
 
         kind : of the cut.
         """
-        here = self._path.reference_of(state, tip)
+        here = self._path.at_tip(tip, state.node.X)
         for other in self.tips:
             between = self._path.between(tip, other)
             if between is None or product(other.heading, tip.heading) > ONCOMING:
                 continue
-            gap = self._path.reference_of(state, other) - here
+            gap = self._path.at_tip(other, state.node.X) - here
             across = norm(gap - product(gap, tip.heading) * tip.heading)
             if across < JOIN * self._path.size(tip.quad):
                 self.cuts.along(state, between, kind, 0.0)
