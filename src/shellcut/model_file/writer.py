@@ -11,13 +11,15 @@ from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
 
+_SCHEMA = "#:schema ./shellcut.schema.json\n"
+"""For editors; ``shellcut keys --schema`` prints that file."""
 _DIGEST = "# sha256 of all below: "
 _COLUMN = 34
 """Column of the comments, if the value is short enough."""
 
 
 def model_text(model: Model) -> str:
-    """Return a model as TOML text; its first line is the digest of the rest."""
+    """Return a model as TOML text; its second line is the digest of the rest."""
     lines = [
         f"# shellcut {version('shellcut')}, model {model.head.model}: every default filled in.",
         "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
@@ -32,13 +34,17 @@ def model_text(model: Model) -> str:
         lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
         lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
     body = "\n".join(lines) + "\n"
-    return f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
+    return _head(body) + body
 
 
 def is_as_written(text: str) -> bool:
     """Whether a text from :func:`model_text` is unchanged."""
-    first, _, body = text.partition("\n")
-    return first == f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}"
+    *_, body = text.split("\n", 2)
+    return text == _head(body) + body
+
+
+def _head(body: str) -> str:
+    return f"{_SCHEMA}{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}\n"
 
 
 def _section(section: Section, title: str) -> Iterator[str]:
