@@ -11,9 +11,7 @@ from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
 
-_SCHEMA = "#:schema ./shellcut.schema.json\n"
-"""For editors; ``shellcut keys --schema`` prints that file."""
-_DIGEST = "# sha256 of all below: "
+_HEAD = "#:schema ./shellcut.schema.json\n# sha256 of all below: "
 _COLUMN = 34
 """Column of the comments, if the value is short enough."""
 
@@ -34,17 +32,16 @@ def model_text(model: Model) -> str:
         lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
         lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
     body = "\n".join(lines) + "\n"
-    return _head(body) + body
+    return _signed(body)
 
 
 def is_as_written(text: str) -> bool:
     """Whether a text from :func:`model_text` is unchanged."""
-    *_, body = text.split("\n", 2)
-    return text == _head(body) + body
+    return text == _signed(text.split("\n", 2)[-1])
 
 
-def _head(body: str) -> str:
-    return f"{_SCHEMA}{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}\n"
+def _signed(body: str) -> str:
+    return f"{_HEAD}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
 
 
 def _section(section: Section, title: str) -> Iterator[str]:
