@@ -99,13 +99,23 @@ class CrackPath:
         At a node those come first into whose corner the crack's heading points, or nearly: where a
         blade folds film at the tip, a row beside the crack says nothing of the way ahead.
         """
+        rows = self.rows_at_tip(tip)
+        if tip.flank is None and tip.at_node:
+            rows.sort(key=lambda at: self._past_a_row(at, tip))
+        return rows
+
+    def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
+        """Return the same in the order of the mesh.
+
+        :mod:`.free_direction` looks from the first of them: from the first of :meth:`rows_ahead`
+        two tears that converge meet too late on some meshes.
+        """
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
-            rows = self._rows_at_node(tip.ends[0])
-            return sorted(rows, key=lambda at: self._past_a_row(at, tip))
+            return self._rows_at_node(tip.ends[0])
         found = []
         for row, side, up in topology.rows_beside(*tip.ends):
             if topology.parent(row) == tip.quad:

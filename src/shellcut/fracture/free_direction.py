@@ -211,7 +211,7 @@ class FreeDirection:
         Along the crack, and at least ``FALL``.
         """
         if tip not in self._behind:
-            row, _ = self._path.rows_ahead(tip)[0]
+            row, _ = self._path.rows_at_tip(tip)[0]
             place = self._path.at_tip(tip, state.node.X)
             self._behind[tip] = self._edges.cables_behind(state, place, self._path.size(row))
         cables, back = self._behind[tip]
@@ -222,7 +222,7 @@ class FreeDirection:
 
     def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
-        rows = self._path.rows_ahead(tip)
+        rows = self._path.rows_at_tip(tip)
         row, entry = rows[0]
         T = self._path.reference_director(row, entry)
         forward = unit(tip.heading - product(tip.heading, T) * T)
