@@ -397,16 +397,6 @@ def _rotary_inertia(figures: Figures) -> Iterator[Line]:
         )
 
 
-def _borrowed_stress(figures: Figures) -> Iterator[Line]:
-    n = figures.get("n_recovery_borrowed", 0)
-    if n > 0:
-        yield Line(
-            "note",
-            f"The stress at a node was taken from a neighbour's quads {n} times, because its own "
-            "were too few.",
-        )
-
-
 _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _stopped,
     _ledger,
@@ -424,5 +414,4 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _account,
     _stored,
     _rotary_inertia,
-    _borrowed_stress,
 )
