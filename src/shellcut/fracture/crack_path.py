@@ -99,19 +99,13 @@ class CrackPath:
         At a node those come first into whose corner the crack's heading points, or nearly: where a
         blade folds film at the tip, a row beside the crack says nothing of the way ahead.
         """
-        rows = self.rows_at_tip(tip)
-        if tip.flank is None and tip.at_node:
-            rows.sort(key=lambda at: self._past_a_row(at, tip))
-        return rows
-
-    def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the same in the order of the mesh, for cracks that no blade drives."""
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
             return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
-            return self._rows_at_node(tip.ends[0])
+            rows = self._rows_at_node(tip.ends[0])
+            return sorted(rows, key=lambda at: self._past_a_row(at, tip))
         found = []
         for row, side, up in topology.rows_beside(*tip.ends):
             if topology.parent(row) == tip.quad:
@@ -253,10 +247,6 @@ class CrackPath:
         along = least_squares(product(slopes, film.x[film.quads[quad]]).T, np.array(heading))
         return along, slopes
 
-    def reference_of(self, state: State, tip: Tip) -> Floats:
-        """Return where a tip lies in the reference film [mm], shape (3,)."""
-        return self.at_tip(tip, state.node.X)
-
     def at_tip(self, tip: Tip, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at a tip, shape (k,)."""
         if tip.flank is not None:
@@ -272,8 +262,8 @@ class CrackPath:
 
     def nearest(self, state: State, tip: Tip, others: Sequence[Tip]) -> float:
         """Return how near the nearest other tip is in the reference film [mm], inf if none is."""
-        here = self.reference_of(state, tip)
-        gaps = [self.reference_of(state, one) - here for one in others if one is not tip]
+        here = self.at_tip(tip, state.node.X)
+        gaps = [self.at_tip(one, state.node.X) - here for one in others if one is not tip]
         return min((float(norm(gap)) for gap in gaps), default=np.inf)
 
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:

@@ -63,6 +63,7 @@ def preview(
         Not changed.
     path : path-like
         Picture to write; the ending tells the format.
+    time : float, optional
         End of the run [s]: the tool is also drawn at this time, cutting edges that never meet the
         film or leave it before then get their own colours, and the model is checked.
     check : ModelCheck, optional
