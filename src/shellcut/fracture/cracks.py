@@ -230,9 +230,9 @@ class Cracks:
                 break
         if tip is None:
             raise ValueError(
-                f"a notch must begin at the rim of the film or within it: {points[0].tolist()} mm "
-                f"lies outside, and no side of the rim between it and {stop.tolist()} mm is "
-                "nearer to that line than it is long"
+                f"a notch must begin on the film or at its rim, but its line from "
+                f"{points[0].tolist()} to {stop.tolist()} mm crosses no side of the rim: move its "
+                "first point"
             )
         while tip is not None and (ahead := self._path.rows_ahead(tip)):
             at = self._path.place_in(state, *ahead[0])
