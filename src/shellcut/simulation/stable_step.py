@@ -52,8 +52,8 @@ _TIGHT = 0.99
 # short for the rest of a run after one moment in which it had to be.
 _AT_ONCE, _AFTER_ALL = 1.08, 1.01
 
-# Largest factor between two steps: a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of energy
-# for every force f that is not in balance, and at a cut, where the step may grow, such forces are
+# Largest factor between two steps: a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of
+# energy for every force f out of balance, and at a cut, where the step may grow, such forces are
 # large. They have died down before a growth by a tenth is complete.
 _GROWTH = 1.002
 
