@@ -22,15 +22,16 @@ def moduli(material):
     """
     if isinstance(material, Elastic):
         e1 = e2 = material.young
-        nu = material.poisson
+        nu = through = material.poisson
         shear = [0.5 * e1 / (1 + nu)] * 3
         angle = 0.0
     else:
         e1, e2, nu = material.young_along, material.young_across, material.poisson
+        through = nu if material.poisson_through is None else material.poisson_through
         shear = [material.shear_through_across, material.shear_through, material.shear]
         angle = np.radians(material.angle_deg)
     compliance = np.diag([1 / e1, 1 / e2, 1 / e2, *(1 / np.array(shear))])
-    for i, j, ratio in ((0, 1, nu / e1), (0, 2, nu / e1), (1, 2, nu / e2)):
+    for i, j, ratio in ((0, 1, nu / e1), (0, 2, through / e1), (1, 2, through / e2)):
         compliance[i, j] = compliance[j, i] = -ratio
     c, s = np.cos(angle), np.sin(angle)
     turn = np.eye(6)
