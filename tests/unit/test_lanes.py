@@ -24,7 +24,6 @@ from shellcut.numerics.lanes import (
     put,
     put_all,
     put_at,
-    put_row_columns,
     row_columns,
     scatter_add,
     total,
@@ -106,7 +105,7 @@ def _corners(corner, x, rows, out, one):
 
 
 @kernel
-def _nodes(x, mass, rows, more, other, first, out, lane):
+def _nodes(x, mass, rows, more, first, out, lane):
     for turn in range(8 if lane is not None else 1):
         n = first + turn
         r = row_columns(rows, n, lane)
@@ -116,7 +115,6 @@ def _nodes(x, mass, rows, more, other, first, out, lane):
         v = at(x, n, 0, lane), at(x, n, 1, lane), at(x, n, 2, lane)
         add_row_columns(more, n, lane, v)
         clear_rows(rows, n, lane)
-        put_row_columns(other, n, lane, v)
 
 
 def test_arithmetic_is_that_of_floats():
@@ -179,8 +177,8 @@ def test_consecutive_nodes():
     )
     for lane in (None, 0):
         rows, out = full.copy(), np.full((20, 3), np.nan, order="F")
-        more, other = full.copy(), full.copy()
-        _nodes(x, mass, rows, more, other, 5, out, lane)
+        more = full.copy()
+        _nodes(x, mass, rows, more, 5, out, lane)
         np.testing.assert_allclose(out[some], wanted, rtol=0, atol=1e-15)
         assert np.isnan(out[:5]).all()
         assert np.isnan(out[13:]).all()
@@ -188,10 +186,6 @@ def test_consecutive_nodes():
         np.testing.assert_array_equal(more[some, :3], full[some, :3] + x[some])
         more[some, :3] = full[some, :3]
         np.testing.assert_array_equal(more, full)
-        np.testing.assert_array_equal(other[some, :3], x[some])
-        assert not other[some, 3:].any()
-        other[some] = full[some]
-        np.testing.assert_array_equal(other, full)
         np.testing.assert_array_equal(rows[13:], full[13:])
 
 
