@@ -10,14 +10,10 @@ from naive import blade_drive
 from shellcut.contact.settings import STEEPEST
 from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
 from shellcut.fracture.flank_points import hand_on_stiffness
-from shellcut.fracture.ray_ahead import GRAZE, SNAP
-from shellcut.fracture.tip import Tip
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges
 from shellcut.tool.motion import StraightMotion
-
-FORWARD = np.array([1.0, 0.0, 0.0])
 
 
 def aligned(turned=False):
@@ -30,30 +26,6 @@ def aligned(turned=False):
 
 def start_of(sim):
     return float(sim.mesh.nodes[:, 0].min())
-
-
-def at_side(sim, x, s):
-    """A tip on the side from (x, 0) to (x + 0.4, 0), s of it from its first point."""
-    X = sim.mesh.nodes
-    a, b = (int(np.argmin(np.hypot(X[:, 0] - at, X[:, 1]))) for at in (x, x + 0.4))
-    assert a < b
-    low = [q for q, ring in enumerate(sim.mesh.quads) if a in ring and b in ring]
-    below = min(low, key=lambda q: X[sim.mesh.quads[q], 1].mean())
-    return Tip((a, b), s, below, FORWARD, 0.0)
-
-
-@pytest.mark.parametrize(("slope", "passes"), [(-0.5 * GRAZE, True), (-2.0 * GRAZE, False)])
-def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
-    """The tip came from below; its ray leaves the quad above by less or more than a graze."""
-    sim = cut_strip(mesh=aligned(), notched=False)
-    path, tip = sim.cracks._path, at_side(sim, start_of(sim) + 2.0, 0.6)
-    segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
-    assert (segment is not None) == passes
-    if passes:
-        place = path.reference_of(sim.state, path.tip_at(segment, FORWARD, 0.1))
-        # On the side beyond the corner, by as much as corners are kept clear.
-        corner = [start_of(sim) + 2.4, 0.0, 0.0]
-        np.testing.assert_allclose(place - corner, [0.0, SNAP * 0.4, 0.0], atol=1e-12)
 
 
 def test_a_crack_along_sides_is_closed_at_its_tip_whichever_corners_come_first():
@@ -91,18 +63,6 @@ def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
     # The notch went on across the slit: everything to the left of the slit is another piece.
     flank = next(c for c in sim.state.split_log[::-1] if abs(c.reference[0] - x) < 1e-9)
     assert flank.kind == "notch"
-
-
-def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
-    sim, _ = slit()
-    free = sim.cracks
-    row, entry = free._path.rows_ahead(free.tips[0])[0]
-    tip = Tip((-1, -1), 0.0, sim.cracks.cuts.topology.parent(row), FORWARD, 0.0, entry, (row,))
-    free.tips = [tip]
-    segment = free._path.segment(sim.state, row, entry, FORWARD)
-    cut = free._cut(sim.state, segment, "notch", 0.0)
-    assert set(cut.rows) <= set(tip.behind)
-    assert not {other for other, _ in free._path.rows_ahead(tip)} & set(cut.rows)
 
 
 def test_a_crack_that_passes_the_end_of_another_goes_on():

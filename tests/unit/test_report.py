@@ -108,25 +108,33 @@ def sentences(page):
 
 
 class TestPage:
-    def test_the_page_is_whole_described_escaped_and_loads_nothing(self, page):
+    def test_every_section_is_there_in_order(self, page):
         assert Outline(page).titles == SECTIONS
+
+    def test_pictures_are_embedded_and_described(self, page):
         images = Outline(page).images
         assert len(images) == 6 + 1  # strip, map
         for image in images:
             assert image["src"].startswith("data:image/png;base64,iVBOR")
             assert len(image["alt"]) > 20
+
+    def test_nothing_is_loaded_from_elsewhere(self, page):
         assert re.findall(r"(?:src|href|url)\W{0,2}\s*https?:", without_scripts(page)) == []
         assert "default-src 'none'" in page
-        assert "alert(1)</script>" not in page
-        assert "&lt;script&gt;alert(1)" in page
-        kinds = [kind for kind, _ in sentences(page)]
-        assert kinds.count("good") >= 3
-        assert kinds == sorted(kinds, key=["doubt", "good", "note"].index)
 
     def test_figures_have_their_units(self, out, page):
         summary = json.loads((out / "summary.json").read_text())
         assert f"{summary['crack_length_mm']:.4g} mm" in page
         assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
+
+    def test_text_of_the_user_is_escaped(self, page):
+        assert "alert(1)</script>" not in page
+        assert "&lt;script&gt;alert(1)" in page
+
+    def test_a_good_run_is_told_to_hold(self, page):
+        kinds = [kind for kind, _ in sentences(page)]
+        assert kinds.count("good") >= 3
+        assert kinds == sorted(kinds, key=["doubt", "good", "note"].index)
 
 
 @pytest.fixture
@@ -172,8 +180,8 @@ class TestWhatIsMissing:
     def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
         whole = report_run(out).read_text(encoding="utf-8")
         page = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
-        closes = [text for _, text in sentences(whole) if "ledger closes within" in text]
-        assert closes == [text for _, text in sentences(page) if "ledger closes within" in text]
+        closes = [text for _, text in sentences(whole) if "the ledger misses up to" in text]
+        assert closes == [text for _, text in sentences(page) if "the ledger misses up to" in text]
         assert len(closes) == 1
 
     def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):
@@ -299,13 +307,17 @@ class TestMeasuredCurve:
 
 
 class TestFigures:
-    def test_figures_have_units_and_windows(self):
+    def test_units_come_from_the_names(self):
         assert with_unit("tool_work_Nmm", 12.3456) == "12.35 N·mm"
         assert with_unit("angle_end_deg", 95.0008) == "95°"
         assert with_unit("unfelt_penetration_mm", 0.1254) == "0.1254 mm"
         assert with_unit("n_quad", 8649) == "8,649"
         assert with_unit("version", "1.0") == "1.0"
+
+    def test_unknown_figures_are_shown_too(self):
         assert key_figures({"new_thing_mm": 1.5}) == [("new thing", "1.5 mm")]
+
+    def test_the_window_is_said_beside_what_was_taken_over_it(self):
         figures = {"torque_plateau_Nmm": 143.5, "dW_dtheta_Nmm": 141.3, "torque_peak_Nmm": 162.7}
         figures |= {"window_from_deg": 25.92, "window_to_deg": 70.2}
         assert key_figures(figures) == [
@@ -323,12 +335,14 @@ class TestChart:
     def draw(self, *curves):
         return chart(Diagram(self.X, curves, "angle", "deg", "torque", "N*mm"), "a <torque>")
 
-    def test_no_peak_is_lost_and_values_are_those_of_the_curve(self):
+    def test_no_peak_is_lost(self):
         y = np.zeros_like(self.X)
         y[1234], y[4321] = 7.0, -3.0
         rows = outline(self.X, y, 500)
         assert len(rows) <= 1002
         assert {0, 1234, 4321, 5000} <= set(rows.tolist())
+
+    def test_values_are_those_of_the_curve(self):
         spike = np.where(np.arange(len(self.X)) == 1234, 1e3, self.X**2)
         (trace,), _ = drawn(self.draw(Curve("total", spike, "total")))
         x, y = np.array(trace["x"]), np.array(trace["y"])
@@ -337,9 +351,6 @@ class TestChart:
         assert 1000 < len(rows) <= 2002
         np.testing.assert_allclose(y, spike[rows], rtol=2e-4, atol=1e-6)  # five figures
         assert (x[0], x[-1]) == (0.0, 10.0)
-        own = Curve("measured", np.array([1.0, 30.0]), "measured", x=np.array([-2.0, 12.0]))
-        traces, _ = drawn(self.draw(Curve("total", self.X, "total"), own))
-        assert traces[1]["x"] == [-2.0, 12.0]
 
     def test_areas_are_stacked_and_a_crowd_is_switched_together(self):
         layers = [Curve(name, self.X, f"a{k}", True) for k, name in enumerate("ab")]
@@ -349,6 +360,11 @@ class TestChart:
         assert [trace["showlegend"] for trace in traces] == [True] * 3 + [False] * 2
         assert {trace["legendgroup"] for trace in traces[2:]} == {"each"}
         assert [trace.get("hoverinfo") for trace in traces] == [None] * 2 + ["skip"] * 3
+
+    def test_a_curve_may_have_places_of_its_own(self):
+        own = Curve("measured", np.array([1.0, 30.0]), "measured", x=np.array([-2.0, 12.0]))
+        traces, _ = drawn(self.draw(Curve("total", self.X, "total"), own))
+        assert traces[1]["x"] == [-2.0, 12.0]
 
     def test_names_are_escaped(self):
         html = self.draw(Curve("</script><b>", self.X, "total"))
