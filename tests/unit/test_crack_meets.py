@@ -9,11 +9,16 @@ from free_strip import cut_strip, slanted_strip
 from naive import blade_drive
 from shellcut.contact.settings import STEEPEST
 from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.flank_points import hand_on_stiffness
+from shellcut.fracture.ray_ahead import GRAZE, SNAP
+from shellcut.fracture.tip import Tip
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges
 from shellcut.tool.motion import StraightMotion
+
+FORWARD = np.array([1.0, 0.0, 0.0])
 
 
 def aligned(turned=False):
@@ -26,6 +31,33 @@ def aligned(turned=False):
 
 def start_of(sim):
     return float(sim.mesh.nodes[:, 0].min())
+
+
+def at_side(sim, x, s):
+    """A tip on the side from (x, 0) to (x + 0.4, 0), s of it from its first point."""
+    X = sim.mesh.nodes
+    a, b = (int(np.argmin(np.hypot(X[:, 0] - at, X[:, 1]))) for at in (x, x + 0.4))
+    assert a < b
+    low = [q for q, ring in enumerate(sim.mesh.quads) if a in ring and b in ring]
+    below = min(low, key=lambda q: X[sim.mesh.quads[q], 1].mean())
+    return Tip((a, b), s, below, FORWARD, 0.0)
+
+
+@pytest.mark.parametrize(("slope", "passes"), [(-0.5 * GRAZE, True), (-2.0 * GRAZE, False)])
+def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
+    """The tip came from below; its ray leaves the quad above by less or more than a graze."""
+    sim = cut_strip(mesh=aligned(), notched=False)
+    path, tip = (
+        CrackPath(sim.cracks.cuts.topology, sim.shell),
+        at_side(sim, start_of(sim) + 2.0, 0.6),
+    )
+    segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
+    assert (segment is not None) == passes
+    if passes:
+        place = path.at_tip(path.tip_at(segment, FORWARD, 0.1), sim.state.node.X)
+        # On the side beyond the corner, by as much as corners are kept clear.
+        corner = [start_of(sim) + 2.4, 0.0, 0.0]
+        np.testing.assert_allclose(place - corner, [0.0, SNAP * 0.4, 0.0], atol=1e-12)
 
 
 def test_a_crack_along_sides_is_closed_at_its_tip_whichever_corners_come_first():

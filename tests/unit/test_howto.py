@@ -137,6 +137,14 @@ def test_read_results(page):
     assert (translation == wanted[1]).all()
 
 
+def test_pierce(page):
+    told = page("pierce.md")[1].splitlines()
+    assert float(told[0]) == pytest.approx(0.391, abs=5e-4)
+    assert float(told[1]) == pytest.approx(0.216, abs=5e-4)
+    (figures,) = [line for line in told if line.startswith("{'piercing")]
+    assert figures.count("piercing_force_") == 4
+
+
 def test_pictures(page):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)

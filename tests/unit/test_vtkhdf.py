@@ -1,6 +1,10 @@
 """The VTKHDF file as VTK's own reader sees it, also after a kill -9 and after a restart."""
 
 import dataclasses
+import signal
+import subprocess
+import sys
+from pathlib import Path
 from unittest.mock import Mock
 
 import h5py
@@ -61,7 +65,7 @@ def test_an_array_that_came_later_is_left_out_of_older_files(tmp_path, monkeypat
     )
     # To go on with it, the file must have all of them.
     with pytest.raises(ValueError, match="by an older version"):
-        VtkHdfWriter(tmp_path / "older.vtkhdf", mode="a")
+        VtkHdfWriter(tmp_path / "older.vtkhdf", until=np.inf)
 
 
 class Reading:
@@ -213,7 +217,7 @@ def test_a_foreign_or_damaged_file_is_neither_read_nor_appended_to(tmp_path):
     path = tmp_path / "other.h5"
     h5py.File(path, "w").close()
     with pytest.raises(ValueError, match="was not written by shellcut"):
-        VtkHdfWriter(path, mode="a")
+        VtkHdfWriter(path, until=np.inf)
 
 
 def test_vtk_reads_every_frame_in_order_and_jumping_back(tmp_path):
@@ -245,7 +249,7 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     path = tmp_path / "run.vtkhdf"
     written = frames(10)
     write(path, written[:6])
-    with VtkHdfWriter(path, mode="a", until=written[3].time) as writer:
+    with VtkHdfWriter(path, until=written[3].time) as writer:
         assert writer.n_frame == 4
         for frame in written[4:]:
             writer.append(frame)
@@ -254,6 +258,14 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     for k in (9, *range(10)):
         assert_holds(reading.frame(k), written[k])
         assert_same(VtkHdfReader(path).frame(k), written[k])
+
+
+def test_dropping_everything_begins_anew(tmp_path):
+    path = tmp_path / "run.vtkhdf"
+    written = frames(3)
+    write(path, written)
+    write(path, written, until=0.0)
+    assert_holds(Reading(path).frame(2), written[2])
 
 
 def test_frames_out_of_order_or_with_other_scalars_are_refused(tmp_path):
@@ -279,6 +291,41 @@ def test_after_a_frame_that_failed_the_next_one_is_whole(tmp_path, monkeypatch):
                 writer.append(failed)
         writer.append(after)
     assert_same(VtkHdfReader(path).frame(-1), after)
+
+
+KILLED = """
+import dataclasses, os, signal, sys
+from opening_frame import opening_frame
+from shellcut.results.hdf_columns import Columns
+from shellcut.results.vtkhdf import VtkHdfWriter
+
+def kill(*_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+frame, writer = opening_frame(20.0, n_side=10), VtkHdfWriter(sys.argv[1])
+for k in range(40):
+    writer.append(dataclasses.replace(frame, time=1.0 + k))
+if sys.argv[2] == "at its first data":
+    Columns.write = kill
+    writer.append(dataclasses.replace(frame, time=41.0))
+kill()
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+@pytest.mark.parametrize("moment", ["at its first data", "between frames"])
+def test_a_run_killed_after_frames_leaves_them_readable(tmp_path, moment):
+    path = tmp_path / "run.vtkhdf"
+    command = [sys.executable, "-c", KILLED, path, moment]
+    assert subprocess.run(command, cwd=Path(__file__).parent).returncode == -signal.SIGKILL
+    frame = opening_frame(20.0, n_side=10)
+    reading = Reading(path)
+    assert VtkHdfReader(path).n_frame == reading.n_frame == 40
+    for k in (0, 39):
+        assert_holds(reading.frame(k), dataclasses.replace(frame, time=1.0 + k))
+    del reading  # VTK 9.4 shows what it had open
+    write(path, [dataclasses.replace(frame, time=1e9)], until=np.inf)
+    assert_holds(Reading(path).frame(40), dataclasses.replace(frame, time=1e9))
 
 
 def test_twelve_bits_are_kept_to_nearest():
