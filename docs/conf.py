@@ -60,6 +60,7 @@ PAGES = {
         "howto/compare",
         "howto/tensile",
         "howto/studies",
+        "howto/converge",
         "howto/fit",
         "howto/trust",
     ],
@@ -79,7 +80,7 @@ PAGES = {
         "theory/yielding-cut",
         "theory/yielding-disc",
     ],
-    "What to trust": ["limits", "same-bits", "verification", "performance"],
+    "What to trust": ["limits", "error-bars", "same-bits", "verification", "performance"],
     "Reference": [
         "model-keys",
         "materials",

@@ -21,7 +21,8 @@ def error_bars(found: ErrorBars | None) -> str:
         return ""
     head = ("figure", "value", "±", *(f"± {part}" for part in PARTS), "as given")
     rows = [
-        (in_unit(bar.name, bar.unit), *found.cells(bar), f"{bar.given:.5g}") for bar in found.bars
+        (in_unit(bar.name, bar.unit), *found.cells(bar), f"{bar.values[0]:.5g}")
+        for bar in found.bars
     ]
     pictures = []
     for bar in found.bars:

@@ -1,19 +1,21 @@
 r"""Error bars of a model's figures, from companion runs on other meshes, slower, and by chance.
 
-With f of the model as given, f_h on a mesh finer by the ratio q = h/h_0 < 1, f_v of half the speed,
-and n runs that differ from it by chance only (other small shapes of the film, other nodes under
-the path), with their standard deviation s,
+With f of the model as given, f_q on a mesh finer by the ratio q = h / h_0 < 1, f_v of a slower
+motion, and n runs that differ from it by chance only (other small shapes of the film, other nodes
+under the path), with their standard deviation s,
 
-    value = f_h + (f_v - f),
-    mesh = q / (1 - q) |f_h - f|,   speed = |f_v - f|,   chance = t s,
+    value = f_q + (f_v - f),
+    mesh = |f_q - f| / (q^-p - 1),   speed = |f_v - f|,   chance = t s,
 
-t of Student for 95 % and n - 1 degrees of freedom. An error that goes with the edge length leaves
-``mesh`` between f_h and an infinitely fine mesh, one that goes with the speed leaves ``speed``
-between f_v and rest; errors of higher order leave less [Roache1994]. Without a finer mesh a coarser
-one takes its place, q > 1: value f, mesh |f_q - f| / (q - 1). The half-width is the root of the sum
-of the squares. How often it covers the fine answer is counted in docs/error-bars.md.
+t of Student for 95 % and n - 1 degrees of freedom. ``mesh`` is what Richardson's extrapolation
+leaves between f_q and an infinitely fine mesh [Roache1994], with p = 1.5: sawteeth and cracks
+converge with order 1 at most, shells with 2. ``speed`` is what half the speed leaves of an error
+that goes with the speed. Without a finer mesh a coarser one takes its place, q > 1: the value is
+that of f, mesh = |f_q - f| / (q^p - 1). A crack advances by whole edges, so its length is known
+to an edge of the finest mesh at best. The half-width is the root of the sum of the squares; how
+often it covers the fine answer is counted in docs/error-bars.md.
 
-The order p with which a figure converges is that of f + a h^p through three meshes.
+The order with which a figure converges is that of f + a h^p through three meshes.
 """
 
 from __future__ import annotations
@@ -47,6 +49,8 @@ COLOURS = {MESH: 0, SPEED: 4, CHANCE: 2, GIVEN: 6}
 _CAP = 0.03
 
 _LEVEL = 0.95
+_ORDER = 1.5
+_IN_EDGES = "crack_length_mm"
 _ORDERS = (0.3, 6.0)
 """Outside which three meshes show no order: differences that hardly shrink, or that vanish."""
 
@@ -65,19 +69,16 @@ class ErrorBar:
         95 % of fine answers lie within it.
     parts : mapping from str to float
         Half-widths of mesh, speed and chance, as far as there are runs for them.
-    given : float
-        The figure of the model as given.
     order : float or None
         With which it converges over three meshes.
     values : tuple of float or None
-        Of all runs, in their order.
+        Of all runs, in their order, that as given first.
     """
 
     figure: str
     value: float
     half_width: float
     parts: Mapping[str, float]
-    given: float
     order: float | None
     values: tuple[float | None, ...]
 
@@ -111,8 +112,8 @@ class ErrorBars:
         Name of the folder of the run as given.
     runs : tuple of Run
     bars : tuple of ErrorBar
-    missing : mapping from str to str
-        Why a part is missing or weak, in a sentence.
+    missing : mapping from str to list of str
+        Why a part is missing or weak.
 
     Examples
     --------
@@ -126,7 +127,7 @@ class ErrorBars:
     key: str
     runs: tuple[Run, ...]
     bars: tuple[ErrorBar, ...]
-    missing: Mapping[str, str]
+    missing: Mapping[str, list[str]]
 
     def __str__(self) -> str:
         """Return the table and what is said about it."""
@@ -149,7 +150,7 @@ class ErrorBars:
         """Return how each figure converges and how its bar shrinks, and which part is missing."""
         return [
             *map(_said_of, self.bars),
-            *(f"{part}: {why}" for part, why in self.missing.items()),
+            *(f"{part}: {'; '.join(why)}" for part, why in self.missing.items()),
         ]
 
     def write(self, path: Path) -> None:
@@ -187,7 +188,9 @@ def read_error_bars(path: Path) -> ErrorBars:
     return ErrorBars(kept["key"], runs, bars, kept["missing"])
 
 
-def error_bar(figure: str, runs: Sequence[Run], values: Sequence[float | None]) -> ErrorBar:
+def error_bar(
+    figure: str, runs: Sequence[Run], values: Sequence[float | None], edge: float = 0.0
+) -> ErrorBar:
     """Return a figure with its error bar from the companion runs, the model as given first.
 
     Parameters
@@ -196,6 +199,8 @@ def error_bar(figure: str, runs: Sequence[Run], values: Sequence[float | None]) 
     runs : sequence of Run
     values : sequence of float or None
         The figure in each run; None where a run has none. The first one must have it.
+    edge : float
+        Length of the edges of the model as given [mm].
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
     meshes = sorted((r.size, v) for r, v in others if r.part == MESH and r.size != 1.0)
@@ -203,10 +208,12 @@ def error_bar(figure: str, runs: Sequence[Run], values: Sequence[float | None]) 
     value, parts = f, dict[str, float]()
     if finer:
         q, value = finer[-1]
-        parts[MESH] = q / (1.0 - q) * abs(value - f)
+        parts[MESH] = abs(value - f) / (q**-_ORDER - 1.0)
     elif coarser:
         q, far = coarser[0]
-        parts[MESH] = abs(far - f) / (q - 1.0)
+        parts[MESH] = abs(far - f) / (q**_ORDER - 1.0)
+    if figure == _IN_EDGES and parts:
+        parts[MESH] = max(parts[MESH], edge * min([1.0, *(size for size, _ in meshes)]))
     for slower in (v for r, v in others if r.part == SPEED):
         value += slower - f
         parts[SPEED] = abs(slower - f)
@@ -216,9 +223,8 @@ def error_bar(figure: str, runs: Sequence[Run], values: Sequence[float | None]) 
         parts[CHANCE] = t * float(np.std(alike, ddof=1))
     three = sorted([(1.0, f), *coarser[:1], *finer[-1:]])
     three = three if len(three) == 3 else sorted([(1.0, f), *meshes])[:3]
-    return ErrorBar(
-        figure, value, math.hypot(*parts.values()), parts, f, _order(three), tuple(values)
-    )
+    width = math.hypot(*parts.values())
+    return ErrorBar(figure, value, width, parts, _order(three), tuple(values))
 
 
 def _order(meshes: Sequence[tuple[float, float]]) -> float | None:
@@ -241,7 +247,7 @@ def _said_of(bar: ErrorBar) -> str:
         return f"{bar.name}: no companion run has it"
     order = "does not converge with an order" if bar.order is None else f"order {bar.order:.1f}"
     most = max(bar.parts, key=lambda part: bar.parts[part])
-    less = {**bar.parts, most: 0.5 * bar.parts[most]}
+    less = {**bar.parts, most: bar.parts[most] * 0.5 ** (_ORDER if most == MESH else 1.0)}
     how = {
         MESH: "edges half as long",
         SPEED: "half the speed",

@@ -9,7 +9,6 @@ motion takes twice its time. The film starts with the next two shapes of its imp
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from shellcut.model_file import Model
@@ -31,55 +30,37 @@ _RATES = ("cowper_symonds_rate", "johnson_cook_rate")
 Settings = Mapping[str, object]
 
 
-@dataclass(frozen=True)
-class Companion:
-    """A run beside that of the model as given, and the keys that it sets."""
-
-    run: Run
-    settings: Settings
-
-
 def companions_of(
     model: Model, finer: float = _RATIO, slower: float = _SLOWER
-) -> tuple[list[Companion], dict[str, str]]:
-    """Return the runs, the model as given first, all with the same keys; and what is missing.
+) -> tuple[dict[Run, Settings], dict[str, list[str]]]:
+    """Return the runs, the model as given first, with what each sets: all the same keys.
 
-    Parameters
-    ----------
-    model : Model
-    finer, slower : float
-        Ratios of the finer mesh and of the slower motion.
-
-    Returns
-    -------
-    list of Companion
-    dict from str to str
-        By the part of the error bar, why it is missing or weak.
+    And by the part of the error bar, why it is missing or weak. ``finer`` and ``slower`` are the
+    ratios of the finer mesh and of the slower motion.
     """
-    missing: dict[str, str] = {}
-    runs = [Companion(Run("as given", GIVEN, 1.0), {})]
+    runs: dict[Run, Settings] = {Run("as given", GIVEN, 1.0): {}}
+    missing: dict[str, list[str]] = {}
     try:
-        meshes = _meshes(model, finer)
-        runs += [Companion(Run(name, MESH, size), keys) for name, (size, keys) in meshes.items()]
+        runs |= {Run(name, MESH, h): keys for name, (h, keys) in _meshes(model, finer).items()}
     except ValueError as reason:
-        missing[MESH] = str(reason)
-    if keys := _moved(model):
-        runs.append(Companion(Run("nodes moved", MESH, 1.0), keys))
+        missing[MESH] = [str(reason)]
+    if moved := _moved(model):
+        runs[Run("nodes moved", MESH, 1.0)] = moved
     else:
         why = "there is no mesh as fine with its nodes elsewhere under the path"
-        missing[MESH] = "; ".join(filter(None, (missing.get(MESH), why)))
+        missing.setdefault(MESH, []).append(why)
     try:
-        runs.append(Companion(Run("slower", SPEED, 1.0), _slower(model, slower)))
+        runs[Run("slower", SPEED, 1.0)] = _slower(model, slower)
     except ValueError as reason:
-        missing[SPEED] = str(reason)
+        missing[SPEED] = [str(reason)]
     shape = model.head.imperfection
     if shape is None:
         shape = int("tool" in model.sections and model.sections["tool"].kind != "bar")
     for k in (shape + 1, shape + 2):
-        runs.append(Companion(Run(f"shape {k}", CHANCE, 1.0), {"imperfection": k}))
-    given = {key: _value(model, key) for one in runs for key in one.settings}
+        runs[Run(f"shape {k}", CHANCE, 1.0)] = {"imperfection": k}
+    given = {key: _value(model, key) for keys in runs.values() for key in keys}
     given["imperfection"] = shape
-    return [Companion(one.run, {**given, **one.settings}) for one in runs], missing
+    return {run: {**given, **keys} for run, keys in runs.items()}, missing
 
 
 def _value(model: Model, key: str) -> Any:
@@ -129,15 +110,11 @@ def _moved(model: Model) -> Settings:
         return {"tool.phase_deg": tool.phase_deg + turn}
     if (rows := _rows(model)) is not None:
         keys = _of_rows(model, rows[0] + 1, rows[1], along=True)
-        return (
-            keys
-            if _rows(model, keys.get("membrane.size")) in (rows, (rows[0] + 1, rows[1]))
-            else {}
-        )
+        return keys if _rows(model, keys.get("membrane.size"))[1] == rows[1] else {}
     return {"membrane.size": _ANOTHER * film.size} if film.values.get("size") else {}
 
 
-def _rows(model: Model, size: Any = None) -> tuple[int, int] | None:
+def _rows(model: Model, size: Any = None) -> Any:
     """Return the quads along and across a sheet, of another size if given; None for other films."""
     film = model.sections["membrane"]
     if film.kind not in ("strip", "rectangle") or "band" in film.values:

@@ -15,6 +15,7 @@ from shellcut.view import draw_curves
 
 from .companions import companions_of
 from .engines import engine_of
+from .one_run import Outcome
 from .plan import Definition
 from .report.studied import of_interest
 from .study import FEW_FILES, run_study
@@ -63,7 +64,7 @@ def converge(
     RuntimeError
         If the run as given fails.
     ValueError
-        If it has none of the figures.
+        If it has not the figures.
 
     Examples
     --------
@@ -73,29 +74,28 @@ def converge(
     folder = folder_named(out)
     given = {**FEW_FILES, **(settings or {})}
     companions, missing = companions_of(read_model(model, given))
-    names = list(companions[0].settings)
-    rows = [[one.settings[name] for name in names] for one in companions]
-    linked = {", ".join(names): rows if len(names) > 1 else [value for (value,) in rows]}
+    runs, rows = tuple(companions), [list(keys.values()) for keys in companions.values()]
+    names = ", ".join(companions[runs[0]])
+    linked = {names: rows if len(rows[0]) > 1 else [value for (value,) in rows]}
     plan = Definition(str(model), linked, given, figures=tuple(figures)).plan()
-    found = run_study(plan, folder, engine_of(executor), say)
-    first, *others = (found.outcomes.get(run.number) for run in plan.runs)
-    if first is None or first.status != "done":
-        raise RuntimeError(f"the run as given must be done, got: {first and first.reason}")
-    each = [one.figures if one is not None else {} for one in (first, *others)]
-    runs = tuple(one.run for one in companions)
-    for run, outcome in zip(runs[1:], others, strict=True):
-        if outcome is None or outcome.status != "done":
-            why = f"the run {run.name} is not done: {outcome.reason if outcome else ''}"
-            missing[run.part] = "; ".join(filter(None, (missing.get(run.part), why)))
-    chosen, _ = of_interest(figures, first.figures)
-    if not chosen:
-        known = ", ".join(n for n, v in first.figures.items() if isinstance(v, float))
-        raise ValueError(f"the run must have one of the figures, got those of {known}")
-    bars = tuple(error_bar(n, runs, [one.get(n) for one in each]) for n in chosen)
-    bars_found = ErrorBars(plan.runs[0].key, runs, bars, missing)
     claim(folder, [ERROR_BARS, PICTURE])
-    bars_found.write(folder / ERROR_BARS)
+    outcomes = run_study(plan, folder, engine_of(executor), say).outcomes
+    each = [outcomes.get(run.number, Outcome("stopped")) for run in plan.runs]
+    if each[0].status != "done":
+        raise RuntimeError(f"the run as given must be done: {each[0].reason or each[0].status}")
+    for run, one in zip(runs, each, strict=True):
+        if one.status != "done":
+            why = f"{run.name} is not done: {one.reason or one.status}"
+            missing.setdefault(run.part, []).append(why)
+    there = {name: v for name, v in each[0].figures.items() if isinstance(v, int | float)}
+    chosen, lacking = of_interest(figures, there)
+    if lacking or not chosen:
+        raise ValueError(f"figures must be some of {', '.join(there)}, got {', '.join(lacking)}")
+    edge = float(there.get("edge_length_mm", 0.0))
+    bars = tuple(error_bar(n, runs, [one.figures.get(n) for one in each], edge) for n in chosen)
+    found = ErrorBars(plan.runs[0].key, runs, bars, missing)
+    found.write(folder / ERROR_BARS)
     if importlib.util.find_spec("matplotlib") is not None:
-        diagrams = [bars_found.diagram(bar) for bar in bars]
-        draw_curves(folder / PICTURE, diagrams, size=(7.0, 0.6 + 2.6 * len(bars)))
-    return bars_found
+        size = 7.0, 0.6 + 2.6 * len(bars)
+        draw_curves(folder / PICTURE, [found.diagram(bar) for bar in bars], size=size)
+    return found

@@ -177,7 +177,7 @@ def read_folder(folder: Path) -> Study:
 
 
 def of_interest(
-    chosen: Sequence[str], there: Mapping[str, Floats]
+    chosen: Sequence[str], there: Mapping[str, object]
 ) -> tuple[list[str], tuple[str, ...]]:
     """Return the chosen figures that are there, or the usual ones, and those that are not."""
     if chosen:
