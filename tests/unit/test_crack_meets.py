@@ -50,7 +50,7 @@ def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
     segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
     assert (segment is not None) == passes
     if passes:
-        place = path.reference_of(sim.state, path.tip_at(segment, FORWARD, 0.1))
+        place = path.at_tip(path.tip_at(segment, FORWARD, 0.1), sim.state.node.X)
         # On the side beyond the corner, by as much as corners are kept clear.
         corner = [start_of(sim) + 2.4, 0.0, 0.0]
         np.testing.assert_allclose(place - corner, [0.0, SNAP * 0.4, 0.0], atol=1e-12)

@@ -6,7 +6,7 @@ import pytest
 import shellcut as sc
 from curved_films import Roll, moved
 from naive.crack_path import place_of
-from shellcut.fracture.flank_points import _seen_by_contact
+from shellcut.contact.film_outline import first_at_places
 from shellcut.fracture.free_direction import FreeDirection, _turns
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
 from shellcut.fracture.tip import Tip
@@ -139,6 +139,4 @@ def test_contact_sees_a_crossing_once_whichever_way_the_quads_go_round():
             [0.6, 0.4, 0.0, 0.0],
         ]
     )
-    seen, (first, other) = _seen_by_contact(nodes, weight)
-    assert seen.tolist() == [True, False, True, False, True]
-    assert (first.tolist(), other.tolist()) == ([0], [1])
+    assert first_at_places(nodes, weight).tolist() == [0, 0, 2, 3, 4]

@@ -31,17 +31,11 @@ from shellcut.numerics.lanes import (
     vector_at,
     zero,
 )
-from shellcut.numerics.processor import (
-    align_stack,
-    flush_subnormals,
-    make_prefetch,
-    set_rounding,
-)
+from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
 
 RNG = np.random.default_rng(8)
 LANES = ((None,), tuple(range(8)))
 """All at once, and one after the other."""
-prefetch = make_prefetch(3)
 
 
 @kernel
@@ -104,7 +98,6 @@ def _total(table, k, one):
 
 @kernel
 def _corners(corner, x, rows, out, one):
-    prefetch(out, 1)
     for a in range(4):
         v = vector_at(x, corner_node(corner, 0, a, one), one)
         put(out, 0, a, one, v[0] + v[1] * v[2])

@@ -168,7 +168,7 @@ def test_a_tear_beside_a_fold_goes_where_energy_is_released():
     """The fold pulls along the tears: with that stress counted as the sheet's the lean is 0.7°."""
     sim, _, _ = fold_at_rest(0.5, 6.0)
     free = sim.cracks
-    tip = next(one for one in free.tips if free._path.reference_of(sim.state, one)[1] > 0.0)
+    tip = next(one for one in free.tips if free._path.at_tip(one, sim.state.node.X)[1] > 0.0)
     direction = FreeDirection(sim.shell, free.cuts.topology, free._path, SHORT)
     x, y, z = next(direction.ways(sim.state, tip))
     along, inward = force_on_a_tip(sim, 2.0)

@@ -55,7 +55,7 @@ from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
-from shellcut.tool.touch import Booking, Touch
+from shellcut.tool.touch import Booking, Touch, react
 
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
@@ -254,17 +254,6 @@ def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
     return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
 
 
-@always_inline
-def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
-    """Add a force [N] at a point p of its line to the wrench of a tooth."""
-    origin = pose.translation
-    arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
-    moment = cross(arm, force)
-    for k in range(3):
-        wrench[body, k] += force[k]
-        wrench[body, 3 + k] += moment[k]
-
-
 @kernel
 def _add_cable_forces(
     pose: Pose,
@@ -363,10 +352,10 @@ def _add_cable_forces(
         if jointed:
             p, body = joint.place, tables.edges.body[cables.edge[c]]
             if radius > 0.0:
-                _pull_tool(minus, scale(-1.0, f_minus), body, pose, wrench)
-                _pull_tool(plus, scale(-1.0, f_plus), body, pose, wrench)
+                react(f_minus, minus, body, pose, wrench)
+                react(f_plus, plus, body, pose, wrench)
             else:
-                _pull_tool(p, scale(-1.0, add(f_minus, f_plus)), body, pose, wrench)
+                react(add(f_minus, f_plus), p, body, pose, wrench)
                 rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
                 for k in range(3):
                     couple[k] += rest[k]

@@ -105,7 +105,11 @@ class CrackPath:
         return rows
 
     def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the same in the order of the mesh, for cracks that no blade drives."""
+        """Return the same in the order of the mesh.
+
+        :mod:`.free_direction` looks from the first of them: from the first of :meth:`rows_ahead`
+        two tears that converge meet too late on some meshes.
+        """
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
@@ -253,10 +257,6 @@ class CrackPath:
         along = least_squares(product(slopes, film.x[film.quads[quad]]).T, np.array(heading))
         return along, slopes
 
-    def reference_of(self, state: State, tip: Tip) -> Floats:
-        """Return where a tip lies in the reference film [mm], shape (3,)."""
-        return self.at_tip(tip, state.node.X)
-
     def at_tip(self, tip: Tip, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at a tip, shape (k,)."""
         if tip.flank is not None:
@@ -272,8 +272,8 @@ class CrackPath:
 
     def nearest(self, state: State, tip: Tip, others: Sequence[Tip]) -> float:
         """Return how near the nearest other tip is in the reference film [mm], inf if none is."""
-        here = self.reference_of(state, tip)
-        gaps = [self.reference_of(state, one) - here for one in others if one is not tip]
+        here = self.at_tip(tip, state.node.X)
+        gaps = [self.at_tip(one, state.node.X) - here for one in others if one is not tip]
         return min((float(norm(gap)) for gap in gaps), default=np.inf)
 
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:

@@ -17,7 +17,7 @@ from shellcut.state import KnownTopology, State
 
 from .blade_drive import BladeDrive
 from .crack_path import CrackPath
-from .ray_ahead import Aimed, leave
+from .ray_ahead import AHEAD, Aimed, leave
 from .rows_ahead import RowsAhead, Tips, tips_of
 from .side_tears import LargestStress
 from .tip import Segment, Tip
@@ -102,7 +102,7 @@ class TipWatch:
             self._sums.weigh(state, self._aimed, self.weighed)
             if self._stress is not None:
                 self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
-            leads_on = self._aimed.way[:, 0] >= 0
+            leads_on = self._aimed.way[:, AHEAD] >= 0
             self._due[:] = leads_on & (driven.passed | (self.weighed.measure >= 1.0))
         return self._due
 

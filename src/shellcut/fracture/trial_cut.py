@@ -218,9 +218,9 @@ class _Sums(NamedTuple):
     """First pair of each trial, and the end."""
     weight: Annotated[Floats, "(n_pair,)"]
     mass: Annotated[Floats, "(n_pair, 2, 3)"]
-    """Of minus and plus side, in rows WHOLE, RIGHT and LEFT [t]."""
+    """Of minus and plus side, in rows UNCUT, RIGHT and LEFT [t]."""
     member: Annotated[Ints, "(n_member, 4)"]
-    """Pair, side, part (WHOLE, RIGHT, LEFT) and row of the corner forces."""
+    """Pair, side, part (UNCUT, RIGHT, LEFT) and row of the corner forces."""
     cable: Annotated[Ints, "(n_link, 4)"]
     """Pair, side, cable and its end."""
     share: Annotated[Floats, "(n_link,)"]
@@ -400,10 +400,10 @@ def _four(rows: Ints, i: int) -> tuple[int, int, int, int]:
 
 @inline
 def _part(part: int, right: float) -> float:
-    """Return the share of a row for WHOLE, RIGHT or LEFT."""
-    if part == 0:
+    """Return the share of a row for UNCUT, RIGHT or LEFT."""
+    if part == UNCUT:
         return 1.0
-    return right if part == 1 else 1.0 - right
+    return right if part == RIGHT else 1.0 - right
 
 
 @inline

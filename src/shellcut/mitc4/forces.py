@@ -26,11 +26,10 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick_all, put_all, total, zero
-from shellcut.numerics.processor import align_stack, flush_subnormals, make_prefetch, set_rounding
+from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
 
-from .element import N_FLAT, N_STRAIN
+from .element import N_STRAIN
 from .quad_strains import (
-    LinearTables,
     Quads,
     QuadStep,
     add_to_nodes,
@@ -41,23 +40,6 @@ from .quad_strains import (
     stiffness_product,
     strain_of,
 )
-
-_prefetch_flat = make_prefetch(N_FLAT)
-_prefetch_strain = make_prefetch(N_STRAIN)
-
-# Prefetching saves 20 % above this many blocks, whose tables exceed any cache, and costs 10 %
-# below.
-_FAR = 30_000
-
-
-@always_inline
-def _prefetch_block(b: int, flat: bool, tables: LinearTables, step: QuadStep) -> None:
-    """Prefetch the data of block ``b`` while the block before it is computed."""
-    if flat:
-        _prefetch_flat(tables.flat, b)
-    if step.damped:
-        _prefetch_strain(step.last, b)
-        _prefetch_strain(step.before, b)
 
 
 @always_inline
@@ -112,13 +94,10 @@ def _make_linear_kernel(flat: bool) -> Any:
         quads, step = borrowed(quads), borrowed(step)
         work = np.empty((2, N_STRAIN, quads.corner.shape[2]))
         rounding = flush_subnormals()
-        far = step.last.shape[0] > _FAR
         for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
             none = zero(None)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
-                if far:
-                    _prefetch_block(b + 1, flat, quads.tables, step)
                 q0, q1, q2 = _linear_block(b, None, flat, quads, step, rows, work)
                 p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
             sums[k, 0] += total(p0)
