@@ -121,7 +121,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     if law is not None:
         yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture)
         if sim.fracture.blade_cut and sim.fracture.puncture_force is None:
-            yield from check_piercing(sim, law)
+            yield from check_piercing(sim, law, sweep)
     edge = float(np.median(mesh.edge_lengths()))
     if len(sweep.place) and along_edges:
         edge = Rows(sweep).spacing

@@ -1,8 +1,8 @@
 """Whether the force at which a tip pierces whole film is that of the film's strength.
 
-F_p (:mod:`shellcut.fracture.puncture`) is that of a film without tension far from the tip that is
-stiff in transverse shear, and what is pierced is then cut by the edges. A force of one's own needs
-none of this.
+F_p (:mod:`shellcut.fracture.puncture`) is that of an elastic film, stiff in transverse shear and
+without tension far from the tip, which tears no farther by itself. A force of one's own needs none
+of this, nor do edges that all come in over the rim.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.puncture import bending_length
 
 from .finding import DOUBT, Finding
+from .sweep import Sweep
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -30,8 +31,22 @@ TIGHT = 0.3
 _MEASURE = "measure the force that takes a tip through and give it, fracture.puncture_force"
 
 
-def check_piercing(sim: Simulation, law: CohesiveLaw) -> Iterator[Finding]:
+_FROM_RIM = 0.25
+"""Edges of the film from its rim beyond which a cutting edge comes down on its face."""
+
+
+def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[Finding]:
     """Yield where F_p of the strength is not the force at which a tip goes through."""
+    if not _on_face(sim, sweep):
+        return
+    if laws := {one.material.law.name for one in sim.material.layers if one.material.law.history}:
+        yield Finding(
+            DOUBT,
+            "the film should be elastic where a tip pierces it: where it yields it bends more "
+            "sharply under the tip, and the force is another one",
+            ", ".join(sorted(laws)),
+            _MEASURE,
+        )
     film, strength = sim.material, law.strength
     young = film.stretching_stiffness / film.thickness
     crack, bent = young * law.fracture_energy / strength**2, bending_length(film, law)
@@ -64,3 +79,13 @@ def check_piercing(sim: Simulation, law: CohesiveLaw) -> Iterator[Finding]:
             f"a tip takes {math.sqrt(max(1.0 - tight * tight, 0.0)):.2g} of the usual force then "
             "(docs/howto/pierce.md): give it, fracture.puncture_force",
         )
+
+
+def _on_face(sim: Simulation, sweep: Sweep) -> bool:
+    """Return whether a cutting edge first comes to the film away from its rim."""
+    first, edges = np.unique(sweep.chain, return_index=True)[1], sim.mesh.edges()
+    ends = sim.mesh.nodes[edges.nodes[edges.n_quad == 1]]
+    arm, side = sweep.place[first, None] - ends[:, 0], ends[:, 1] - ends[:, 0]
+    share = np.clip((arm * side).sum(axis=2) / (side * side).sum(axis=1), 0.0, 1.0)
+    off = np.linalg.norm(arm - share[..., None] * side, axis=2).min(axis=1, initial=np.inf)
+    return bool((off > _FROM_RIM * sweep.edge_length[first]).any())
