@@ -42,8 +42,8 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
     if laws := {one.material.law.name for one in sim.material.layers if one.material.law.history}:
         yield Finding(
             DOUBT,
-            "the film should be elastic where a tip pierces it: where it yields it bends more "
-            "sharply under the tip, and the force is another one",
+            "the film should be elastic where a tip pierces it: where it yields, the force is "
+            "larger, 1.1 to 1.4 times that of the strength in films that were tried",
             ", ".join(sorted(laws)),
             _MEASURE,
         )
