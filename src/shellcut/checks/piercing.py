@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.puncture import bending_length
 
 from .finding import DOUBT, Finding
 from .sweep import Sweep
@@ -37,7 +36,7 @@ _FROM_RIM = 0.25
 
 def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[Finding]:
     """Yield where F_p of the strength is not the force at which a tip goes through."""
-    if not _on_face(sim, sweep):
+    if sim.cracks is None or not _on_face(sim, sweep):
         return
     if laws := {one.material.law.name for one in sim.material.layers if one.material.law.history}:
         yield Finding(
@@ -49,7 +48,7 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
         )
     film, strength = sim.material, law.strength
     young = film.stretching_stiffness / film.thickness
-    crack, bent = young * law.fracture_energy / strength**2, bending_length(film, law)
+    crack, bent = young * law.fracture_energy / strength**2, sim.cracks.bending_length
     if crack < bent:
         yield Finding(
             DOUBT,

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.checks import Sweep
-from shellcut.fracture.puncture import bending_length
 from shellcut.state import SplitRecord
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
             "n_split_off_path": int((~on_it).sum()),
             "off_path_mm": float(off.max()),
             "path_edge_mm": float(np.median(sweep.edge_length)),
-            "bending_length_mm": bending_length(sim.material, sim.law),
+            "bending_length_mm": np.nan if sim.cracks is None else sim.cracks.bending_length,
             "crack_lead_mm": float(sweep.lead(places[on_it]).max(initial=0.0)),
         }
     if sim.cables.n_joint_made:
