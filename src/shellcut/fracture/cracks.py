@@ -34,7 +34,7 @@ from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .options import Fracture
 from .pierce import Begun, Pierce
-from .puncture import puncture_force
+from .puncture import bending_length, puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .side_tears import Due, LargestStress, SideTears
@@ -99,6 +99,8 @@ class Cracks:
             self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
             self.stress = self._sides.stress
         self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
+        self.bending_length = bending_length(shell.material, law)
+        """Over which the film bends where its tension is the strength [mm]."""
         self._pierce: Pierce | None = None
         # A blunt tool cuts nothing: it only pushes.
         if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
