@@ -504,6 +504,9 @@ def test_list_and_a_copy_to_edit(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     assert main(["run", "opening", "--write-model", str(path)]) == 0
     assert read_model(path) == read_model("opening")
+    # what editors read, and how its file is made
+    assert path.read_text(encoding="utf-8").startswith("#:schema ./shellcut.schema.json\n")
+    assert "shellcut keys --schema > shellcut.schema.json" in capsys.readouterr().out
 
 
 def test_compiling_is_said_when_kernels_are_compiled_only():

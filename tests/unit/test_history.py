@@ -69,8 +69,8 @@ def test_columns_that_cannot_stand_in_a_header_are_refused(tmp_path, columns, me
 
 def test_a_new_run_replaces_the_old_file_and_a_continued_one_appends(tmp_path):
     path = tmp_path / "history.csv"
-    for mode, first in (("w", 0), ("w", 10), ("a", 20)):
-        with HistoryWriter(path, COLUMNS, mode=mode) as history:
+    for until, first in ((None, 0), (None, 10), (np.inf, 20)):
+        with HistoryWriter(path, COLUMNS, until=until) as history:
             for k in range(first, first + 10):
                 history.append(row(k))
     np.testing.assert_array_equal(read_history(path)[0]["angle"], np.arange(10, 30) / 3.0)
@@ -87,7 +87,7 @@ def test_continuing_from_a_checkpoint_equals_the_uninterrupted_run(tmp_path):
     with broken.open("a") as file:  # the last line of a full disk
         file.write("1.4e-06,4.6")
     assert len(read_history(broken)[0]["time"]) == 14
-    with HistoryWriter(broken, COLUMNS, mode="a", until=row(9)["time"]) as history:
+    with HistoryWriter(broken, COLUMNS, until=row(9)["time"]) as history:
         for k in range(10, 20):
             history.append(row(k))
     assert whole.read_bytes() == broken.read_bytes()
@@ -97,7 +97,7 @@ def test_other_columns_are_not_appended_to(tmp_path):
     path = tmp_path / "history.csv"
     HistoryWriter(path, COLUMNS).close()
     with pytest.raises(ValueError, match=r"has other columns than this run: 'time \[s\]"):
-        HistoryWriter(path, COLUMNS[:2], mode="a")
+        HistoryWriter(path, COLUMNS[:2], until=np.inf)
 
 
 def test_a_foreign_file_is_not_read(tmp_path):
@@ -133,6 +133,6 @@ def test_a_row_that_does_not_fit_is_told_of(tmp_path):
         with files_of_at_most(whole + 5), pytest.raises(OSError, match=REFUSAL):
             writer.append({"time": 0.125, "torque": 2.0})
         assert path.stat().st_size == whole + 5
-    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")], mode="a") as writer:
+    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")], until=np.inf) as writer:
         writer.append({"time": 0.25, "torque": 3.0})
     assert read_history(path)[0]["time"].tolist() == [0.0, 0.25]

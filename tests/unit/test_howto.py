@@ -147,6 +147,17 @@ def test_read_results(tmp_path, monkeypatch, capsys):
     assert (translation == wanted[1]).all()
 
 
+def test_pierce(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for code in blocks("pierce.md", "python"):
+        exec(compile(code, "pierce.md", "exec"), {})
+    told = capsys.readouterr().out.splitlines()
+    assert float(told[0]) == pytest.approx(0.391, abs=5e-4)
+    assert float(told[1]) == pytest.approx(0.216, abs=5e-4)
+    (figures,) = [line for line in told if line.startswith("{'piercing")]
+    assert figures.count("piercing_force_") == 4
+
+
 def test_pictures(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
     monkeypatch.chdir(tmp_path)

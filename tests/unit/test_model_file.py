@@ -356,8 +356,9 @@ def test_what_is_written_has_every_key_its_unit_and_a_digest(tmp_path):
     model = read_model("opening", {"mesh": "quick"})
     model.write(tmp_path / "used.toml")
     text = (tmp_path / "used.toml").read_text()
-    first, _, body = text.partition("\n")
-    assert first == f"# sha256 of all below: {hashlib.sha256(body.encode()).hexdigest()}"
+    schema, digest, body = text.split("\n", 2)
+    assert schema == "#:schema ./shellcut.schema.json"
+    assert digest == f"# sha256 of all below: {hashlib.sha256(body.encode()).hexdigest()}"
     assert f"# shellcut {shellcut.__version__}" in body
     assert re.search(r"^young = 1678.0 +# \[MPa\] Young's modulus$", text, re.M)
     for section in model.sections.values():
@@ -365,6 +366,7 @@ def test_what_is_written_has_every_key_its_unit_and_a_digest(tmp_path):
             assert re.search(rf"^(# )?{key} =", text, re.M), key
     assert is_as_written(text)
     assert not is_as_written(text.replace("1678", "1679"))
+    assert not is_as_written(text.partition("\n")[2])
 
 
 @pytest.mark.parametrize(

@@ -125,7 +125,7 @@ def test_the_steps_of_the_opening_test_follow_its_teeth():
         ({"speed": 1e9}, "refuse", "got 150 mm a step"),
         ({"dt": 1e-3, "fixed": 1e-3}, "refuse", "leave time.fixed out"),
         # 0.3 edges of 0.4 mm in ten steps of 1.5e-7 s are 8e4 mm/s
-        ({"speed": 8.1e4}, "doubt", "two checks for splits"),
+        ({"speed": 8.1e4}, "doubt", "two looks at the cracks"),
         ({"speed": 7.9e4, "wave": 5e5}, "doubt", "slower than 0.1 of the film's waves"),
         ({"dt": 2e-7, "fixed": 2e-7}, "doubt", "must not exceed the safe one, 1.6e-07 s"),
         ({"duration": 6.0}, "note", "about 4e+07 steps"),

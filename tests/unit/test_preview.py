@@ -27,6 +27,9 @@ def test_a_picture_of_both_poses_and_a_report(tmp_path):
     assert "612 quads" in report
     assert "4 bodies" in report
     assert f"{sim.dt:.4g} s" in report
+    steps = int(re.search(r"at least ([\d,]+) steps to 6 ms", report).group(1).replace(",", ""))
+    assert steps == pytest.approx(case.duration / sim.dt, rel=0.05)
+    assert 'along edges of the mesh only (fracture.path = "edges")' in report
     np.testing.assert_array_equal(sim.state.node.x, before)
     # The quads of the shortest steps, shortest first, and what the first costs.
     worst = re.findall(

@@ -10,7 +10,6 @@ import pytest
 
 import shellcut.recording.recorder
 import shellcut.recording.unfelt_penetration
-import shellcut.results.frame_writer
 import shellcut.view.progress
 from notched_strip import cutting
 from open_files import is_open
@@ -29,6 +28,7 @@ from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import read_history
 from shellcut.results.run_results import read
 from shellcut.results.verdict import Line
+from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
 from shellcut.simulation.simulation import Simulation
@@ -237,7 +237,7 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
     def fail(*_):
         raise OSError("no space left")
 
-    monkeypatch.setattr(shellcut.results.frame_writer.VtkHdfWriter, "append", fail)
+    monkeypatch.setattr(VtkHdfWriter, "append", fail)
     sim = cutting()
     with pytest.raises(OSError, match="no space left"):
         Case("cut", sim, END).run(tmp_path, **RECORDS)
@@ -246,7 +246,7 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
 
 
 def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
-    output = FrameOutput(tmp_path, "run")
+    output = FrameOutput(VtkHdfWriter(tmp_path / "run.vtkhdf"))
     try:
         for time in (1e-4, 2e-4):
             output.append(partial(opening_frame, 20.0, n_side=4, time=time))
@@ -349,7 +349,7 @@ def test_the_last_frame_is_that_of_the_end(whole):
 def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
     written, lacking = [], []
 
-    def slow(output, frame, write=FrameOutput._write):
+    def slow(output, frame, write=VtkHdfWriter.append):
         time.sleep(0.02)  # longer than the steps to the next checkpoint
         write(output, frame)
         written.append(frame.time)
@@ -358,7 +358,7 @@ def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
         if extra["frame_time"] not in written:
             lacking.append(sim.state.step)
 
-    monkeypatch.setattr(FrameOutput, "_write", slow)
+    monkeypatch.setattr(VtkHdfWriter, "append", slow)
     monkeypatch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
     Case("cut", cutting(), END).run(tmp_path, checkpoint_every=0.0, **RECORDS)
     assert len(written) > RECORDS["n_frame"]

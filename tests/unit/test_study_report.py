@@ -177,7 +177,7 @@ class TestWhatIsMissing:
         shutil.rmtree(folder)
         high = np.flatnonzero(pitch > 18.0).tolist()
         page = page_of(made(folder, THREE, failed=high))
-        assert re.search(r"No run with figures has pitch from 1[78]\.?\d* to 24 mm", page)
+        assert re.search(r"There is no run with pitch from 1[78]\.?\d* to 24 mm", page)
 
     def test_no_table_yet(self, tmp_path, capsys):
         folder = made(tmp_path / "s", THREE, n=1)

@@ -11,7 +11,7 @@ from shellcut.files.taken_folder import TakenFolder
 def taken(tmp_path):
     folder = TakenFolder(tmp_path / "out")
     yield folder
-    folder.close()
+    folder.lock.close()
 
 
 def fill(folder, *names):
@@ -29,7 +29,7 @@ def run_before(folder, *names):
     taken = TakenFolder(folder)
     taken.begin(names, replace=True)
     fill(folder, *names)
-    taken.close()
+    taken.lock.close()
 
 
 def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
@@ -43,7 +43,7 @@ def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
     fill(out, *mine)
     taken = TakenFolder(out)
     taken.begin(["history.csv"], replace=True)
-    taken.close()
+    taken.lock.close()
     assert left(out) == sorted([*mine, FILES])
     assert not (out / "a_frames").exists()
     assert names_in(out) == ["history.csv"]
@@ -55,7 +55,7 @@ def test_a_folder_of_frames_with_something_else_in_it_stays(tmp_path):
     fill(out, "a_frames/mine.vtu")
     taken = TakenFolder(out)
     taken.begin([], replace=True)
-    taken.close()
+    taken.lock.close()
     assert left(out) == ["a_frames/mine.vtu", FILES]
 
 
@@ -66,7 +66,7 @@ def test_a_run_is_not_replaced_unasked(tmp_path):
     taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
         taken.begin(["history.csv"], replace=False)
-    taken.close()
+    taken.lock.close()
     assert left(out) == before
 
 
@@ -81,7 +81,7 @@ def test_what_no_run_wrote_is_not_replaced_either(tmp_path, replace):
     )
     with pytest.raises(FileExistsError, match=wanted):
         taken.begin(["history.csv"], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
-    taken.close()
+    taken.lock.close()
     assert left(out) == ["history.csv", "notes.txt", "snapshot_01.png"]
 
 
@@ -93,7 +93,7 @@ def test_a_list_of_another_origin_is_no_list(tmp_path):
     taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=FILES):
         taken.begin(["history.csv"], replace=True)
-    taken.close()
+    taken.lock.close()
     assert left(out) == ["precious.txt", FILES]
 
 
@@ -109,15 +109,15 @@ def test_a_list_leads_to_nothing_outside(tmp_path):
     assert names_in(out) == ["history.csv"]
     taken = TakenFolder(out)
     taken.begin([], replace=True)
-    taken.close()
+    taken.lock.close()
     assert (tmp_path / "precious.txt").exists()
 
 
 def test_names_are_listed_before_their_files_are_there(taken):
     taken.begin(["history.csv"], replace=True)
     assert names_in(taken.path) == ["history.csv"]
-    taken.add(taken.path / "a_frames" / "frame_0000.vtu")
-    taken.add(taken.path / "history.csv")
+    taken.files.add("a_frames/frame_0000.vtu")
+    taken.files.add("history.csv")
     assert names_in(taken.path) == ["history.csv", "a_frames/frame_0000.vtu"]
     assert files_there(taken.path) == []
     fill(taken.path, "history.csv")
@@ -131,10 +131,10 @@ def test_a_run_gone_on_with_keeps_its_list(tmp_path):
     run_before(out, "history.csv", "snapshot_00.png")
     taken = TakenFolder(out)
     taken.resume(["history.csv", "summary.json"])
-    assert taken.names == ["history.csv", "snapshot_00.png", "summary.json"]
+    assert taken.files.names == ["history.csv", "snapshot_00.png", "summary.json"]
     fill(out, "summary.json", "mine.png")
-    taken.remove(["summary.json", "mine.png"])
-    taken.close()
+    taken.files.remove(["summary.json", "mine.png"])
+    taken.lock.close()
     assert left(out) == sorted(["history.csv", FILES, "snapshot_00.png", "mine.png"])
     assert FileList(out).there() == ["history.csv", "snapshot_00.png"]
 
@@ -160,8 +160,8 @@ def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):
     taken.begin(["history.csv"], replace=True)  # removes the link, not what it leads to
     assert not (out / "history.csv").is_symlink()
     with pytest.raises(FileExistsError):
-        taken.add(out / "a_frames" / "frame_0000.vtu")
-    taken.close()
+        taken.files.add("a_frames/frame_0000.vtu")
+    taken.lock.close()
     assert left(mine) == ["frame_0000.vtu", "history.csv"]
 
 
@@ -174,7 +174,7 @@ def test_a_list_behind_a_link_is_somebody_elses(tmp_path):
     taken = TakenFolder(tmp_path / "out")
     with pytest.raises(FileExistsError, match=FILES):
         taken.begin(["history.csv"], replace=True)
-    taken.close()
+    taken.lock.close()
     assert names_in(tmp_path / "other") == ["history.csv"]
 
 

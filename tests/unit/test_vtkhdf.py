@@ -55,7 +55,7 @@ def test_an_array_that_came_later_is_left_out_of_older_files(tmp_path, monkeypat
     )
     # To go on with it, the file must have all of them.
     with pytest.raises(ValueError, match="by an older version"):
-        VtkHdfWriter(tmp_path / "older.vtkhdf", mode="a")
+        VtkHdfWriter(tmp_path / "older.vtkhdf", until=np.inf)
 
 
 class Reading:
@@ -238,7 +238,7 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     path = tmp_path / "run.vtkhdf"
     written = frames(10)
     write(path, written[:6])
-    with VtkHdfWriter(path, mode="a", until=written[3].time) as writer:
+    with VtkHdfWriter(path, until=written[3].time) as writer:
         assert writer.n_frame == 4
         for frame in written[4:]:
             writer.append(frame)
@@ -253,7 +253,7 @@ def test_dropping_everything_begins_anew(tmp_path):
     path = tmp_path / "run.vtkhdf"
     written = frames(3)
     write(path, written)
-    write(path, written, mode="a", until=0.0)
+    write(path, written, until=0.0)
     assert_holds(Reading(path).frame(2), written[2])
 
 
@@ -261,7 +261,7 @@ def test_a_foreign_file_is_not_appended_to(tmp_path):
     path = tmp_path / "other.h5"
     h5py.File(path, "w").close()
     with pytest.raises(ValueError, match="was not written by shellcut"):
-        VtkHdfWriter(path, mode="a")
+        VtkHdfWriter(path, until=np.inf)
 
 
 def test_frames_out_of_order_or_with_other_scalars_are_refused(tmp_path):
@@ -339,5 +339,5 @@ def test_a_killed_run_leaves_a_readable_file(killed, moment):
     assert_same(VtkHdfReader(path).frame(-1), dataclasses.replace(frames[k % 2], time=1.0 + k))
     last = dataclasses.replace(frames[0], time=1e9)
     del reading  # VTK 9.4 shows what it had open
-    write(path, [last], mode="a")
+    write(path, [last], until=np.inf)
     assert_holds(Reading(path).frame(n_frame), last)

@@ -146,9 +146,10 @@ class NearNodes:
 
     def rows(self, state: State) -> Ints:
         """Return the quads at listed nodes, ascending."""
-        n = state.node
+        n, listed = state.node, np.zeros(state.n_quad, np.bool_)
         at = np.arange(n.quads.shape[1]) < n.n_quad_at[self.ids, None]
-        return np.unique(n.quads[self.ids][at]).astype(np.int64)
+        listed[n.quads[self.ids][at]] = True
+        return np.flatnonzero(listed)
 
 
 @inline

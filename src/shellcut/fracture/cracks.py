@@ -33,7 +33,7 @@ from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .options import Fracture
-from .pierce import Pierce
+from .pierce import Begun, Pierce
 from .puncture import puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
@@ -107,10 +107,10 @@ class Cracks:
             force = fracture.puncture_force
             if force is None:
                 force = puncture_force(shell.material, law, tool.edge_radius)
-            limits = force, law.strength
-            self._pierce = Pierce(state, self._path, drive, shell, limits, points)
+            limits, self._chain = (force, law.strength), tool.edge_chain
+            self._pierce = Pierce(state, self._path, drive, shell, limits, points, self._chain)
 
-    def cut_due(self, state: State, pose: Pose) -> None:
+    def cut_due(self, state: State, pose: Pose, work: float = 0.0) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.
 
         In every ``check_every``-th step.
@@ -121,6 +121,8 @@ class Cracks:
             Positions at t_{n+1} and the length of the step there, strains and cable forces of t_n.
         pose : Pose
             Of the tool at t_{n+1}.
+        work : float
+            Of the tool up to t_n [N·mm].
         """
         if state.step % self._check_every:
             return
@@ -129,7 +131,7 @@ class Cracks:
             return
         while self._advance_driven(state):
             pass
-        self._begin_cuts(state, pose)
+        self._begin_cuts(state, pose, work)
 
     def _advance_free(self, state: State) -> None:
         """Advance the cracks that no blade drives and that are due, by one quad at most.
@@ -228,9 +230,9 @@ class Cracks:
                 break
         if tip is None:
             raise ValueError(
-                f"a notch must begin at the rim of the film or within it: {points[0].tolist()} mm "
-                f"lies outside, and no side of the rim between it and {stop.tolist()} mm is "
-                "nearer to that line than it is long"
+                f"a notch must begin on the film or at its rim, but its line from "
+                f"{points[0].tolist()} to {stop.tolist()} mm crosses no side of the rim: move its "
+                "first point"
             )
         while tip is not None and (ahead := self._path.rows_ahead(tip)):
             at = self._path.place_in(state, *ahead[0])
@@ -403,7 +405,7 @@ class Cracks:
                 return True
         return False
 
-    def _begin_cuts(self, state: State, pose: Pose) -> None:
+    def _begin_cuts(self, state: State, pose: Pose, work: float) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
         driven = self._watch.driven_places()
@@ -412,16 +414,32 @@ class Cracks:
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
             if state.node.halved[state.quads[begun.row]].any() or whole != WHOLE:
                 continue
+            pierced = self._pierced(state, begun) if begun.measure else None
             for back, ahead in self._pierce.ways(state, begun, self.tips):
-                kind = "puncture" if begun.measure else "blade"
+                kind = "blade" if pierced is None else "puncture"
                 cut = self._through(state, back, ahead, kind, begun.measure)
                 if cut is not None:
                     break
             else:
                 continue
+            if pierced is not None:
+                state.split_log[-1] = replace(state.split_log[-1], work=work, **pierced)
             self._end_at(state, back, cut, 0, -cut.heading)
             self._end_at(state, ahead, cut, 1, cut.heading)
             self.cuts.wake(state)
+
+    def _pierced(self, state: State, begun: Begun) -> dict[str, Any]:
+        """Return for the record of a cut where and how whole film is pierced."""
+        at = self._path.place_in(state, begun.row, begun.place)
+        weights = np.array(shape_functions(begun.place))
+        reference = product(weights, state.node.X[state.quads[begun.row]])
+        return {
+            "place": tuple(at.x.tolist()),
+            "reference": tuple(reference.tolist()),
+            "edge": int(self._chain[begun.segment]),
+            "force": begun.force,
+            "depth": abs(float(product(at.x - reference, at.T))),
+        }
 
     def tip_nodes(self, state: State) -> Ints:
         """Return the nodes where cracks along sides end."""

@@ -69,6 +69,8 @@ class Begun(NamedTuple):
     """Of the cutting edge."""
     measure: float
     """Force or stress over what the film carries on its face, 0 at a rim."""
+    force: float = 0.0
+    """On the cutting edge, where it presses on the face [N]."""
 
 
 class Pierce:
@@ -86,6 +88,8 @@ class Pierce:
         F_p [N] and the strength [MPa].
     points : PointContact, optional
         By which the tool presses on the film.
+    chain : ndarray, shape (n_edge,)
+        To which each segment of the cutting edges belongs.
     """
 
     def __init__(
@@ -96,8 +100,10 @@ class Pierce:
         shell: MITC4Shell,
         limits: tuple[float, float],
         points: PointContact | None,
+        chain: Ints,
     ) -> None:
         self._path, self._drive, self._shell, self._points = path, drive, shell, points
+        self._chain = chain
         self._force, self._strength = limits
         size = float(np.sqrt(shell.area.max()))
         self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
@@ -158,7 +164,9 @@ class Pierce:
             return
         on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
         point = self._points.point_of_sheet()
-        for i in np.flatnonzero((force > 0.0) & (on.segment[point] >= 0)).tolist():
+        pressing = np.flatnonzero((force > 0.0) & (on.segment[point] >= 0))
+        chain = self._chain[on.segment[point[pressing]]]
+        for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             k = int(point[i])
             rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
             if not rows:  # it has been cut since it was pressed
@@ -176,7 +184,8 @@ class Pierce:
             if measure >= 1.0:
                 w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
-                yield Begun(row, place, segment, float(measure))
+                carried = float(force[pressing[chain == edge]].sum())
+                yield Begun(row, place, segment, float(measure), carried)
 
     def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
         """Return the mean membrane stress across an edge in a row [MPa]."""
@@ -229,7 +238,7 @@ class Pierce:
 
         tips : of all cracks.
         """
-        row, place, edge, measure = begun
+        row, place, edge, measure, _ = begun
         way, sides_only = self._way(state, row, place, edge), self._path.sides_only
         if not sides_only:
             ends = (self._towards(state, row, place, edge, tips, end) for end in (-1.0, 1.0))

@@ -243,6 +243,8 @@ class LoadSet:
         force : ndarray, shape (n, 3)
             Added to.
         """
+        if not self._dead and not self._following:
+            return
         corner = state.quads[quads] == nodes[:, None]
         for dead in self._dead:
             rows = dead.rule.on_rows(state, quads)

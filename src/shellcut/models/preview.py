@@ -22,6 +22,15 @@ from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
 
+# What a run costs on one core of a present machine (docs/performance.md): a step of any film and
+# each quad of it [s], how many times that if all of it yields; memory of the program and of each
+# quad [MB].
+_STEP_S, _QUAD_S, _YIELDING = 6e-5, 2e-8, 5.0
+_PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
+
+# Poses on the way of the tool that is drawn.
+_ON_WAY = 60
+
 # Colours of the cutting edges: in the film until the end, leaving it, never in it.
 _STAYS, _LEAVES, _NEVER = "#c1121f", "#9d4edd", "#0077b6"
 
@@ -63,6 +72,7 @@ def preview(
         Not changed.
     path : path-like
         Picture to write; the ending tells the format.
+    time : float, optional
         End of the run [s]: the tool is also drawn at this time, cutting edges that never meet the
         film or leave it before then get their own colours, and the model is checked.
     check : ModelCheck, optional
@@ -72,8 +82,8 @@ def preview(
     -------
     str
         One line each: parts of the model, sizes of its sets, signs of lost quads or nodes, the
-        first time step and its cause, the quads with the shortest steps, and the findings of the
-        checks.
+        first time step and its cause, what the run will cost, where cracks will go, the quads with
+        the shortest steps, and the findings of the checks.
 
     Raises
     ------
@@ -99,7 +109,8 @@ def preview(
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
     parts = ModelParts(mesh=mesh, held=held, tool=sim.tool, motion=sim.motion, duration=time)
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64))
-    lines = [film, *_film_lines(mesh), *step_lines, *others, *_worst_lines(quality)]
+    lines = [film, *_film_lines(mesh), *step_lines, *_run_lines(sim, time), *others]
+    lines += [*_crack_lines(sim), *_worst_lines(quality)]
     lines += [said(finding) for finding in check.findings] if check is not None else []
     return "\n".join(lines)
 
@@ -167,6 +178,7 @@ def _draw(
             triangles=none.astype(np.int64) if tool is None else np.asarray(tool.triangles),
             edges=[] if tool is None else list(_edge_groups(tool, sweep)),
             way=none if sweep is None else sweep.place,
+            track=_track(parts),
             titles=titles,
         ),
         path,
@@ -190,6 +202,20 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
         where = f"{np.degrees(place):.4g}°" if unit == "rad" else f"{place:.4g} {unit}"
         titles.append(f"t = {1e3 * at:.4g} ms, {where}")
     return poses, titles
+
+
+def _track(parts: ModelParts) -> Floats:
+    """Return how the lowest end of the first cutting edge moves, shape (n, 3) [mm].
+
+    Of a tool without cutting edges, how its first vertex does.
+    """
+    tool, motion = parts.tool, parts.motion
+    if tool is None or motion is None or not parts.duration:
+        return np.zeros((0, 3))
+    poses = [pose_at(motion, at) for at in np.linspace(0.0, parts.duration, _ON_WAY)]
+    ids = np.unique(tool.edges[tool.edge_chain == 0]) if tool.n_edge else np.zeros(1, np.int64)
+    lowest = tool.vertices[[ids[np.argmin(poses[0].to_space(tool.vertices[ids])[:, 2])]]]
+    return np.concatenate([pose.to_space(lowest) for pose in poses])
 
 
 def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
@@ -245,6 +271,37 @@ def _worst_lines(quality: MeshQuality) -> Iterator[str]:
             f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) mm: step {quality.step[e]:.3g} s, "
             f"{quality.step[e] / quality.median_step:.2f} of the median"
         )
+
+
+def _run_lines(sim: Simulation, time: float | None) -> Iterator[str]:
+    """Say how many steps the run takes, how long, and in how much memory."""
+    if not time:
+        return
+    steps, n_quad = time / sim.dt, sim.mesh.n_quad
+    lasts = _how_long(steps * (_STEP_S + n_quad * _QUAD_S))
+    longer = "" if sim.material.is_linear else f", {_YIELDING:g} times that if all of it yields"
+    yield (
+        f"run    at least {float(f'{steps:.2g}'):,.0f} steps to {1e3 * time:.4g} ms, about {lasts} "
+        f"on one core{longer}; {_PROGRAM_MB + n_quad * _QUAD_MB:.0f} MB"
+    )
+
+
+def _how_long(seconds: float) -> str:
+    """Return a time in its unit."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
+def _crack_lines(sim: Simulation) -> Iterator[str]:
+    """Say where cracks go."""
+    if sim.cracks is None:
+        yield "cracks none: the model has no cohesive law"
+    elif sim.fracture.path == "free":
+        yield 'cracks through the quads, where blade or load drives them (fracture.path = "free")'
+    else:
+        yield 'cracks along edges of the mesh only (fracture.path = "edges")'
 
 
 def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:

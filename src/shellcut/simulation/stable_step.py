@@ -52,6 +52,11 @@ _TIGHT = 0.99
 # short for the rest of a run after one moment in which it had to be.
 _AT_ONCE, _AFTER_ALL = 1.08, 1.01
 
+# Largest factor between two steps: a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of
+# energy for every force f out of balance, and at a cut, where the step may grow, such forces are
+# large. They have died down before a growth by a tenth is complete.
+_GROWTH = 1.002
+
 # Steps after which it is asked whether stretch has taken up what safety leaves: often enough for a
 # strip drawn out by a fifth in between. A growth of omega² below the second factor is not worth a
 # look, whatever the safety.
@@ -108,7 +113,7 @@ class StableStep:
         self._stiffness: dict[str, NodeStiffness] = {term.name: nothing for term in self._terms}
         self._next = 0
         self._topology = KnownTopology()
-        self._dt = 0.0
+        self._dt = self._step = 0.0
         # Bound of the quads alone at the last look at all, and the least safe step since then.
         self._free, self._least = math.inf, math.inf
         # Quads evaluated since the last look at all.
@@ -123,7 +128,8 @@ class StableStep:
         if due or searched != self._searched or not self._topology.is_of(state):
             bound = self._look_at_all(state) if due else self._look_at_stiffness(state)
             self._take(self.stepping.safety * bound, due)
-        return self._dt
+        self._step = min(self._dt, _GROWTH * self._step or self._dt)
+        return self._step
 
     def _is_stretched(self, state: State) -> bool:
         """Whether the bound, grown by stretch since the last look at all quads, is exceeded.
@@ -195,7 +201,7 @@ class StableStep:
     def forget(self) -> None:
         """Look afresh at the next call: the state has been moved from outside."""
         self._next = 0
-        self._dt, self._least = 0.0, math.inf
+        self._dt, self._step, self._least = 0.0, 0.0, math.inf
 
     def saved(self) -> dict[str, Any]:
         """Return when it looked last and what it found; the frequencies are the shell's."""
@@ -203,6 +209,7 @@ class StableStep:
             "next": self._next,
             "revision": self._topology.revision,
             "dt": self._dt,
+            "step": self._step,
             "free": self._free,
             "least": self._least,
             "known": self._known,
@@ -218,7 +225,8 @@ class StableStep:
         """Take over :meth:`saved`."""
         self._next = saved["next"]
         self._topology.restore(saved["revision"])
-        self._dt, self._free, self._least = saved["dt"], saved["free"], saved["least"]
+        self._dt, self._step = saved["dt"], saved["step"]
+        self._free, self._least = saved["free"], saved["least"]
         self._known, self._searched = saved["known"].copy(), saved["searched"].tolist()
         self._stretch.restore(saved["stretch"])
         terms = {term.name: saved["terms"][term.name] for term in self._terms}
