@@ -22,10 +22,6 @@ def energies(law, opening, largest):
     return float(stored[0]), float(dissipated[0])
 
 
-def test_fracture_energy_is_that_of_the_paper():
-    assert CohesiveLaw().fracture_energy == pytest.approx(43.5, rel=1e-12)
-
-
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 def test_area_of_the_envelope_is_the_fracture_energy(law):
     corners = np.array([0.0, law.opening_a, law.opening_p, law.opening_u])
