@@ -45,7 +45,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, Ints, SmallInts, Vec3, product
+from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy, Vec3, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
@@ -215,7 +215,7 @@ class CableSet(ForceTerm):
         self.touch.take(saved["touch"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
-    def stiffness(self, state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
         c, room = state.cable, 2 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
