@@ -16,6 +16,7 @@ from shellcut.files.run_folder import HISTORY, SUMMARY, USED
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
 from shellcut.results.energy_account import trusted_rows
+from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_error_bars
 from shellcut.results.history import read_history
 from shellcut.results.run_figures import run_figures
 from shellcut.results.run_results import Results, read
@@ -89,6 +90,17 @@ class Gathered:
         if self.summary or "tool_work" not in h:
             return self.summary
         return run_figures(h, self.coordinate, self.resistance)
+
+    @property
+    def error_bars(self) -> ErrorBars | None:
+        """Those of this model: of a study in its folder, or around it; None if there are none."""
+        inside, around = self.folder / CONVERGED, self.folder.resolve().parent.parent
+        if (inside / ERROR_BARS).exists():
+            return read_error_bars(inside / ERROR_BARS)
+        if not (around / ERROR_BARS).exists():
+            return None
+        found = read_error_bars(around / ERROR_BARS)
+        return found if found.key == self.folder.resolve().name else None
 
     @property
     def last_frame(self) -> Frame | None:
