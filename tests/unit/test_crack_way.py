@@ -51,7 +51,7 @@ def test_what_exists_along_edges_only_asks_for_them(option):
     sim = by_hand(fracture=Fracture(**option))
     assert sim.fracture.path == "edges"
     said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
-    assert any(f"edges of the mesh, which {next(iter(option))} = " in line for line in said)
+    assert any(f'(fracture.path = "edges"), which {next(iter(option))} = ' in line for line in said)
 
 
 def test_what_exists_through_quads_only_asks_for_them():
@@ -70,7 +70,7 @@ def test_what_is_asked_for_by_hand_and_named_by_an_earlier_path():
     assert sim.fracture.path == "free"
     assert sim.inputs["fracture"] == Fracture(path="free")
     said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
-    assert "cracks through the quads of the mesh" in said
+    assert any(line.startswith("cracks through the quads of the mesh") for line in said)
     with pytest.raises(
         ValueError, match=r"got 'imprint'; cracks go .* path = 'free', or leave it out"
     ):
