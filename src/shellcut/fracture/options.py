@@ -67,7 +67,7 @@ class Fracture:
     ('free', 'edges')
     """
 
-    criterion: Annotated[Measure, Option("", "measure of a crack that runs")] = "force"
+    criterion: Annotated[Measure, Option("", "what at its tip makes a crack run")] = "force"
     blade_cut: Annotated[
         bool, Option("", "whether the blade cuts what it goes through and has passed")
     ] = True
@@ -80,7 +80,7 @@ class Fracture:
             below=180,
         ),
     ] = 57.0
-    check_every: Annotated[int, Option("", "steps between two checks", least=1)] = 10
+    check_every: Annotated[int, Option("", "steps between two looks at the cracks", least=1)] = 10
     equilibrium_start: Annotated[
         bool,
         Option(
@@ -93,7 +93,7 @@ class Fracture:
         Path | None,
         Option(
             "",
-            "of cracks: free through quads, or along edges",
+            "where cracks go: free through the quads, or along edges",
             unset="edges if they lie under the whole path or another option needs them, else free",
         ),
     ] = None

@@ -101,7 +101,7 @@ DISC = Kind(
     sign="radius",
 )
 FILM_FILE = Kind(
-    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, but in free models.",
+    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, except in free models.",
     keys_of(read_film, renamed={"path": "file"}, also={"unit": "scale"}),
     read_film,
     name="file",
