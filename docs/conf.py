@@ -60,6 +60,7 @@ PAGES = {
         "howto/compare",
         "howto/tensile",
         "howto/studies",
+        "howto/converge",
         "howto/fit",
         "howto/trust",
     ],
@@ -82,6 +83,7 @@ PAGES = {
     ],
     "What to trust": [
         "limits",
+        "error-bars",
         "verification",
         "theory/yielding-cut",
         "theory/yielding-disc",

@@ -1,0 +1,87 @@
+"""Columns that grow: what HDF5 reads back is what was appended."""
+
+import h5py
+import numpy as np
+import pytest
+
+from shellcut.results.hdf_columns import Columns
+
+RNG = np.random.default_rng(7)
+BLOCKS = {
+    "float": [RNG.normal(size=(n, 3)).astype(np.float32) for n in (1, 5000, 4096, 17)],
+    "double": [RNG.normal(size=n) for n in (3, 4097)],
+    "id": [RNG.integers(0, 2**40, n) for n in (4096, 1)],
+    "byte": [RNG.integers(0, 3, n).astype(np.uint8) for n in (9000, 2)],
+}
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_blocks_of_a_packed_column_are_read_back(tmp_path, name):
+    blocks = BLOCKS[name]
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        columns = Columns(file)
+        columns.create("data/rows", blocks[0].dtype, blocks[0].shape[1:], packed=True)
+        begins = []
+        for block in blocks:
+            begins.append(columns.end("data/rows"))
+            columns.write("data/rows", begins[-1], block)
+    with h5py.File(tmp_path / "a.h5") as file:
+        for begin, block in zip(begins, blocks, strict=True):
+            assert begin % 4096 == 0  # a chunk of its own
+            np.testing.assert_array_equal(file["data/rows"][begin : begin + len(block)], block)
+
+
+def test_rows_and_plain_blocks_follow_each_other(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        columns = Columns(file)
+        columns.create("time", np.float64)
+        columns.create("pair", np.int64, (2,))
+        columns.create("offsets", np.int64, blocks=True)
+        for k in range(300):
+            columns.write("time", columns.end("time"), np.array([0.1 * k]))
+            columns.write("pair", columns.end("pair"), np.array([(k, -k)]))
+        columns.write("offsets", columns.end("offsets"), np.arange(10))
+        columns.write("offsets", columns.end("offsets"), np.arange(5000))
+    with h5py.File(tmp_path / "a.h5") as file:
+        np.testing.assert_array_equal(file["time"], 0.1 * np.arange(300))
+        np.testing.assert_array_equal(file["pair"][:, 1], -np.arange(300))
+        assert file["offsets"].shape == (5010,)
+
+
+def test_runs_of_equal_numbers_take_next_to_no_room(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        columns = Columns(file)
+        for name, number in (("zero", 0.0), ("one", 1.0)):
+            columns.create(name, np.float32, (3,), packed=True)
+            columns.write(name, 0, np.full((8192, 3), number, np.float32))
+            assert file[name].id.get_storage_size() < 0.01 * 8192 * 12
+
+
+def test_zeros_take_no_room_and_are_read_as_zeros(tmp_path):
+    block = np.zeros((5000, 3), np.float32)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        columns = Columns(file)
+        columns.create("x", np.float32, (3,), packed=True)
+        columns.write("x", 0, block)
+        columns.write("x", columns.end("x"), block + 7.0)
+        assert file["x"].id.get_num_chunks() == 2  # of the second block
+    with h5py.File(tmp_path / "a.h5") as file:
+        np.testing.assert_array_equal(file["x"][:5000], block)
+        np.testing.assert_array_equal(file["x"][8192:], block + 7.0)
+
+
+def test_columns_of_an_older_file_go_on_after_a_cut(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        columns = Columns(file)
+        columns.create("x/packed", np.float32, packed=True)
+        columns.link("alias", "x/packed")
+        for k in range(3):
+            columns.write("x/packed", columns.end("x/packed"), np.full(10, k, np.float32))
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        columns = Columns(file)
+        assert set(columns) == {"x/packed", "alias"}
+        columns.cut("x/packed", 4096 + 10)
+        assert columns.end("x/packed") == 8192
+        columns.write("x/packed", 8192, np.full(5, 9, np.float32))
+        assert file["alias"][4096:4106].tolist() == [1.0] * 10
+        assert file["alias"][8192:].tolist() == [9.0] * 5
