@@ -1,4 +1,4 @@
-"""Stress at the centres of quads, and what a film carries at most, against closed forms."""
+"""What a film carries at most, against closed forms, and what the check says about it."""
 
 import math
 
@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from naive import cases
 from shellcut.checks.yielding import check_strength
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
-from shellcut.mesh.mesh import Mesh
 
 # So stiff that its elastic strain, 1e-5, is below the tolerances of the rigid closed forms.
 RIGID = sc.Elastic(3e7, 0.3, 1e-9)
@@ -135,125 +132,3 @@ def test_a_film_that_cracks_when_stretched_both_ways_only():
 def test_others_are_left_in_peace(sheet):
     assert list(check_strength(sheet, LAW)) == []
     assert list(check_strength(sheet, None)) == []
-
-
-LAMINATE = ShellMaterial(
-    [Layer(Elastic(5000.0, 0.35, 2e-9), 0.01), Layer(Elastic(800.0, 0.4, 1e-9), 0.06)]
-)
-
-
-def base_vectors(x, t, z):
-    """g_1, g_2 at the centre and the height z, and the director there."""
-    d1 = 0.25 * np.array([-1, 1, 1, -1])
-    d2 = 0.25 * np.array([-1, -1, 1, 1])
-    return d1 @ x + z * (d1 @ t), d2 @ x + z * (d2 @ t), t.mean(axis=0)
-
-
-def stress(X, T, x, t, material, place):
-    h = material.thickness
-    z = {"top": 0.5 * h, "bottom": -0.5 * h}.get(place, 0.0)
-    layer = {"top": -1, "bottom": 0}.get(place, 1 if len(material.layers) > 1 else 0)
-    law = material.layers[layer].material.plane_stress()
-    G1, G2, T0 = base_vectors(X, T, z)
-    g1, g2, _ = base_vectors(x, t, z)
-    # The deformation gradient of the surface, taken from and to the plane of the frame.
-    e3 = T0 / np.linalg.norm(T0)
-    e1 = np.cross(G2, e3) / np.linalg.norm(np.cross(G2, e3))
-    e2 = np.cross(e3, e1)
-    up = np.linalg.inv(np.stack([G1, G2, T0], axis=1))[:2]
-    F = np.outer(g1, up[0]) + np.outer(g2, up[1])
-    frame = np.stack([e1, e2])
-    reference = np.outer(G1, up[0]) + np.outer(G2, up[1])
-    E = 0.5 * frame @ (F.T @ F - reference.T @ reference) @ frame.T
-    s = law @ [E[0, 0], E[1, 1], 2 * E[0, 1]]
-    S = np.array([[s[0], s[2]], [s[2], s[1]]])
-    carried = F @ frame.T
-    if place == "nominal":
-        f1 = carried[:, 0] / np.linalg.norm(carried[:, 0])
-        normal = np.cross(carried[:, 0], carried[:, 1])
-        f2 = np.cross(normal / np.linalg.norm(normal), f1)
-        return np.stack([f1, f2], axis=1) @ S @ np.stack([f1, f2])
-    J = np.linalg.norm(np.cross(g1, g2)) / np.linalg.norm(np.cross(G1, G2))
-    return carried @ S @ carried.T / J
-
-
-@pytest.mark.parametrize("place", ["mid", "top", "bottom", "nominal"])
-@pytest.mark.parametrize("material", [cases.FILM, LAMINATE], ids=["film", "laminate"])
-@pytest.mark.parametrize("case", cases.ALL)
-def test_stress_is_its_definition(case, material, place):
-    mesh = cases.ALL[case]()
-    shell, state = cases.set_up(mesh, material)
-    cases.deform(state)
-    which = np.array([4, 0, 3])
-    got = shell.stress(state, which, place=place)
-    for tensor, e in zip(got, which, strict=True):
-        q = mesh.quads[e]
-        x, t = state.node.x[q], state.node.t[q]
-        wanted = stress(mesh.nodes[q], mesh.directors[q], x, t, material, place)
-        # Round-off of a metric of order one.
-        np.testing.assert_allclose(tensor, wanted, atol=1e-12 * np.abs(wanted).max() * 10)
-
-
-FACES = {"mid": 0, "top": 1, "bottom": 2}
-
-
-def lamina(x):
-    """First and second axis of the frame in which a frame's stresses are given."""
-    e1 = x[1] + x[2] - x[0] - x[3]
-    normal = np.cross(e1, x[2] + x[3] - x[0] - x[1])
-    e2 = np.cross(normal, e1)
-    return np.stack([e1 / np.linalg.norm(e1), e2 / np.linalg.norm(e2)])
-
-
-@pytest.mark.parametrize("place", FACES)
-@pytest.mark.parametrize("case", cases.ALL)
-def test_the_faces_stresses_are_the_tensors_in_the_lamina(case, place):
-    mesh = cases.ALL[case]()
-    shell, state = cases.set_up(mesh)
-    cases.deform(state)
-    got = shell.face_stresses(state)
-    for e, q in enumerate(mesh.quads):
-        x, t = state.node.x[q], state.node.t[q]
-        tensor = stress(mesh.nodes[q], mesh.directors[q], x, t, cases.FILM, place)
-        axes = lamina(x)
-        plane = axes @ tensor @ axes.T
-        wanted = [plane[0, 0], plane[1, 1], plane[0, 1]]
-        # Round-off of a metric of order one.
-        atol = 1e-11 * np.abs(tensor).max()
-        np.testing.assert_allclose(got.stress[e, FACES[place]], wanted, atol=atol)
-        principal = got.principal[e, FACES[place]]
-        np.testing.assert_allclose(principal, np.linalg.eigvalsh(plane)[::-1], atol=atol)
-
-
-def one_quad(curvature, strain, material):
-    """A unit square stretched along x and bent to a curvature about y, by the law of the module."""
-    mesh = Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
-    shell, state = cases.set_up(mesh, material)
-    angle = 0.5 * curvature
-    state.node.x[:4, 0] *= 1.0 + strain
-    lean = np.array([-1, 1, 1, -1]) * np.sin(angle)
-    state.node.t[:4] = np.stack([lean, 0 * lean, np.full(4, np.cos(angle))], axis=1)
-    return shell.face_stresses(state)
-
-
-def test_the_membrane_of_a_laminate_carries_the_resultant_over_the_thickness():
-    strain, curvature = 1e-4, 5e-3
-    got = one_quad(curvature, strain, LAMINATE)
-    z, w, materials = LAMINATE.thickness_points()
-    moduli = np.array([material.plane_stress()[0, 0] for material in materials])
-    stretched, bent = w @ (moduli * strain), w @ (moduli * z * curvature)
-    # The strain's own square.
-    membrane = got.stress[0, 0, 0] * LAMINATE.thickness
-    np.testing.assert_allclose(membrane, stretched + bent, rtol=1e-3)
-    assert abs(bent) > 0.3 * stretched  # the coupling is no small part of it
-
-
-@pytest.mark.parametrize("film", [cases.FILM, LAMINATE], ids=["film", "laminate"])
-@pytest.mark.parametrize("stretch", [1.001, 1.01, 1.3])
-def test_each_layer_of_a_stretched_film_gets_thinner_by_its_own_ratio(stretch, film):
-    got = one_quad(0.0, stretch - 1.0, film)
-    along = 0.5 * (stretch**2 - 1.0)  # E_11; E_22 is held at 0
-    ratios = [layer.material.poisson for layer in film.layers]
-    factors = [np.sqrt(1.0 - 2.0 * along * nu / (1.0 - nu)) for nu in ratios]
-    wanted = sum(x.thickness * f for x, f in zip(film.layers, factors, strict=True))
-    np.testing.assert_allclose(got.thickness, wanted, rtol=1e-13)  # round-off

@@ -1,0 +1,92 @@
+"""Cutting quads of a film in motion changes nothing that is conserved."""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.fracture.cuts import Cuts
+from shellcut.mesh.structured import rectangle
+from test_cut_loads import random_cut
+
+RNG = np.random.default_rng
+
+
+def film(kind, **material):
+    mesh = rectangle(4.0, 3.0, size=0.5)
+    X = mesh.nodes.copy()
+    rng = RNG(3)
+    inside = ~np.isin(np.arange(mesh.n_node), mesh.boundary_nodes)
+    X[inside, :2] += rng.uniform(-0.1, 0.1, (inside.sum(), 2))
+    if kind == "curved":
+        X[:, 2] = 0.1 * X[:, 0] ** 2 + 0.05 * X[:, 0] * X[:, 1]
+    mesh = sc.Mesh.from_arrays(X, mesh.quads)
+    layers = sc.ShellMaterial.homogeneous(
+        young=1678.0, poisson=0.3, density=1e-9, thickness=0.074, **material
+    )
+    velocity = rng.normal(size=(mesh.n_node, 3)) * 3000.0
+    sim = sc.Simulation(mesh, layers, velocity=velocity, threads=1)
+    for _ in range(60):
+        sim.step()
+    return sim
+
+
+def conserved(sim):
+    """Mass, momentum, angular momentum, kinetic energy, strain energy, sum of forces."""
+    s = sim.state
+    n, c = s.node, s.node.count
+    m, x, v, w = n.mass[:c], n.x[:c], n.velocity_half[:c], n.spin_half[:c]
+    t = n.t[:c]
+    n.force_rows[:c] = 0.0
+    saved = s.strain.copy(), s.strain_before.copy(), s.strain_forms, s.history.copy()
+    work = sim.shell.add_forces(s)
+    force, director_force = n.force[:c].copy(), n.director_force[:c].copy()
+    s.strain[:], s.strain_before[:], s.strain_forms, s.history[:] = saved
+    spin = w - np.einsum("ni,ni->n", w, t)[:, None] * t
+    return {
+        "mass": m.sum(),
+        "inertia": n.inertia[:c].sum(),
+        "momentum": m @ v,
+        "angular": (m[:, None] * np.cross(x, v) + n.inertia[:c, None] * spin).sum(axis=0),
+        "kinetic": 0.5 * m @ (v**2).sum(axis=1) + 0.5 * n.inertia[:c] @ (w**2).sum(axis=1),
+        "strain": work.strain_energy,
+        "power": (force * v).sum() + (director_force * np.cross(w, t)).sum(),
+    }
+
+
+@pytest.mark.parametrize(
+    ("kind", "material"), [("flat", {}), ("curved", {}), ("curved", {"points_per_layer": 3})]
+)
+def test_random_cuts_conserve_everything(kind, material):
+    sim = film(kind, **material)
+    s, rng = sim.state, RNG(11)
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
+    before = conserved(sim)
+    for _ in range(60):
+        random_cut(sim, cuts, int(rng.integers(cuts.topology.n_row)), rng)
+    after = conserved(sim)
+    assert s.n_quad == sim.mesh.n_quad + 60
+    assert s.n_node > sim.mesh.n_node
+    scale = {name: np.abs(value).max() for name, value in before.items()}
+    for name, value in after.items():
+        np.testing.assert_allclose(value, before[name], atol=1e-12 * scale[name], err_msg=name)
+
+
+@pytest.mark.parametrize("kind", ["flat", "curved"])
+def test_frequencies_of_all_parts_stay_below_their_bounds(kind):
+    # A sliver has more mass than film, the other part less: its frequency rises at every cut.
+    sim = film(kind)
+    s, rng = sim.state, RNG(5)
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
+    for _ in range(60):
+        random_cut(sim, cuts, int(rng.integers(cuts.topology.n_row)), rng)
+    frequencies = sim.shell.frequencies
+    frequencies.follow(s.node.x, s.node.t, s.quads)
+    bound = frequencies.squared.copy()
+    sim.shell.evaluate_frequencies(s, np.arange(s.n_quad))
+    exact = frequencies.squared
+    ratio = s.quad.share[: s.n_quad] / s.quad.mass_share[: s.n_quad]
+    assert ratio.max() > 1.02
+    assert ratio.min() < 0.8
+    assert (bound >= exact * (1.0 - 1e-9)).all()
+    # They grow with the strains since the last evaluation.
+    assert (bound <= exact * 1.2).all()
