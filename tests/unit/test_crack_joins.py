@@ -6,6 +6,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from free_strip import cut_strip, slanted_strip
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.pierce import Begun
 from shellcut.fracture.tip import Tip
@@ -43,7 +44,9 @@ def on_one_side(beside):
 def advance(sim):
     """Advance the crack that comes last to the node."""
     free, tip = sim.cracks, sim.cracks.tips[-1]
-    segment = free._path.segment_from(sim.state, tip, WAY, None, free.tips)
+    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(
+        sim.state, tip, WAY, None, free.tips
+    )
     free._advance(sim.state, tip, segment, "criterion", 1.0)
 
 

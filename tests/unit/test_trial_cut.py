@@ -5,6 +5,7 @@ import pytest
 
 import shellcut as sc
 from naive import trial_cut
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.mesh.structured import rectangle
 
 SIZE, STRETCH = 0.5, 0.004
@@ -29,7 +30,7 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
     n.x[: n.count, 1] = (1.0 + STRETCH) * n.X[: n.count, 1]  # the notch's flanks stay closed
     (tip,) = free.tips
     tip.length = SIZE  # of the notch behind the tip, which opens with the segment ahead
-    segment = free._path.segment_from(sim.state, tip, tip.heading)
+    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
     # First Piola-Kirchhoff stress: force over reference length and thickness.
     strain = STRETCH + 0.5 * STRETCH**2
     stress = (1.0 + STRETCH) * 1678.0 / (1.0 - 0.3**2) * strain
@@ -51,7 +52,7 @@ def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what
     n, free = sim.state.node, sim.cracks
     (tip,) = free.tips
     tip.length = SIZE
-    segment = free._path.segment_from(sim.state, tip, tip.heading)
+    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
 
     # Corners of the upper copy behind the tip that no other part of the film has.
     ((_, (lower, upper)), *_) = free._trial.pairs(sim.state, segment)
