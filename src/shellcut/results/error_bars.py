@@ -171,7 +171,8 @@ class ErrorBars:
             if points:
                 sizes, values = zip(*points, strict=True)
                 curves.append(Curve(part or "as given", values, f"p{colour}", x=sizes))
-        return Diagram([0.0], curves, SIZE, "", bar.name, bar.unit, zero=False)
+        short = bar.name.partition(",")[0]
+        return Diagram([0.0], curves, SIZE, "", short, bar.unit, bar.name, zero=False)
 
 
 def read_error_bars(path: Path) -> ErrorBars:
