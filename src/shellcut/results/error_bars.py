@@ -5,15 +5,15 @@ motion, and n runs that differ from it by chance only (other small shapes of the
 under the path), with their standard deviation s,
 
     value = f_q + (f_v - f),
-    mesh = |f_q - f| / (q^-p - 1),   speed = |f_v - f|,   chance = t s,
+    mesh = q / (1 - q) |f_q - f|,   speed = |f_v - f|,   chance = t s,
 
-t of Student for 95 % and n - 1 degrees of freedom. ``mesh`` is what Richardson's extrapolation
-leaves between f_q and an infinitely fine mesh [Roache1994], with p = 1.5: sawteeth and cracks
-converge with order 1 at most, shells with 2. ``speed`` is what half the speed leaves of an error
-that goes with the speed. Without a finer mesh a coarser one takes its place, q > 1: the value is
-that of f, mesh = |f_q - f| / (q^p - 1). A crack advances by whole edges, so its length is known
-to an edge of the finest mesh at best. The half-width is the root of the sum of the squares; how
-often it covers the fine answer is counted in docs/error-bars.md.
+t of Student for 95 % and n - 1 degrees of freedom. An error that goes with the edge length leaves
+``mesh`` between f_q and an infinitely fine mesh, one that goes with the speed leaves ``speed``
+between half of it and rest; errors of higher order leave less [Roache1994]. Without a finer mesh a
+coarser one takes its place, q > 1: the value is that of f, mesh = |f_q - f| / (q - 1). A crack
+advances by whole edges, so its length is known to an edge of the finest mesh at best. The
+half-width is the root of the sum of the squares; how often it covers the fine answer is counted in
+docs/error-bars.md.
 
 The order with which a figure converges is that of f + a h^p through three meshes.
 """
@@ -49,14 +49,13 @@ COLOURS = {MESH: 0, SPEED: 4, CHANCE: 2, GIVEN: 6}
 _CAP = 0.03
 
 _LEVEL = 0.95
-_ORDER = 1.5
 _FEWEST = 3  # meshes that show an order
 _HALVED = {
     MESH: "edges half as long",
     SPEED: "half the speed",
     CHANCE: "the mean of four times as many runs",
 }
-"""What halves a part, or more."""
+"""What halves a part."""
 _IN_EDGES = "crack_length_mm"
 _ORDERS = (0.3, 6.0)
 """Outside which three meshes show no order: differences that hardly shrink, or that vanish."""
@@ -128,8 +127,8 @@ class ErrorBars:
     >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
     figure                                              value        ±      mesh     speed    chance
-    force, peak [N]                                     3.100    0.055     0.055         -         -
-    force, peak: an order takes 3 meshes; mostly mesh, edges half as long would leave ± 0.019 N
+    force, peak [N]                                      3.10     0.10       0.1         -         -
+    force, peak: an order takes 3 meshes; mostly mesh, edges half as long would leave ± 0.05 N
     """
 
     key: str
@@ -169,7 +168,7 @@ class ErrorBars:
         elif len(sizes) < _FEWEST:
             order = f"an order takes {_FEWEST} meshes"
         most = max(bar.parts, key=lambda part: bar.parts[part])
-        less = {**bar.parts, most: bar.parts[most] * 0.5 ** (_ORDER if most == MESH else 1.0)}
+        less = {**bar.parts, most: 0.5 * bar.parts[most]}
         left = f"{math.hypot(*less.values()):.2g} {bar.unit}".rstrip()
         return f"{bar.name}: {order}; mostly {most}, {_HALVED[most]} would leave ± {left}"
 
@@ -229,10 +228,10 @@ def error_bar(
     value, parts = f, dict[str, float]()
     if finer:
         q, value = finer[-1]
-        parts[MESH] = abs(value - f) / (q**-_ORDER - 1.0)
+        parts[MESH] = q / (1.0 - q) * abs(value - f)
     elif coarser:
         q, far = coarser[0]
-        parts[MESH] = abs(far - f) / (q**_ORDER - 1.0)
+        parts[MESH] = abs(far - f) / (q - 1.0)
     if figure == _IN_EDGES and parts:
         parts[MESH] = max(parts[MESH], edge * min([1.0, *(size for size, _ in meshes)]))
     for slower in (v for r, v in others if r.part == SPEED):
