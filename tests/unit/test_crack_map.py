@@ -23,24 +23,18 @@ def blurred(frame, size, seed):
     return dataclasses.replace(frame, reference=frame.reference + noise)
 
 
-def test_every_edge_is_dated_by_the_first_frame_that_has_it_open(frames):
+def test_edges_are_dated_by_their_first_frame(frames):
     segments, opened = crack_history(frames)
     assert len(segments) == len(frames[-1].crack_edges)
     for k, frame in enumerate(frames):
         assert (opened <= ANGLES[k]).sum() == len(frame.crack_edges)
     np.testing.assert_allclose(np.hypot(*segments.reshape(-1, 3)[:, :2].T), RADIUS, atol=1e-9)
-
-
-def test_places_rounded_by_a_file_change_no_date(frames):
-    # 1e-4 mm is the rounding of a displacement of half a millimetre; edges are 0.9 mm long
-    rounded = [blurred(frame, 1e-4, k) for k, frame in enumerate(frames)]
-    np.testing.assert_array_equal(crack_history(rounded)[1], crack_history(frames)[1])
-
-
-def test_a_film_without_crack_has_no_edges(frames):
     segments, opened = crack_history(frames[:1])
     assert segments.shape == (0, 2, 3)
     assert opened.shape == (0,)
+    # 1e-4 mm is the rounding of a displacement of half a millimetre; edges are 0.9 mm long
+    rounded = [blurred(frame, 1e-4, k) for k, frame in enumerate(frames)]
+    np.testing.assert_array_equal(crack_history(rounded)[1], crack_history(frames)[1])
 
 
 def test_teeth_are_counted_in_the_order_of_their_segments(frames):

@@ -9,6 +9,7 @@ from free_strip import cut_strip, slanted_strip
 from naive import blade_drive
 from shellcut.contact.settings import STEEPEST
 from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Tip
@@ -46,7 +47,10 @@ def at_side(sim, x, s):
 def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
     """The tip came from below; its ray leaves the quad above by less or more than a graze."""
     sim = cut_strip(mesh=aligned(), notched=False)
-    path, tip = sim.cracks._path, at_side(sim, start_of(sim) + 2.0, 0.6)
+    path, tip = (
+        CrackPath(sim.cracks.cuts.topology, sim.shell),
+        at_side(sim, start_of(sim) + 2.0, 0.6),
+    )
     segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
     assert (segment is not None) == passes
     if passes:
@@ -91,18 +95,6 @@ def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
     # The notch went on across the slit: everything to the left of the slit is another piece.
     flank = next(c for c in sim.state.split_log[::-1] if abs(c.reference[0] - x) < 1e-9)
     assert flank.kind == "notch"
-
-
-def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
-    sim, _ = slit()
-    free = sim.cracks
-    row, entry = free._path.rows_ahead(free.tips[0])[0]
-    tip = Tip((-1, -1), 0.0, sim.cracks.cuts.topology.parent(row), FORWARD, 0.0, entry, (row,))
-    free.tips = [tip]
-    segment = free._path.segment(sim.state, row, entry, FORWARD)
-    cut = free._cut(sim.state, segment, "notch", 0.0)
-    assert set(cut.rows) <= set(tip.behind)
-    assert not {other for other, _ in free._path.rows_ahead(tip)} & set(cut.rows)
 
 
 def test_a_crack_that_passes_the_end_of_another_goes_on():

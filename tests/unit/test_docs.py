@@ -130,7 +130,7 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
 
 
-def test_the_page_of_the_materials_is_that_of_the_presets(monkeypatch):
+def test_pages_are_those_of_their_sources(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     module = importlib.import_module("materials_page")
     # else: python docs/materials_page.py
@@ -261,13 +261,6 @@ def test_the_readmes_models_run(tmp_path, monkeypatch, capsys):
     for model in models:
         exec(compile(model, "README.md", "exec"), {})
         assert "crack" in capsys.readouterr().out
-
-
-def test_ci_takes_the_test_command_from_the_readme():
-    commands = re.findall(r"python3 -m venv .*", (ROOT / "README.md").read_text())
-    assert len(commands) == 2
-    assert commands[0].endswith("shellcut run opening --set mesh=quick -o out")
-    assert re.fullmatch(r"python3 -m venv \.venv-test.*pytest", commands[1])
 
 
 SITE_PAGE = """<!doctype html><body><article><section id="model-keys"><h1>Model keys</h1>

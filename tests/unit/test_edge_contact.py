@@ -9,7 +9,6 @@ from film_and_bar import ON, bar, flat_bar, pushed, round_bar
 from free_strip import cut_strip
 from naive.edge_contact import depth_at, forces_on_ends
 from notched_strip import cutting
-from shellcut.contact.coulomb_friction import TANGENTIAL
 from shellcut.contact.film_outline import FilmOutline, open_edges
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
@@ -211,7 +210,7 @@ def test_the_force_does_not_jump(name):
     assert worst < 3.0
 
 
-def test_places_that_a_split_makes_inside_the_tool_do_not_press():
+def test_an_edge_presses_neither_inside_the_tool_nor_across_it():
     sim = one_quad(quad_with(np.array([-0.05, -0.4, 0.0]), np.array([-0.05, 0.6, 0.0])))
     evaluated(sim)
     t = term(sim)
@@ -353,33 +352,6 @@ def test_friction_on_places_holds_to_mu_times_the_pressure_and_closes():
     assert abs(book.imbalance) < 1e-4 * book.tool_work
 
 
-def test_friction_of_a_bar_dragged_along_a_rim_is_mu_times_what_presses():
-    """At nodes that nothing moves: it sticks up to mu N with the stiffness of what presses."""
-    sim = pushed(RUBS, at=0.35)
-    sim.state.node.supported[:] = True
-    s = sim.state
-    s.dt = 1e-6
-
-    def go(x, z):
-        s.step += 10
-        s.node.force[:] = 0.0
-        for name in ("contact", "friction", "edges", "edge_friction"):
-            term(sim, name).add_forces(s, Pose(np.eye(3), np.array([x, 0.0, z])))
-        return -term(sim, "edge_friction").forces.wrench[0, 2]
-
-    for x in np.linspace(0.0, 0.08, 80):
-        go(x, 0.0)
-    ways = np.linspace(0.0, 0.1, 200)
-    pulls = [go(0.08, z) for z in ways]
-    carriers = term(sim).carriers
-    normal, k = carriers.pressure.sum(), carriers.stiffness[carriers.pressure > 0.0].sum()
-    assert normal > 1.0
-    # Places that are hardly pressed slip at once.
-    assert pulls[2] == pytest.approx(TANGENTIAL * k * ways[2], rel=1e-2)
-    # What the way in has stretched across is not quite gone after 0.1 mm.
-    assert pulls[-1] == pytest.approx(MU * normal, rel=1e-4)
-
-
 def ends_by_place(state, outline):
     """Places of both ends of all open edges, by the rows' polygons; where nodes or points are."""
     found, flank = [], state.flank
@@ -422,16 +394,13 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     assert (np.diff(edges.key) > 0).all()
 
 
-def test_the_opening_test_has_them_unless_told_otherwise():
+def test_it_is_there_unless_told_otherwise():
     def has_edges(**options):
         sim = opening_test("quick", angle_deg=5.0, **options).simulation
         return any(t.name == "edges" for t in sim.terms)
 
     assert has_edges(contact=Contact(friction=0.2))
     assert not has_edges(contact=Contact(film_edges=False))
-
-
-def test_off_there_is_no_term():
     sim = pushed(Contact(film_edges=False))
     assert [t.name for t in sim.terms] == ["contact", "points", "joints"]
     names = [t.name for t in cutting(contact=Contact(film_edges=True, friction=0.2)).terms]

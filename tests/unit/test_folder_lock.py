@@ -49,7 +49,7 @@ def test_who_holds_it_is_told(holder, tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_a_process_killed_holds_nothing(holder, tmp_path):
+def test_a_process_killed_or_ended_holds_nothing(holder, tmp_path):
     holder.kill()
     holder.wait()
     assert (tmp_path / LOCK).exists()

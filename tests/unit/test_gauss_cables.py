@@ -7,6 +7,7 @@ import shellcut as sc
 from free_strip import cut_strip
 from naive.cable import straight
 from naive.shell import shape
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.mesh.structured import rectangle
 
 SIZE, NOTCH = 0.5, 2.2
@@ -27,7 +28,7 @@ def segment_cut(places, rise=0.3):
     sim.notch((rim - 1.0, y, 0.0), (rim + NOTCH, y, 0.0))
     free = sim.cracks
     (tip,) = free.tips
-    segment = free._path.segment_from(sim.state, tip, tip.heading)
+    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
     free._advance(sim.state, tip, segment, "criterion", 1.0)
     return sim, segment
 

@@ -193,9 +193,12 @@ def test_a_saw_may_go_back_where_it_has_cut():
     assert said == []
 
 
-def test_teeth_that_pass_out_of_the_film_are_told():
+def test_edges_that_pass_out_or_leave_are_told():
     said = only(shellcut.opening_test("quick", pitch=40.0))
     assert "4 of 4 whose end leaves the film" in said
+    motion = shellcut.StraightMotion((1.0, 0.0, 0.0), 12000.0)
+    said = only(strip_cut(motion=motion), "note")
+    assert "1 of 1 cutting edges leave the film before the motion ends" in said
 
 
 def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
@@ -215,12 +218,6 @@ def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
     assert "none of 4 that does so up to 6 ms" in only(away)
 
 
-def test_a_blade_that_leaves_over_the_end_is_noted():
-    motion = shellcut.StraightMotion((1.0, 0.0, 0.0), 12000.0)
-    said = only(strip_cut(motion=motion), "note")
-    assert "1 of 1 cutting edges leave the film before the motion ends" in said
-
-
 @pytest.mark.parametrize("rungs", [0.5, 1.9])
 def test_a_process_zone_shorter_than_two_edges_is_told(rungs):
     short = rungs * 0.8 / 4.0
@@ -234,14 +231,11 @@ def test_a_process_zone_shorter_than_two_edges_is_told(rungs):
 # --- steps, refusals -----------------------------------------------------------------------------
 
 
-def test_a_duration_too_short_for_the_steps_is_refused():
+def test_steps_are_compared_with_the_safe_one():
     case = shellcut.opening_test("quick", duration=1e-8)
     assert "a step" in only(case, "refuse")
     with pytest.raises(RefusedModel, match="passes nodes before contact acts on them"):
         shellcut.check_model(case.simulation, case.duration).enforce(force=True)
-
-
-def test_a_fixed_step_is_compared_with_the_safe_one():
     sim = shellcut.opening_test("quick").simulation
     safe = sim.dt / 0.95
     for factor, doubted in ((0.99, 0), (1.01, 1)):
@@ -264,16 +258,7 @@ def test_what_can_be_forced_says_so():
     assert "--force" not in str(refusal.value)
 
 
-def test_a_film_without_a_tool_is_asked_for_its_numbers_only():
-    sim = shellcut.Simulation(
-        rectangle(4.0, 2.0, size=1.0), shellcut.ShellMaterial.homogeneous(thickness=74.0)
-    )
-    check = shellcut.check_model(sim, 1e-3)
-    assert check.sweep is None
-    assert [f.severity for f in check.findings] == ["refuse"]
-
-
-def test_checking_changes_nothing():
+def test_checking_changes_nothing_and_a_film_without_a_tool_is_asked_for_numbers():
     one, two = (
         shellcut.opening_test("quick", stepping=shellcut.Stepping(fixed=1e-7)) for _ in range(2)
     )
@@ -281,3 +266,9 @@ def test_checking_changes_nothing():
     for case in (one, two):
         case.simulation.run(2e-5)
     assert np.array_equal(one.simulation.state.node.x, two.simulation.state.node.x)
+    sim = shellcut.Simulation(
+        rectangle(4.0, 2.0, size=1.0), shellcut.ShellMaterial.homogeneous(thickness=74.0)
+    )
+    check = shellcut.check_model(sim, 1e-3)
+    assert check.sweep is None
+    assert [f.severity for f in check.findings] == ["refuse"]

@@ -80,32 +80,18 @@ def test_coordinate_grows_by_the_speed(motion, scale, part):
 
 
 class TestScrew:
-    def test_angle_is_reached_exactly_at_the_duration(self):
+    def test_a_screw_reaches_its_angle_and_advances_by_its_pitch(self):
         screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0, ramp_fraction=0.03)
         assert screw.coordinate(DURATION) == pytest.approx(np.radians(95.0), rel=1e-14)
         assert screw.ramp == pytest.approx(0.03 * DURATION)
         # the ramp covers half of its part
         assert screw.coordinate(screw.ramp) == pytest.approx(0.5 * screw.ramp * screw.angular_speed)
-
-    def test_advance_a_turn_is_the_pitch_downwards(self):
         screw = ScrewMotion(angular_speed=2.0 * np.pi, pitch=12.0)
         rotation, origin = screw.pose(1.0)
         np.testing.assert_allclose(origin, [0.0, 0.0, -12.0], rtol=1e-14)
         np.testing.assert_allclose(rotation, np.eye(3), atol=1e-14)
-
-    def test_turns_counter_clockwise_seen_from_the_axis_tip(self):
         rotation, _ = ScrewMotion(angular_speed=0.5 * np.pi).pose(1.0)
         np.testing.assert_allclose(rotation @ [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], atol=1e-15)
-
-    def test_points_of_the_axis_only_advance(self):
-        screw = tilted_screw()
-        rotation, origin = screw.pose(2e-3)
-        angle = screw.coordinate(2e-3)
-        point = np.array(screw.axis_point) + 0.7 * np.array(screw.axis)
-        advance = 12.0 * angle / (2.0 * np.pi) * np.array([0.0, 1.0, -1.0]) / np.sqrt(2.0)
-        np.testing.assert_allclose(rotation @ point + origin - point, advance, atol=1e-14)
-
-    def test_rests_before_the_start_and_starts_softly(self):
         screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0)
         rotation, origin = screw.pose(-1.0)
         np.testing.assert_array_equal(rotation, np.eye(3))
@@ -114,6 +100,14 @@ class TestScrew:
             assert not np.any(screw.twist(time))
         assert screw.coordinate(-1.0) == 0.0
         assert screw.twist(2.0 * DURATION)[0][2] == screw.angular_speed
+
+    def test_points_of_the_axis_only_advance(self):
+        screw = tilted_screw()
+        rotation, origin = screw.pose(2e-3)
+        angle = screw.coordinate(2e-3)
+        point = np.array(screw.axis_point) + 0.7 * np.array(screw.axis)
+        advance = 12.0 * angle / (2.0 * np.pi) * np.array([0.0, 1.0, -1.0]) / np.sqrt(2.0)
+        np.testing.assert_allclose(rotation @ point + origin - point, advance, atol=1e-14)
 
     @pytest.mark.parametrize(
         ("change", "message"),
@@ -137,13 +131,9 @@ class TestStraight:
         np.testing.assert_allclose(origin, [0.0, 5.4, 7.2])
         np.testing.assert_array_equal(rotation, np.eye(3))
         np.testing.assert_allclose(motion.twist(1.0)[1], [0.0, 6.0, 8.0])
-
-    def test_without_ramp_it_starts_at_speed(self):
         motion = StraightMotion((1.0, 0.0, 0.0), speed=10.0)
         assert motion.twist(0.0)[1][0] == 10.0
         assert motion.coordinate(0.5) == 5.0
-
-    def test_refusals(self):
         with pytest.raises(ValueError, match="direction must not be zero"):
             StraightMotion((0.0, 0.0, 0.0), speed=1.0)
 
@@ -172,13 +162,11 @@ class TestTable:
                 np.testing.assert_allclose(mine, exact, atol=1e-12)
             assert motion.coordinate(time) == pytest.approx(screw.coordinate(time), rel=1e-12)
         assert motion.coordinate_unit == "rad"
-
-    def test_without_rotation_the_coordinate_is_the_path(self):
         motion = TableMotion([0.0, 1.0, 2.0], [[0, 0, 0], [3, 4, 0], [6, 8, 0]])
         assert motion.coordinate_unit == "mm"
         assert motion.coordinate(1.5) == pytest.approx(7.5)
 
-    def test_end_poses_are_held_at_rest_outside(self):
+    def test_end_poses_are_held_at_rest_outside_and_copies_are_kept(self):
         times, translations, vectors = table()
         motion = TableMotion(times, translations, vectors)
         for outside, end in ((-1.0, 0), (3.0, -1)):
@@ -189,10 +177,6 @@ class TestTable:
             assert not np.any(motion.twist(outside))
             assert motion.coordinate(outside) == motion.coordinate(times[end])
         assert np.any(motion.twist(times[-1]))
-
-    def test_keeps_read_only_copies(self):
-        times, translations, vectors = table()
-        motion = TableMotion(times, translations, vectors)
         times[0] = -9.0
         assert motion.times[0] == 0.0
         with pytest.raises(ValueError, match="read-only"):

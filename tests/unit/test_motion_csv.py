@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from shellcut.formats.errors import FileError
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.table_motion import TableMotion
 
 
@@ -39,18 +38,6 @@ def test_headings_units_separators_and_decimal_commas(tmp_path, text):
         motion.rotation_vectors, [[0, 0, a] for a in (0.0, np.pi / 2, np.pi)], rtol=1e-15
     )
     assert motion.coordinate_unit == "rad"
-
-
-def test_a_screw_written_as_a_table_is_the_screw(tmp_path):
-    screw = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0)
-    lines = ["time [s],z [mm],angle [rad]"]
-    for time in np.linspace(0.0, 6e-3, 241):
-        lines.append(f"{time!r},{screw.pose(time)[1][2]!r},{screw.coordinate(time)!r}")
-    motion = table(tmp_path, "\n".join(lines).replace("np.float64(", "").replace(")", ""))
-    for time in (1e-4, 2.345e-3, 5.9e-3):
-        for ours, known in zip(motion.pose(time), screw.pose(time), strict=True):
-            # cubics over 0.025 ms of a ramp of 0.18 ms
-            np.testing.assert_allclose(ours, known, atol=2e-6)
 
 
 def test_without_turn_the_coordinate_is_the_path(tmp_path):

@@ -29,7 +29,7 @@ def test_the_split_mesh_is_conforming_and_of_the_same_area(mixed):
     assert np.bincount(split.parent).tolist() == [4] * len(quads) + [3] * len(triangles)
 
 
-def test_sets_on_the_rim_take_the_middles_on_the_rim(mixed):
+def test_sets_take_the_middles_and_centres_between_their_members(mixed):
     mesh, quads, triangles = mixed
     split = split_in_quads(mesh.nodes, quads, triangles)
     x, y, _ = split.nodes.T
@@ -42,9 +42,6 @@ def test_sets_on_the_rim_take_the_middles_on_the_rim(mixed):
     rim = split.with_middles(mesh.boundary_nodes())
     new = Mesh.from_arrays(split.nodes, split.quads)
     np.testing.assert_array_equal(np.sort(rim), new.boundary_nodes())
-
-
-def test_sets_inside_take_middles_and_centres(mixed):
     mesh, quads, triangles = mixed
     split = split_in_quads(mesh.nodes, quads, triangles)
     column = split.with_middles(mesh.nodes_where(lambda x, y, z: x == 2.0))

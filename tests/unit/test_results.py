@@ -130,7 +130,7 @@ def test_the_cut_s_quality_over_the_frames(run):
     assert figures["slit_width_largest"][-1] > 0.05 > figures["slit_width_largest"][0]
 
 
-def test_a_run_that_was_killed(tmp_path):
+def test_a_run_that_was_killed_or_has_no_frame_yet(tmp_path):
     frames = leave(tmp_path / "out")
     results = shellcut.read(tmp_path / "out")
     assert results.history["torque"].tolist() == [144.0, 145.0, 146.0, 147.0, 148.0]
@@ -142,9 +142,6 @@ def test_a_run_that_was_killed(tmp_path):
     assert shellcut.read(tmp_path / "out").summary == {}
     (tmp_path / "out" / "summary.json").write_text(json.dumps({"n_quad": 3}))
     assert shellcut.read(tmp_path / "out" / "made.vtkhdf").summary == {"n_quad": 3}
-
-
-def test_a_run_without_a_frame_yet(tmp_path):
     leave(tmp_path / "out", n=0)
     results = shellcut.read(tmp_path / "out")
     assert results.n_frame == 0

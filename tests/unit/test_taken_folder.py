@@ -3,7 +3,6 @@
 import pytest
 
 from shellcut.files.file_list import FILES, OTHERS, FileList, claim, files_there, names_in, target
-from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.taken_folder import TakenFolder
 
 
@@ -137,11 +136,6 @@ def test_a_run_gone_on_with_keeps_its_list(tmp_path):
     taken.lock.close()
     assert left(out) == sorted(["history.csv", FILES, "snapshot_00.png", "mine.png"])
     assert FileList(out).there() == ["history.csv", "snapshot_00.png"]
-
-
-def test_one_at_a_time(taken):
-    with pytest.raises(FolderInUse):
-        TakenFolder(taken.path)
 
 
 def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):

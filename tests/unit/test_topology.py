@@ -7,7 +7,6 @@ from naive import cases
 from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.cuts import Cuts
-from shellcut.fracture.open_edges import crack_tips
 from shellcut.fracture.quad_polygon import CORNERS
 from shellcut.mesh.structured import rectangle
 
@@ -201,18 +200,6 @@ def test_equilibrium_start_takes_over_what_the_node_carried():
         share = c.area[0] / c.area[:2].sum()
         np.testing.assert_allclose(begins[0], share * force, atol=1e-15)
         assert state.split_log[-1].force_jump == 0.0
-
-
-def test_a_notch_in_the_mesh_has_no_cables():
-    mesh = rectangle(6.0, 4.0, n_x=6, n_y=4).cut([14, 15, 16, 17])
-    shell, state = cases.set_up(mesh)
-    assert [*crack_tips(state)] == [17]
-    cases.break_side(Cuts(state, shell, LAW), shell, state, 17, 18)
-    assert [*crack_tips(state)] == [18]
-    assert state.n_cable == 1
-    assert state.cable.length[0] == 0.5
-    assert state.crack_length == 1.0
-    assert sorted(state.cable.ends[0].tolist()) == [17, state.n_node - 1]
 
 
 def test_many_splits_outgrow_the_reserve():

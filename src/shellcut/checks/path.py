@@ -40,7 +40,7 @@ import scipy
 
 from shellcut.arrays import Bools
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.formats.errors import named
+from shellcut.formats.errors import counted, named
 from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
@@ -264,7 +264,6 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
             DOUBT,
             "the path of the cutting edges must keep clear of held nodes, which never split: the "
             "blade runs against them",
-            f"{len(held):,} held node{'' if len(held) == 1 else 's'} on it, the first at "
-            f"({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            f"{counted(len(held), 'held node')} on it, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
             "hold other nodes, or move the tool",
         )

@@ -12,6 +12,7 @@ from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.checks.finding import Finding
+from shellcut.formats.errors import counted
 from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
@@ -162,8 +163,8 @@ def _draw(
         )
     if tool is not None:
         lines.append(
-            f"tool   {_number(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
-            f"{_number(tool.n_chain, 'cutting edge', 'cutting edges')}"
+            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
+            f"{counted(tool.n_chain, 'cutting edge')}"
         )
     if sweep is not None:
         lines.append(edge_line(sweep))
@@ -231,7 +232,7 @@ def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
     for what, color, chains in groups:
         if chains:
             mine = np.isin(tool.edge_chain, chains)
-            label = f"{len(chains)} cutting edge{'s' if len(chains) > 1 else ''}: {what}"
+            label = f"{counted(len(chains), 'cutting edge')}: {what}"
             yield EdgeGroup(label, np.asarray(tool.edges[mine]), color, dashed=color != _STAYS)
 
 
@@ -247,10 +248,6 @@ def _film_lines(mesh: Mesh) -> Iterator[str]:
             yield f"sets   of {kind}: {', '.join(counts)}"
     for doubt in film_doubts(mesh):
         yield f"doubt  {doubt}"
-
-
-def _number(n: int, one: str, many: str) -> str:
-    return f"{n:,} {one if n == 1 else many}"
 
 
 def _extent(ids: Ints, joined: Ints, n: int) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.checks import Sweep, edge_line
+from shellcut.formats.errors import counted
 from shellcut.view.progress import percent
 
 if TYPE_CHECKING:
@@ -47,11 +48,10 @@ def start_lines(
         f"{edges.min():.3g} to {edges.max():.3g} mm, {sim.material.thickness:.3g} mm thick"
     )
     if tool is not None:
-        n, length = tool.n_chain, sum(chain.length for chain in tool.chains())
+        length = sum(chain.length for chain in tool.chains())
         yield (
-            f"tool   {tool.n_body} {'body' if tool.n_body == 1 else 'bodies'}, "
-            f"{tool.n_triangle:,} triangles, {n} cutting {'edge' if n == 1 else 'edges'}, "
-            f"{length:.4g} mm"
+            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle:,} triangles, "
+            f"{counted(tool.n_chain, 'cutting edge')}, {length:.4g} mm"
         )
     if sweep is not None:
         yield edge_line(sweep)

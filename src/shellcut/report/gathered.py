@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from shellcut.arrays import Bools, Floats
 from shellcut.files.regular_file import read_regular
-from shellcut.files.run_folder import HISTORY, SUMMARY
+from shellcut.files.run_folder import HISTORY, SUMMARY, USED
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
 from shellcut.results.energy_account import trusted_rows
@@ -23,8 +23,7 @@ from shellcut.results.run_results import Results, read
 
 T = TypeVar("T")
 
-_MODEL = "used.toml"
-_SIGNS = (HISTORY, SUMMARY, _MODEL)
+_SIGNS = (HISTORY, SUMMARY, USED)
 
 
 @dataclass
@@ -153,8 +152,8 @@ def gather(folder: Path) -> Gathered:
             "history.csv has fewer than two rows, or three columns: there are no curves."
         )
         run.history, run.units = {}, {}
-    if (folder / _MODEL).exists():
-        run.model = read_regular(folder / _MODEL).decode(errors="replace")
+    if (folder / USED).exists():
+        run.model = read_regular(folder / USED).decode(errors="replace")
     if not (folder / SUMMARY).exists():
         run.problems.append(
             "summary.json is missing: the run has not ended, or it was killed. The report shows "

@@ -83,7 +83,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
     holds: The energies balance: the ledger misses up to 0.02 % of the tool's work (limit 1 %).
     """
     lines = [Line("doubt", f"Before the run: {text}") for text in doubts]
-    lines += [_of_its_driver(figures, line) for judge in _JUDGES for line in judge(figures)]
+    lines += [line for judge in _JUDGES for line in judge(figures)]
     if lines:
         lines.append(
             Line(
@@ -103,13 +103,6 @@ def say(lines: Iterable[Line]) -> None:
         LOGGER.log(logging.WARNING if line.kind == "doubt" else logging.INFO, "%s", line)
 
 
-def _of_its_driver(figures: Figures, line: Line) -> Line:
-    """Return a line that compares with the tool's work in words that fit what does the work."""
-    if driver(figures, "_Nmm") == "tool_work":
-        return line
-    return Line(line.kind, line.text.replace("the tool's work", "the supports' work"))
-
-
 def _judged(within: bool, good: str, bad: str, figure: str, limit: str, remedy: str = "") -> Line:
     """Return conclusion, figure and limit; if the figure is not within it, what to do."""
     if within:
@@ -120,6 +113,11 @@ def _judged(within: bool, good: str, bad: str, figure: str, limit: str, remedy: 
 def _percent(share: float) -> str:
     # three digits near 100 %: 97.5 %, not 98 %
     return f"{100.0 * share:.{2 if abs(share) < 0.095 else 3}g} %"
+
+
+def _of_work(figures: Figures, share: float) -> str:
+    who = "tool's" if driver(figures, "_Nmm") == "tool_work" else "supports'"
+    return f"{_percent(share)} of the {who} work"
 
 
 def _share_of_work(figures: Figures, name: str) -> float | None:
@@ -141,7 +139,7 @@ def _ledger(figures: Figures) -> Iterator[Line]:
         abs(missed) <= IMBALANCE_LIMIT,
         "The energies balance",
         "No force or energy of this run can be trusted, because the energies do not balance",
-        f"the ledger misses up to {_percent(missed)} of the tool's work",
+        f"the ledger misses up to {_of_work(figures, missed)}",
         _percent(IMBALANCE_LIMIT),
         remedies(figures, *SMALLER_STEP),
     )
@@ -180,7 +178,7 @@ def _inertia(figures: Figures) -> Iterator[Line]:
         abs(kinetic) <= KINETIC_LIMIT,
         "The motion is slow enough",
         "The motion is too fast, so that inertia carries part of the load",
-        f"kinetic energy reaches {_percent(kinetic)} of the tool's work",
+        f"kinetic energy reaches {_of_work(figures, kinetic)}",
         _percent(KINETIC_LIMIT),
         remedies(figures, "slower"),
     )
@@ -194,7 +192,7 @@ def _damping(figures: Figures) -> Iterator[Line]:
         abs(damping) <= DAMPING_LIMIT,
         "Damping takes little",
         "Force or torque is too high, by what damping takes from film that springs open",
-        f"{_percent(damping)} of the tool's work",
+        f"{_of_work(figures, damping)}",
         _percent(DAMPING_LIMIT),
         remedies(figures, "shorter edges", "slower", "damping"),
     )
@@ -216,7 +214,7 @@ def _contact(figures: Figures) -> Iterator[Line]:
         abs(contact) <= limit,
         "Contact takes little",
         bad,
-        f"it {did} {_percent(abs(contact))} of the tool's work, friction not counted",
+        f"it {did} {_of_work(figures, abs(contact))}, friction not counted",
         _percent(limit),
         remedies(figures, "finer", *SMALLER_STEP),
     )
@@ -234,7 +232,7 @@ def _absorbed(figures: Figures) -> Iterator[Line]:
         abs(absorbed) <= GIVEN_LIMIT,
         "Few nodes changed to the other flank of the blade",
         "Too many nodes changed to the other flank of the blade",
-        f"their jumps {did} {_percent(abs(absorbed))} of the tool's work",
+        f"their jumps {did} {_of_work(figures, abs(absorbed))}",
         _percent(GIVEN_LIMIT),
         remedies(figures, "finer"),
     )
@@ -249,7 +247,7 @@ def _self_contact(figures: Figures) -> Iterator[Line]:
         abs(lost) <= GIVEN_LIMIT,
         "Parts of the film meet slowly enough",
         "Parts of the film hit each other too fast for the time step",
-        f"their contact {did} {_percent(abs(lost))} of the tool's work",
+        f"their contact {did} {_of_work(figures, abs(lost))}",
         _percent(GIVEN_LIMIT),
         remedies(figures, *SMALLER_STEP),
     )
@@ -381,7 +379,7 @@ def _stored(figures: Figures) -> Iterator[Line]:
         "The film gives way beside the tool",
         "Force or torque is too high, because the film does not give way beside the tool, as one "
         "that is pressed in its plane and does not buckle",
-        f"it stored {_percent(stored)} of the tool's work in the steady window",
+        f"it stored {_of_work(figures, stored)} in the steady window",
         _percent(STORED_LIMIT),
         remedies(figures, "imperfection", "finer"),
     )

@@ -148,7 +148,7 @@ class VtkHdfWriter:
         written = dict(self._cells_written)
         point = self._columns.end("Points")
         entry["PointOffsets"] = point
-        written["Points"] = self._columns.write("Points", point, grid.points, noise=True)
+        written["Points"] = self._columns.write("Points", point, grid.points)
         for name, rows in grid.point_arrays.items():
             written[name] = self._columns.write(f"PointData/{name}", point, rows)
         cell = self._columns.end("CellData/part")
