@@ -37,7 +37,7 @@ def film(kind):
 
 def random_cuts(sim, loads, number, rng, after=lambda state: None):
     """Cut rows from one place of their boundary to another, rims included."""
-    cuts = Cuts(sim.state, sim.shell, sc.CohesiveLaw(), loads=loads)
+    cuts = Cuts(sim.state, sim.shell, sc.CohesiveLaw(), loads=loads, fibres=6)
     topology = cuts.topology
     rim = np.flatnonzero(np.isin(sim.mesh.quads, sim.mesh.node_set("right")).any(axis=1))
     for k in range(number):
