@@ -6,7 +6,6 @@ import pytest
 from naive import cases
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.cuts import Cuts
-from shellcut.fracture.quad_polygon import CORNERS
 from shellcut.mesh.structured import rectangle
 
 LAW = CohesiveLaw()
