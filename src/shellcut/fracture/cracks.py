@@ -431,13 +431,11 @@ class Cracks:
             self.cuts.renew(state)
 
     def _pierced(self, state: State, begun: Begun) -> dict[str, Any]:
-        """Return for the record of a cut where and how whole film is pierced."""
+        """Return for the record of a cut how whole film is pierced."""
         at = self._path.place_in(state, begun.row, begun.place)
         weights = np.array(shape_functions(begun.place))
         reference = product(weights, state.node.X[state.quads[begun.row]])
         return {
-            "place": tuple(at.x.tolist()),
-            "reference": tuple(reference.tolist()),
             "edge": int(self._chain[begun.segment]),
             "force": begun.force,
             "depth": abs(float(product(at.x - reference, at.T))),
