@@ -58,7 +58,7 @@ def evaluated(sim, shift=(0.0, 0.0, 0.0), rotation=None):
     # Whatever it was before is forgotten; it was deeper, so that no growth is a jump.
     s.node.contact_depth[:], s.node.contact_offset[:] = 1e3, 0.0
     s.node.contact_side[:] = 0
-    sim.contact.near._known.revision = -1
+    sim.contact.near._age._known.revision = -1
     sim.contact._pose = term(sim)._pose = pose
     s.node.force[:] = 0.0
     sim.contact.add_forces(s, pose)
@@ -319,7 +319,7 @@ def test_places_of_a_new_list_keep_their_memory_and_count_at_once():
         sim.step()
     edges, contact = term(sim), sim.contact
     before = edges.tables.table.memory
-    contact.near._known.revision = -1
+    contact.near._age._known.revision = -1
     searched = edges.n_search
     stored = edges.forces.stored
     sim.step()

@@ -134,11 +134,11 @@ def test_single_points_feel_what_a_plate_with_flat_edges_exerts():
         elif edge == 1:
             p[1] = low[1] + rng.uniform(-0.5, 1.0) * H
         place = x.copy()
-        term._known.revision = -1
+        term._age._known.revision = -1
         evaluated(state, term, place)  # far away: no side is known
         start = place.copy()
         start[node] = p + H * np.array([0.0, 0.0, 3.0] if edge == 2 else [2.0, -2.0, 0.0])
-        term._known.revision = -1
+        term._age._known.revision = -1
         evaluated(state, term, start)
         side = 1 if edge == 2 else 0
         term.tables.memory.side[:] = side
@@ -322,7 +322,7 @@ def test_the_halves_of_a_split_node_keep_side_and_energy():
     n.halved[[node, half]] = True
     n.origin[half] = n.origin[node]
     state.revision += 1
-    term._known.restore(state.revision - 1, state)
+    term._age._known.restore(state.revision - 1, state)
     force, after = evaluated(state, term, np.vstack([x, x[node]]))
     assert after.n_touching == before.n_touching + 1
     assert after.stored == pytest.approx(before.stored, rel=1e-12)

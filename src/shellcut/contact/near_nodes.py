@@ -180,10 +180,10 @@ def tool_way(pose: Pose, then: Pose, radius: float) -> float:
 
 
 @always_inline
-def largest_speed(ids: Ints, count: int, velocity: Floats) -> float:
-    """Return the largest speed of the first ``count`` of some nodes [mm/s]."""
+def largest_speed(ids: Ints, velocity: Floats) -> float:
+    """Return the largest speed of some nodes [mm/s]."""
     fastest = 0.0
-    for i in range(count):
+    for i in range(ids.shape[0]):
         v = load(velocity, ids[i])
         fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     return sqrt(fastest)

@@ -41,7 +41,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints
+from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
@@ -298,7 +298,7 @@ class PointContact(SheetContact):
         """Return the nodes of the quads that a point presses on."""
         return np.unique(self.carriers.node[self.carriers.pressure > 0.0])
 
-    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, _state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that points may press soon and their steepest penalty [N/mm].
 
         A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh a
@@ -362,7 +362,7 @@ class SelfContact(SheetContact):
         self._film, self._ids, self._rings = film, self._tracked, self._tracked
         self._chosen_for = KnownTopology()
 
-    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, _state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
 
         A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most

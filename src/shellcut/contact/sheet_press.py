@@ -50,7 +50,7 @@ def add_sheet_forces(
     wrench[:] = 0.0
     law, pairs, memory, waits = tables.law, tables.pairs, tables.memory, tables.waits
     nodes, presses, carriers, rigid = tables.nodes, tables.presses, tables.carriers, tables.of_tool
-    step = dt * largest_speed(tables.moving, tables.moving.shape[0], nodes.velocity_half)
+    step = dt * largest_speed(tables.moving, nodes.velocity_half)
     step += tool_way(pose, before, tables.radius) if rigid else step
     walked += step
     ahead = _AHEAD * step

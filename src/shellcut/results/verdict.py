@@ -293,6 +293,19 @@ def _unfelt_edges(figures: Figures) -> Iterator[Line]:
         )
 
 
+def _stiff_flanks(figures: Figures) -> Iterator[Line]:
+    edge, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
+    if edge > bent and figures.get("options", {}).get("film_edges"):
+        yield Line(
+            "note",
+            f"Edges of the film along the path, {edge:.3g} mm, are longer than {bent:.3g} mm, over "
+            "which it bends: its flanks do not fold beside the tool, and pressing on them "
+            "(Contact.film_edges) adds force across the film, in the opening test half as much at "
+            "twice that length and as much again at four times. The force along the cut hardly "
+            "changes." + remedies(figures, "finer"),
+        )
+
+
 def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
         yield Line(
@@ -403,6 +416,7 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _penetration,
     _unfelt,
     _unfelt_edges,
+    _stiff_flanks,
     _nothing_cut,
     _off_path,
     _overshoot,
