@@ -224,10 +224,7 @@ def _absorbed(figures: Figures) -> Iterator[Line]:
     absorbed = _share_of_work(figures, "contact_absorbed_Nmm")
     if absorbed is None or not _is_of_a_tool(figures):
         return
-    if absorbed == 0.0:
-        yield Line("good", "No node changed to the other flank of the blade.")
-        return
-    did = "took" if absorbed > 0.0 else "gave the film"
+    did = "took" if absorbed >= 0.0 else "gave the film"
     yield _judged(
         abs(absorbed) <= GIVEN_LIMIT,
         "Few nodes changed to the other flank of the blade",
