@@ -13,7 +13,7 @@ from shellcut.study.companions import companions_of
 
 GIVEN = Run("as given", "", 1.0)
 COARSE, FINE = Run("coarser mesh", "mesh", 1.5), Run("finer mesh", "mesh", 2.0 / 3.0)
-MOVED, SLOW = Run("nodes moved", "mesh", 1.0), Run("slower", "speed", 1.0)
+MOVED, SLOW = Run("nodes moved", "chance", 1.0), Run("slower", "speed", 1.0)
 SHAPES = Run("shape 2", "chance", 1.0), Run("shape 3", "chance", 1.0)
 MESHES = GIVEN, COARSE, FINE
 

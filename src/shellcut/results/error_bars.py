@@ -223,7 +223,7 @@ def error_bar(
         Length of the edges of the model as given [mm].
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
-    meshes = sorted((r.size, v) for r, v in others if r.part == MESH and r.size != 1.0)
+    meshes = sorted((r.size, v) for r, v in others if r.part == MESH)
     coarser, finer = ([m for m in meshes if m[0] > 1.0], [m for m in meshes if m[0] < 1.0])
     value, parts = f, dict[str, float]()
     if finer:
@@ -237,7 +237,7 @@ def error_bar(
     for slower in (v for r, v in others if r.part == SPEED):
         value += slower - f
         parts[SPEED] = abs(slower - f)
-    alike = [f, *(v for r, v in others if r.size == 1.0 and r.part != SPEED)]
+    alike = [f, *(v for r, v in others if r.part == CHANCE)]
     if (n := len(alike)) > 1:
         t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n - 1))
         parts[CHANCE] = t * float(np.std(alike, ddof=1))

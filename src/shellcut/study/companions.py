@@ -45,10 +45,9 @@ def companions_of(
     except ValueError as reason:
         missing[MESH] = [str(reason)]
     if moved := _moved(model):
-        runs[Run("nodes moved", MESH, 1.0)] = moved
+        runs[Run("nodes moved", CHANCE, 1.0)] = moved
     else:
-        why = "there is no mesh as fine with its nodes elsewhere under the path"
-        missing.setdefault(MESH, []).append(why)
+        missing[CHANCE] = ["there is no mesh as fine with its nodes elsewhere under the path"]
     try:
         runs[Run("slower", SPEED, 1.0)] = _slower(model, slower)
     except ValueError as reason:
