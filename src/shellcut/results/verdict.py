@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .energy_account import account, dissipated, driver
-from .remedies import SMALLER_STEP, remedies
+from .remedies import SLOWER, SMALLER_STEP, remedies
 
 LOGGER = logging.getLogger("shellcut.verdict")
 """Logs the lines at the end of a run: doubts as warnings, the others as information."""
@@ -22,6 +22,8 @@ IMBALANCE_LIMIT = 0.01
 """Largest imbalance of the ledger, relative to the tool's work."""
 KINETIC_LIMIT = 0.05
 """Largest kinetic energy in slow cutting, relative to the tool's work."""
+QUASI_STATIC_LIMIT = 0.01
+"""Largest kinetic energy of a quasi-static run, likewise."""
 DAMPING_LIMIT = 0.10
 """Largest share of the tool's work dissipated by damping."""
 CONTACT_LIMIT = 0.05
@@ -180,13 +182,14 @@ def _inertia(figures: Figures) -> Iterator[Line]:
     if "kinetic_rel" not in figures or _not_come_far(figures):
         return
     kinetic = figures["kinetic_rel"]
-    share, limit = _percent(kinetic), _percent(KINETIC_LIMIT)
+    most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
+    share, limit = _percent(kinetic), _percent(most)
     yield _judged(
-        abs(kinetic) <= KINETIC_LIMIT,
+        abs(kinetic) <= most,
         f"Kinetic energy stays below {share} of the tool's work (limit {limit}): inertia does "
         "not carry the load.",
         f"Kinetic energy reaches {share} of the tool's work; slow cutting has less than "
-        f"{limit}. Inertia carries part of the load." + remedies(figures, "slower"),
+        f"{limit}. Inertia carries part of the load." + remedies(figures, *SLOWER),
     )
 
 
@@ -199,7 +202,7 @@ def _damping(figures: Figures) -> Iterator[Line]:
         damping,
         DAMPING_LIMIT,
         "the resistance is that much too high. Film that springs open causes it."
-        + remedies(figures, "shorter edges", "slower", "damping"),
+        + remedies(figures, "shorter edges", *SLOWER, "damping"),
     )
 
 
@@ -334,7 +337,7 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
         f"them (limit {limit}).",
         f"The edge meets cables late: it misses {share} of the distance over which it drags them, "
         f"more than {limit}, and that share of their work. Its motion does not go where it points, "
-        "or is too fast." + remedies(figures, "more checks", "slower"),
+        "or is too fast." + remedies(figures, "more checks", *SLOWER),
     )
 
 
@@ -363,7 +366,7 @@ def _account(figures: Figures) -> Iterator[Line]:
         f"{said}, less than {limit}: damping and contact took the rest, as where "
         + ("a tool presses on film that does not part or " * _is_of_a_tool(figures))
         + "film springs open."
-        + remedies(figures, "shorter edges", "slower"),
+        + remedies(figures, "shorter edges", *SLOWER),
     )
 
 

@@ -62,6 +62,8 @@ class State:
     """t_n [s]."""
     dt: float = 0.0
     """Length of the step that led to t_n [s]."""
+    tick: float = 0.0
+    """What time has gone on in it [s]: dt, less in a quasi-static run."""
     step: int = 0
     revision: int = 0
     """Number of splits; identifies the topology."""
@@ -151,7 +153,7 @@ class State:
                 blocks = aligned_zeros(came, blocks.dtype)
                 setattr(self, name, blocks)
             blocks[:] = saved[name]
-        for name in ("time", "dt", "step", "revision", "crack_length"):
+        for name in ("time", "dt", "tick", "step", "revision", "crack_length"):
             setattr(self, name, saved[name])
         self.node.restore(saved["node"])
         self.cable.restore(saved["cable"])
