@@ -23,7 +23,7 @@ def test_sums_take_each_entry_once():
         *("kinetic_translation", "kinetic_rotation", "strain", "material_dissipated"),
         *("cohesive_work", "cohesive_start_work", "joint_friction", "contact_work"),
         *("self_contact_work", "friction_work"),
-        *("damping_stiffness", "damping_mass"),
+        *("damping_stiffness", "damping_mass", "damping_kinetic"),
     )
     assert ledger.taken_up == sum(getattr(ledger, n) for n in names)
     assert ledger.imbalance == ledger.put_in - ledger.taken_up

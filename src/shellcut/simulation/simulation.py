@@ -233,7 +233,7 @@ class Simulation:
         if s.flank.count:
             self._flanks.follow(s)
         s.step += 1  # 2 clock
-        s.dt, s.tick = self._dt, self.pace.now * self._dt
+        s.dt, s.pace = self._dt, self.pace.now
         s.time += s.tick
         self._place_tool()
         if self.cracks is not None:
