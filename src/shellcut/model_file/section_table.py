@@ -61,7 +61,7 @@ HEAD = Kind(
             choice("opening", "guillotine", "free", "trouser", "oscillating"), "kind of model"
         ),
         "name": own_key(FORMS["stem"], "stem of the result file", None, unset="the model's name"),
-        **keys_of(Simulation, "directional", "imperfection", "threads"),
+        **keys_of(Simulation, "directional", "quasi_static", "imperfection", "threads"),
     },
     spread=True,
 )

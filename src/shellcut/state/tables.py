@@ -244,9 +244,9 @@ class NodeTable(_Table):
         self.n_quad_at[node] = len(quads)
 
     def stop(self) -> None:
-        """Take all velocities, and the prescribed ones, away."""
-        for rates in (self.velocity_half, self.spin_half, self.support_rate):
-            rates[: self.count] = 0.0
+        """Take all velocities away that are not prescribed."""
+        for c, rates in enumerate((self.velocity_half, self.spin_half)):
+            rates[: self.count][~self.support[: self.count, 3 * c : 3 * c + 3]] = 0.0
 
     def weigh(self, node: int, mass: float, inertia: float) -> None:
         """Set the mass [t] and rotary inertia [t·mm²] of a node."""
