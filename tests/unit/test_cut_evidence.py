@@ -10,7 +10,7 @@ from shellcut import Fracture, StraightMotion, Support
 from shellcut.checks import Sweep
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut, guillotine
-from shellcut.recording.cut_evidence import cut_evidence
+from shellcut.recording.run_summary import cut_evidence
 from shellcut.results.verdict import verdict
 from shellcut.state import SplitRecord
 from shellcut.tool.shapes import straight_blade

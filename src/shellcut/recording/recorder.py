@@ -35,14 +35,13 @@ from shellcut.results.verdict import Line, say, verdict
 from shellcut.view.progress import Progress
 
 from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
-from .cut_evidence import cut_evidence
 from .cut_front import CutFront
 from .frame_capture import Exposure
 from .history_row import history_row
 from .resistance import resistance_of
 from .run_files import RunFiles
 from .run_options import RunOptions
-from .run_summary import run_summary
+from .run_summary import cut_evidence, run_summary
 from .schedule import Schedule
 from .status_line import status_line
 from .unfelt_penetration import Unfelt, UnfeltPenetration
