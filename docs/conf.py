@@ -59,6 +59,7 @@ PAGES = {
         "howto/pictures",
         "howto/compare",
         "howto/tensile",
+        "howto/slow",
         "howto/studies",
         "howto/converge",
         "howto/fit",
