@@ -46,7 +46,7 @@ from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .open_edges import boundary_edges
 from .quad_polygon import AWAY, Point, shape_functions
-from .ray_ahead import AT_POINT, Aimed, at, through
+from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
 from .tip import Segment, Tip
 
@@ -362,15 +362,15 @@ def parts_quad(
     together = False
     for side in range(4):
         together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
-    at_corners = chord.way[0, 1] == AT_POINT and chord.way[1, 1] == AT_POINT
-    return not together or (at_corners and chord.way[0, 2] != chord.way[1, 2])
+    at_corners = chord.way[0, KIND] == AT_POINT and chord.way[1, KIND] == AT_POINT
+    return not together or (at_corners and chord.way[0, PLACE] != chord.way[1, PLACE])
 
 
 @inline
 def _is_on(chord: Aimed, i: int, side: int) -> bool:
     """Return whether a ray ends on a side of a whole quad."""
-    end: int = chord.way[i, 2]
-    return end == side or (bool(chord.way[i, 1] == AT_POINT) and end == (side + 1) % 4)
+    end: int = chord.way[i, PLACE]
+    return end == side or (bool(chord.way[i, KIND] == AT_POINT) and end == (side + 1) % 4)
 
 
 @kernel

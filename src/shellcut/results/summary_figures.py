@@ -52,6 +52,8 @@ LABELS = {
     "pictures_s": "drawing time",
     "imbalance_rel": "largest imbalance of the energies, over the work",
     "kinetic_rel": "largest kinetic energy, over the work",
+    "quasi_static": "kinetic energy that the pace allows, over the work",
+    "n_stop": "stops of the film by the pace",
     "added_inertia_factor": "scale of the rotary inertia",
     "n_imperfection": "number of the film's imperfection",
     "imperfection_mm": "bound of the film's imperfection",
