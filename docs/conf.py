@@ -46,7 +46,7 @@ napoleon_use_rtype = False
 suppress_warnings = ["ref.python"]  # several classes have a field `name`: any of them will do
 
 PAGES = {
-    "First steps": ["install", "first-cut", "gallery/index"],
+    "First steps": ["install", "first-cut", "questions", "gallery/index"],
     "How to": [
         "howto/model-file",
         "howto/own-tool",
@@ -60,6 +60,7 @@ PAGES = {
         "howto/compare",
         "howto/tensile",
         "howto/studies",
+        "howto/converge",
         "howto/fit",
         "howto/trust",
     ],
@@ -70,16 +71,25 @@ PAGES = {
         "theory/time",
         "theory/cables",
         "theory/contact",
+        "theory/film-contact",
         "theory/scales",
         "theory/fracture",
         "theory/free-cracks",
+        "theory/tears",
+        "theory/curved-films",
         "theory/oscillating",
         "theory/energy",
         "theory/statics",
+    ],
+    "What to trust": [
+        "limits",
+        "error-bars",
+        "verification",
         "theory/yielding-cut",
         "theory/yielding-disc",
+        "same-bits",
+        "performance",
     ],
-    "What to trust": ["limits", "same-bits", "verification", "performance"],
     "Reference": [
         "model-keys",
         "materials",

@@ -61,7 +61,6 @@ class Factors(NamedTuple):
             opening_p=law.opening_p * self.length,
             opening_u=law.opening_u * self.length,
             onset=law.onset * self.length,
-            unloading_stiffness=law.unloading_stiffness * (self.stress / self.length),
         )
 
     def tool(self, tool):

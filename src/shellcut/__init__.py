@@ -45,6 +45,7 @@ from .recording.checkpoint import load_checkpoint, save_checkpoint
 from .recording.recorder import Recorder
 from .report import report_run
 from .results.comparison import Comparison, compare
+from .results.error_bars import ErrorBar, ErrorBars
 from .results.measured_curve import MeasuredCurve, read_measured_curve
 from .results.run_results import Results, read
 from .scene_page import view_html
@@ -52,6 +53,7 @@ from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
+from .study.converge import converge
 from .study.curve_misfit import FitCurve
 from .study.design import Design
 from .study.fit import Search, fit
@@ -75,6 +77,8 @@ __all__ = [
     "Design",
     "EdgeTraction",
     "Elastic",
+    "ErrorBar",
+    "ErrorBars",
     "FilmOutline",
     "FitCurve",
     "ForceTerm",
@@ -113,6 +117,7 @@ __all__ = [
     "Voce",
     "check_model",
     "compare",
+    "converge",
     "evaluate_tensile",
     "fit",
     "guillotine",

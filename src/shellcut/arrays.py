@@ -32,11 +32,11 @@ Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]
 """A three-vector of numbers."""
 
-Held: TypeAlias = tuple[Ints, Floats]
-"""Nodes that something holds, a node may come more than once, and its stiffness on each [N/mm]."""
+NodeStiffness: TypeAlias = tuple[Ints, Floats]
+"""Nodes, of which one may come more than once, and a stiffness on each [N/mm]."""
 
-HeldBy: TypeAlias = Mapping[str, Held]
-"""The same of several, by their names."""
+StiffnessBy: TypeAlias = Mapping[str, NodeStiffness]
+"""The same of several force terms, by their names."""
 
 
 def product(first: Any, *others: Any) -> Any:

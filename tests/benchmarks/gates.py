@@ -20,7 +20,6 @@ _BYTES, _GROWTH = 1000.0, 1.0  # a quad; the growth is what pages round to
 _PEER_RATIO = 100.0
 _PEAK_OFF = {"OpenSees ASDShellQ4 corotational": 0.01, CALCULIX: 0.03}
 _IMPORT = 1.0  # s
-_LARGE = 90_000  # quads from which two threads must pay
 
 NOT_RUN = "not run"
 
@@ -45,12 +44,6 @@ def _of_one_core(r: Results) -> Iterator[Gate]:
             figure = cost.step * peak if cost and peak else None
             what = f"normalised cost of a step, {material}, {name}, ns x GFlop/s"
             yield Gate(what, target, figure, why_not=NOT_RUN)
-    yield Gate(
-        "normalised cost, material with history, two points, elastic range",
-        3000.0,
-        None,
-        why_not="the library has no material with history",
-    )
     large, figure, why = r.cost("1e6"), None, NOT_RUN
     if large and peak and triad:
         floor = large.memory_floor(triad)

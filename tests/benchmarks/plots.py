@@ -1,4 +1,4 @@
-"""The two pictures of docs/performance.md."""
+"""The two pictures of a benchmark."""
 
 from __future__ import annotations
 

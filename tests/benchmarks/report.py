@@ -1,9 +1,9 @@
-"""Write docs/performance.md and its plots from the results of run.py.
+"""Write all tables and pictures of the results of run.py into a folder of their name.
 
     python tests/benchmarks/run.py --json results.json
-    python tests/benchmarks/report.py results.json
+    python tests/benchmarks/report.py results.json      # results/performance.md and two pictures
 
-The hand-written head of the page (between the file's start and the marker line) is kept.
+docs/performance.md has the figures that matter to a user, and the first of the pictures.
 """
 
 from __future__ import annotations
@@ -19,9 +19,6 @@ from benchmarks.instructions import told
 from benchmarks.peers import OURS
 from benchmarks.plots import draw_profile, draw_scaling
 from benchmarks.results import Results, load
-
-DOCS = Path(__file__).resolve().parents[2] / "docs"
-MARKER = "<!-- made by tests/benchmarks/report.py: do not edit below -->"
 
 
 def table(head: str, rows: list[list[str]], *, text_columns: int = 1) -> list[str]:
@@ -127,7 +124,7 @@ def steps(r: Results) -> list[str]:
             " | normalised | over arithmetic | over memory | cores",
             rows,
         ),
-        "![Cost over the size of the mesh](img/performance_scaling.png)",
+        "![Cost over the size of the mesh](performance_scaling.png)",
         "",
         *_instructions(r),
         f"One and two threads give the same bits (1e5 quads, 50 steps): "
@@ -190,7 +187,7 @@ def cuts(r: Results) -> list[str]:
         " shells*.",
         "",
         *table(f"part | {meshes}", rows),
-        "![Parts of a step of the opening test](img/performance_profile.png)",
+        "![Parts of a step of the opening test](performance_profile.png)",
         "",
     ]
     absent = sorted({name for c in r.cuts for name in c.not_found})
@@ -249,19 +246,18 @@ def start(r: Results) -> list[str]:
     ]
 
 
-def write(results: Results, docs: Path) -> None:
+def write(results: Results, folder: Path) -> None:
     """Write page and plots into a folder."""
-    page = docs / "performance.md"
-    head = page.read_text().split(MARKER)[0].rstrip() if page.exists() else "# Performance"
+    folder.mkdir(parents=True, exist_ok=True)
     parts = [targets, circumstances, steps, memory, cuts, peers, start]
-    lines = [head, "", MARKER, "", *(line for part in parts for line in part(results))]
-    page.write_text("\n".join(lines).rstrip() + "\n")
-    (docs / "img").mkdir(parents=True, exist_ok=True)
+    lines = ["# Performance", "", *(line for part in parts for line in part(results))]
+    (folder / "performance.md").write_text("\n".join(lines).rstrip() + "\n")
     if results.steps:
-        draw_scaling(results, docs / "img" / "performance_scaling.png")
+        draw_scaling(results, folder / "performance_scaling.png")
     if results.cuts:
-        draw_profile(results, docs / "img" / "performance_profile.png")
+        draw_profile(results, folder / "performance_profile.png")
 
 
 if __name__ == "__main__":
-    write(load(Path(sys.argv[1])), DOCS)
+    file = Path(sys.argv[1])
+    write(load(file), file.with_suffix(""))

@@ -22,8 +22,6 @@ def stress(opening, largest, law):
         return 0.0
     cap = law.strength / law.onset if law.onset > 0 else np.inf
     slope = min(peak / largest, cap) if largest > 0 else cap
-    if law.unloading == "elastic":
-        slope = law.unloading_stiffness
     return max(peak - slope * (largest - opening), 0.0)
 
 

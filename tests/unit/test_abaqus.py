@@ -66,14 +66,19 @@ def refusal(tmp_path, text, **options):
 
 
 class TestFlatDeck:
-    def test_nodes_elements_and_sets(self, tmp_path):
+    def test_keywords_sets_elements_and_numbers_in_any_form(self, tmp_path):
         mesh = film(tmp_path, FLAT)
         check_film(mesh)
         assert len(mesh.quad_set("film")) == 10
-
-    def test_keywords_in_any_case_with_blanks_and_continued(self, tmp_path):
         text = FLAT.replace("*ELEMENT, TYPE=S4R, ELSET=film", " *Element , type = s4r,\nElSet=film")
         check_film(film(tmp_path, text.replace("*NODE\n", "*node\n")))
+        text = FLAT.replace(f"{NODE_ID[5]}, 5, 0, 0", f"{NODE_ID[5]}, 0.5D+01, 0.e0")
+        assert text != FLAT
+        check_film(film(tmp_path, text))
+        a, b, c, d = NODE_ID[QUADS[0]]
+        whole = f"{QUAD_ID[0]}, {a}, {b}, {c}, {d}\n"
+        assert whole in FLAT
+        check_film(film(tmp_path, FLAT.replace(whole, f"{QUAD_ID[0]}, {a}, {b},\n {c}, {d}\n")))
 
     def test_sets_named_on_node_and_element(self, tmp_path):
         right = [e for e in range(10) if e in RIGHT_PART]
@@ -121,17 +126,6 @@ class TestFlatDeck:
         sets = FLAT[FLAT.index("*NSET") : FLAT.index("*MATERIAL")]
         check_film(film(tmp_path, f"*INCLUDE, INPUT=sub/mesh.inp\n{sets}"))
 
-    def test_an_element_goes_on_in_the_next_line(self, tmp_path):
-        a, b, c, d = NODE_ID[QUADS[0]]
-        whole = f"{QUAD_ID[0]}, {a}, {b}, {c}, {d}\n"
-        assert whole in FLAT
-        check_film(film(tmp_path, FLAT.replace(whole, f"{QUAD_ID[0]}, {a}, {b},\n {c}, {d}\n")))
-
-    def test_fortran_exponents(self, tmp_path):
-        text = FLAT.replace(f"{NODE_ID[5]}, 5, 0, 0", f"{NODE_ID[5]}, 0.5D+01, 0.e0")
-        assert text != FLAT
-        check_film(film(tmp_path, text))
-
 
 class TestPartsAndInstances:
     PART = f"*PART, NAME=Sheet\n*NODE\n{nodes()}*ELEMENT, TYPE=S4R\n{quads()}*NSET, NSET=left\n"
@@ -178,10 +172,14 @@ class TestPartsAndInstances:
         assert sorted(x) == [0.0, 0.0, 0.0, 5.0, 5.0, 5.0]
 
 
-def test_lines_become_node_sets(tmp_path):
+def test_lines_become_node_sets_and_doubled_sets_are_read_once(tmp_path):
     line = f"*ELEMENT, TYPE=T3D2, ELSET=rim\n9001, {NODE_ID[0]}, {NODE_ID[6]}\n"
     mesh = film(tmp_path, FLAT + line)
     assert set(mesh.node_set("rim")) == set(rows_in(mesh, NODES[[0, 6]]))
+    double = "".join(f"*NSET, NSET=s{k + 1}\ns{k}, s{k}\n" for k in range(40))
+    mesh = film(tmp_path, FLAT + f"*NSET, NSET=s0\n{NODE_ID[0]}\n{double}")
+    assert mesh.node_set("s40").tolist() == mesh.node_set("s0").tolist()
+    check_film(film(tmp_path, FLAT + "*NODE, NSET=again\n" + nodes().splitlines()[3] + "\n"))
 
 
 def test_nodes_of_no_quad_are_said(tmp_path, caplog):
@@ -244,12 +242,6 @@ def test_refusals(tmp_path, add, words):
     assert words in refusal(tmp_path, FLAT + add)
 
 
-def test_sets_that_double_are_read_once_each(tmp_path):
-    double = "".join(f"*NSET, NSET=s{k + 1}\ns{k}, s{k}\n" for k in range(40))
-    mesh = film(tmp_path, FLAT + f"*NSET, NSET=s0\n{NODE_ID[0]}\n{double}")
-    assert mesh.node_set("s40").tolist() == mesh.node_set("s0").tolist()
-
-
 def test_what_instances_and_includes_make_is_counted(tmp_path, monkeypatch):
     monkeypatch.setitem(LIMITS, "nodes and elements with those of all instances", 100)
     instances = "".join(f"*INSTANCE, NAME=s{k}, PART=Sheet\n*END INSTANCE\n" for k in range(4))
@@ -264,13 +256,11 @@ def test_what_instances_and_includes_make_is_counted(tmp_path, monkeypatch):
     assert "1,000 files with those included at most, got 1,001" in told
 
 
-def test_line_and_file_are_named(tmp_path):
+def test_lines_are_named_and_a_file_without_keywords_is_refused(tmp_path):
     told = refusal(tmp_path, FLAT + "*NODE\n1000, a, 0.\n")
     assert f"film.inp, line {FLAT.count(chr(10)) + 2}: " in told
-
-
-def test_a_node_written_again_at_its_place_is_one(tmp_path):
-    check_film(film(tmp_path, FLAT + "*NODE, NSET=again\n" + nodes().splitlines()[3] + "\n"))
+    assert "must hold *KEYWORD lines" in refusal(tmp_path, "hello\n")
+    assert "there must be quads" in refusal(tmp_path, "*NODE\n1, 0., 0.\n")
 
 
 def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path, caplog):
@@ -287,11 +277,6 @@ def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path, caplog):
     assert "1 of 3 of node set 'left'" in caplog.text
     with pytest.raises(ValueError, match="quadratic must be 'refuse' or 'corners'"):
         film(tmp_path, text, quadratic="yes")
-
-
-def test_a_file_without_keywords_is_refused(tmp_path):
-    assert "must hold *KEYWORD lines" in refusal(tmp_path, "hello\n")
-    assert "there must be quads" in refusal(tmp_path, "*NODE\n1, 0., 0.\n")
 
 
 def test_solids_are_left_out_by_choice(tmp_path):

@@ -186,13 +186,9 @@ def test_results_make_a_page_and_come_back(results, tmp_path):
     results.save(tmp_path / "r.json")
     again = load(tmp_path / "r.json")
     assert again == results
-    (tmp_path / "performance.md").write_text(f"# Head\n\n{report.MARKER}\n\nold\n")
-    report.write(again, tmp_path)
-    page = (tmp_path / "performance.md").read_text()
-    assert page.startswith("# Head")
-    assert "old" not in page
+    report.write(again, tmp_path / "r")
+    page = (tmp_path / "r" / "performance.md").read_text()
     assert "| linear | 1 | 1,008 |" in page
-    assert {p.name for p in (tmp_path / "img").iterdir()} == {
-        "performance_scaling.png",
-        "performance_profile.png",
-    }
+    pictures = {"performance_scaling.png", "performance_profile.png"}
+    assert {p.name for p in (tmp_path / "r").iterdir()} == {"performance.md", *pictures}
+    assert all(f"]({picture})" in page for picture in pictures)

@@ -1,4 +1,4 @@
-"""Units that CAD files state, and what is said of them; no Gmsh is needed."""
+"""Units of length: given, guessed, and stated by CAD files; no Gmsh is needed."""
 
 import sys
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from shellcut import read_tool
 from shellcut.formats import cad_unit
 from shellcut.formats.errors import FileError
-from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.length_unit import MILLIMETRES, unit_in_mm
 
 DATA = Path(__file__).parent / "data"
 
@@ -34,6 +34,29 @@ def test_flags_of_iges(flag, length):
     else:
         with pytest.raises(FileError, match=length):
             cad_unit.stated_unit(Path("a.igs"), content)
+
+
+@pytest.mark.parametrize("unit", list(MILLIMETRES))
+def test_a_given_unit_is_taken_whatever_the_size(unit):
+    assert unit_in_mm(unit, 1e9, "the film") == (MILLIMETRES[unit], "")
+
+
+@pytest.mark.parametrize(
+    ("extent", "factor", "words"),
+    [(20.4, 1.0, "taken as mm"), (0.0204, 1000.0, "taken as m, the film is 20.4 mm")],
+)
+def test_a_safe_guess_is_said(extent, factor, words):
+    found, note = unit_in_mm(None, extent, "the film")
+    assert found == factor
+    assert words in note
+
+
+@pytest.mark.parametrize("extent", [0.803, 20400.0, 1e-5, 0.0])
+def test_what_may_be_several_units_must_be_given(extent):
+    with pytest.raises(ValueError, match="the unit must be given, because the film is"):
+        unit_in_mm(None, extent, "the film")
+    with pytest.raises(ValueError, match="one of um, mm, cm, m, inch, mil, got 'feet'"):
+        unit_in_mm("feet", 1.0, "the film")
 
 
 def test_a_stated_unit_is_in_the_note():

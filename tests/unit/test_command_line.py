@@ -43,14 +43,18 @@ def test_bad_arguments_leave_with_two(wrong):
     assert left.value.code == 2
 
 
-def test_the_version_is_that_of_the_package(capsys):
+def test_help_version_and_bad_arguments(capsys):
     with pytest.raises(SystemExit) as left:
         main(["--version"])
     assert left.value.code == 0
     assert capsys.readouterr().out == f"shellcut {shellcut.__version__}\n"
-
-
-def test_the_module_is_the_command():
+    with pytest.raises(SystemExit) as left:
+        main(["--help"])
+    assert left.value.code == 0
+    said = capsys.readouterr().out
+    for code, meaning in MEANINGS.items():
+        assert re.search(rf"^ +{code}  {re.escape(meaning.split()[0])}", said, re.M)
+    assert {0, 1, 2, 3, 4, 130} == set(MEANINGS)
     done = subprocess.run(
         [sys.executable, "-m", "shellcut", "--help"], check=True, capture_output=True, text=True
     )
@@ -81,17 +85,19 @@ def out(tmp_path_factory):
     return folder
 
 
-def test_a_run_leaves_its_files(out):
+def test_a_run_leaves_its_files_and_a_log_of_all_that_was_printed(out):
     left = {path.name for path in out.iterdir()}
     assert {"used.toml", "run.log", "history.csv", "summary.json", "guillotine.vtkhdf"} <= left
     assert not [name for name in left if name.startswith("snapshot")]
     assert read_model(out / "used.toml").sections["output"].frames == 4
-
-
-def test_the_log_tells_version_and_model(out):
     digest = hashlib.sha256((out / "used.toml").read_bytes()).hexdigest()
     said = (out / "run.log").read_text()
     assert f"shellcut {shellcut.__version__}, used.toml with sha256 {digest}\n" in said
+    log = (out / "run.log").read_text()
+    for line in (out.parent / "stdout").read_text().splitlines():
+        assert line in log
+    for line in (out.parent / "stderr").read_text().splitlines():
+        assert line.removeprefix("guillotine: ") in log
 
 
 def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
@@ -188,14 +194,6 @@ def test_the_table_at_the_end_is_the_account_of_the_summary(out):
     assert sum(float(share) for *_, share in became) == pytest.approx(100.0, abs=0.5)
 
 
-def test_the_log_has_all_that_was_printed(out):
-    log = (out / "run.log").read_text()
-    for line in (out.parent / "stdout").read_text().splitlines():
-        assert line in log
-    for line in (out.parent / "stderr").read_text().splitlines():
-        assert line.removeprefix("guillotine: ") in log
-
-
 def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
     before = {path.name: path.stat().st_mtime_ns for path in out.iterdir()}
     assert main(["run", "guillotine", "-o", str(out)]) == 2
@@ -275,7 +273,7 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(tmp_path, capsys, monkeypatc
     assert "shellcut resume" in (tmp_path / "run.log").read_text()
 
 
-def test_ctrl_c_before_the_run_leaves_nothing(tmp_path, capsys, monkeypatch):
+def test_ctrl_c_before_the_run_leaves_nothing_in_any_command(tmp_path, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -421,16 +419,6 @@ def test_names_that_cannot_be_are_refused(tmp_path, monkeypatch, name, command):
     assert b"x" in said.buffer.getvalue()
 
 
-def test_every_exit_code_is_told_by_the_help(capsys):
-    with pytest.raises(SystemExit) as left:
-        main(["--help"])
-    assert left.value.code == 0
-    said = capsys.readouterr().out
-    for code, meaning in MEANINGS.items():
-        assert re.search(rf"^ +{code}  {re.escape(meaning.split()[0])}", said, re.M)
-    assert {0, 1, 2, 3, 4, 130} == set(MEANINGS)
-
-
 def test_resume_refuses_what_has_changed(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     tooth_ring().write("cap.stl")
@@ -504,6 +492,9 @@ def test_list_and_a_copy_to_edit(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     assert main(["run", "opening", "--write-model", str(path)]) == 0
     assert read_model(path) == read_model("opening")
+    # what editors read, and how its file is made
+    assert path.read_text(encoding="utf-8").startswith("#:schema ./shellcut.schema.json\n")
+    assert "shellcut keys --schema > shellcut.schema.json" in capsys.readouterr().out
 
 
 def test_compiling_is_said_when_kernels_are_compiled_only():

@@ -36,16 +36,13 @@ def measured(y, x=ANGLE[::10], unit="N*mm"):
     return MeasuredCurve(x, y, "deg", unit)
 
 
-def test_a_curve_beside_itself_differs_by_nothing(run):
+def test_a_curve_beside_itself_differs_by_nothing_and_a_scaled_one_by_its_scale(run):
     found = shellcut.compare(run, measured(sine(ANGLE[::10])))
     assert found.rms == 0.0
     assert found.peak_error == pytest.approx(0.0, abs=DISCRETISATION)
     assert found.correlation == pytest.approx(1.0, rel=1e-12)
     assert found.range == (0.0, 90.0)
     assert found.notes == NO_MEAN
-
-
-def test_a_scaled_curve(run):
     found = shellcut.compare(run, measured(0.8e-3 * sine(ANGLE[::10]), unit="N*m"))
     assert (found.y_unit, found.work_unit) == ("N*mm", "N*mm")
     assert found.peak_measured == pytest.approx(0.8 * 140.0, rel=DISCRETISATION)
@@ -142,13 +139,10 @@ def test_refusals(run):
         shellcut.compare(run, measured([0, 1], [0, 1]), window=2.0)
 
 
-def test_turned_signs_and_few_points_are_said(run):
+def test_turned_signs_few_points_and_a_flat_reference_are_said(run, tmp_path):
     found = shellcut.compare(run, measured([0.0, -1.0], [0.0, 30.0]))
     assert any("opposite signs" in note for note in found.notes)
     assert "only 0 measured points lie inside the common range" in found.notes
-
-
-def test_a_flat_reference_gives_no_number_but_null(run, tmp_path):
     found = shellcut.compare(run, measured([0.0, 0.0], [0.0, 90.0]))
     content = json.loads(found.to_json(tmp_path / "c.json").read_text())
     assert content["figures"]["peak_error"] == {"value": None, "unit": "-"}

@@ -6,8 +6,9 @@ import pytest
 import shellcut as sc
 from curved_films import Roll, moved
 from naive.crack_path import place_of
-from shellcut.fracture.flank_points import _seen_by_contact
-from shellcut.fracture.free_direction import FreeDirection, _turns
+from shellcut.contact.film_outline import first_at_places
+from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
 from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
@@ -37,14 +38,14 @@ def inner_tips(sim, roll):
         u, v = roll.unrolled(X[node][None])
         (before, here), _ = roll.onto(np.array([u[0] - 0.4, u[0]]), v)
         way = (here - before) / np.linalg.norm(here - before)
-        found.append(Tip((node, node), 0.0, -1, way, 0.4))
+        found.append(Tip((node, node), 0.0, -1, way))
     return found
 
 
 @pytest.mark.parametrize("radius", [1e9, 4.0])
 def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
     sim, roll, _ = rolled(30.0, radius)
-    path, tips = sim.cracks._path, inner_tips(sim, roll)
+    path, tips = CrackPath(sim.cracks.cuts.topology, sim.shell), inner_tips(sim, roll)
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     for tip in tips:
         at, heading = place_of(path, sim.state, tip)
@@ -67,13 +68,13 @@ def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_de
     sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
     (node,) = mesh.nodes_where(lambda x, y, z: np.hypot(x - 2.5, y) < 1e-9)
     heading = np.array([1.0, aside, 0.0]) / np.hypot(1.0, aside)
-    tip = Tip((int(node), int(node)), 0.0, -1, heading, SIZE)
+    tip = Tip((int(node), int(node)), 0.0, -1, heading)
     c, s = np.cos(np.radians(fold_deg)), np.sin(np.radians(fold_deg))
     fold = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
     ahead = mesh.nodes[:, 0] > 2.5
     x = sim.state.node.x
     x[: mesh.n_node][ahead] = mesh.nodes[node] + (mesh.nodes[ahead] - mesh.nodes[node]) @ fold.T
-    path = sim.cracks._path
+    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
     _, forward = place_of(path, sim.state, tip)
     np.testing.assert_allclose(forward, fold @ heading, atol=1e-12)
     # A way along the film ahead is found in a row ahead.
@@ -93,7 +94,7 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     node.x[: len(x)], node.t[: len(t)] = x, t
     _, vectors = np.linalg.eigh(stretch)
     across = vectors[:, 0] * np.sign(vectors[0, 0])
-    path = sim.cracks._path
+    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
     # Above the strength the stress decides alone.
     topology = sim.cracks.cuts.topology
     free = FreeDirection(sim.shell, topology, path, sc.CohesiveLaw(strength=12.0))
@@ -104,18 +105,6 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
         found = (b - a) / np.linalg.norm(b - a)
         # Discretisation: two degrees.
         assert abs(found @ across) > np.cos(np.radians(2.0))
-
-
-def test_the_least_rotation():
-    rng = np.random.default_rng(1)
-    start = rng.normal(size=(20, 3))
-    start /= np.linalg.norm(start, axis=1)[:, None]
-    end = start[0]
-    R = _turns(start, end)
-    np.testing.assert_allclose(np.einsum("nij,nj->ni", R, start), np.tile(end, (20, 1)), atol=1e-9)
-    np.testing.assert_allclose(R @ R.transpose(0, 2, 1), np.tile(np.eye(3), (20, 1, 1)), atol=1e-9)
-    up = np.array([[0.0, 0.0, 1.0]])
-    np.testing.assert_array_equal(_turns(up, up[0])[0], np.eye(3))
 
 
 def test_the_film_of_a_sliver_shows_clear_of_its_flank():
@@ -139,6 +128,4 @@ def test_contact_sees_a_crossing_once_whichever_way_the_quads_go_round():
             [0.6, 0.4, 0.0, 0.0],
         ]
     )
-    seen, (first, other) = _seen_by_contact(nodes, weight)
-    assert seen.tolist() == [True, False, True, False, True]
-    assert (first.tolist(), other.tolist()) == ([0], [1])
+    assert first_at_places(nodes, weight).tolist() == [0, 0, 2, 3, 4]

@@ -84,15 +84,12 @@ def test_energy_is_stacked_and_the_imbalance_below(tmp_path, figures):
     assert shown[~early] == pytest.approx(0.01)
 
 
-def test_a_negative_share_is_drawn_as_a_line(tmp_path, figures):
+def test_negative_shares_are_lines_and_ragged_columns_refused(tmp_path, figures):
     history = PARTS | {"cohesive_work": 1.2 * WORK, "damping_mass": -0.2 * WORK}
     draw_curves(tmp_path / "energy.png", [energy_diagram(history, UNITS)], dpi=50)
     (upper,) = figures[0].axes
     assert not upper.collections
     assert {"cables", "damping", "work put in"} <= {line.get_label() for line in upper.lines}
-
-
-def test_columns_are_as_long_as_their_coordinate(tmp_path):
     ragged = Diagram(ANGLE, [Curve("total", TORQUE[1:])], "angle", "deg", "torque", "N*mm")
     with pytest.raises(ValueError, match=r"total must have as many rows .*, 60, got"):
         draw_curves(tmp_path / "never.png", [ragged])

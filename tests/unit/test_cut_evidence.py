@@ -108,5 +108,5 @@ def test_a_blade_driven_backwards_is_told_by_the_run_itself():
     doubts = [line.text for line in lines if line.kind == "doubt"]
     # Three of its cables have broken by then: what the share of the cables says comes too late.
     assert case.simulation.cables.n_broken <= 3
-    for said in ("reverse the motion", "The edge meets cables late"):
+    for said in ("reverse the motion", "the cutting edge meets its cables late"):
         assert any(said in text for text in doubts), (said, figures)

@@ -35,25 +35,29 @@ def film(kind):
     return sim
 
 
+def random_cut(sim, cuts, row, rng):
+    """Cut a row from one place of its boundary to another."""
+    polygon = cuts.topology.polygon(row)
+    count = len(polygon.points)
+    ends = []
+    for e in rng.choice(count, 2, replace=False):
+        a, b = np.array(polygon.points[e]), np.array(polygon.points[(e + 1) % count])
+        side = polygon.sides[e]
+        if side >= 0:
+            s_a, s_b = (along_side(side, tuple(p)) for p in (a, b))
+            ends.append(on_side(side, s_a + rng.uniform(0.2, 0.8) * (s_b - s_a)))
+        else:
+            ends.append(tuple(a + rng.uniform(0.2, 0.8) * (b - a)))
+    cuts.along(sim.state, Segment(row, *ends, FLANK, -1), "criterion", 1.0)
+
+
 def random_cuts(sim, loads, number, rng, after=lambda state: None):
-    """Cut rows from one place of their boundary to another, rims included."""
-    cuts = Cuts(sim.state, sim.shell, sc.CohesiveLaw(), loads=loads)
+    """Cut rows, every second one at the rim under a load."""
+    cuts = Cuts(sim.state, sim.shell, sc.CohesiveLaw(), loads=loads, fibres=6)
     topology = cuts.topology
     rim = np.flatnonzero(np.isin(sim.mesh.quads, sim.mesh.node_set("right")).any(axis=1))
     for k in range(number):
-        row = int(rng.integers(topology.n_row) if k % 2 else rng.choice(rim))
-        polygon = topology.polygon(row)
-        count = len(polygon.points)
-        ends = []
-        for e in rng.choice(count, 2, replace=False):
-            a, b = np.array(polygon.points[e]), np.array(polygon.points[(e + 1) % count])
-            side = polygon.sides[e]
-            if side >= 0:
-                s_a, s_b = (along_side(side, tuple(p)) for p in (a, b))
-                ends.append(on_side(side, s_a + rng.uniform(0.2, 0.8) * (s_b - s_a)))
-            else:
-                ends.append(tuple(a + rng.uniform(0.2, 0.8) * (b - a)))
-        cuts.along(sim.state, Segment(row, *ends, FLANK, -1), "criterion", 1.0)
+        random_cut(sim, cuts, int(rng.integers(topology.n_row) if k % 2 else rng.choice(rim)), rng)
         after(sim.state)
     return topology
 

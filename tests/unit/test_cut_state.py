@@ -5,9 +5,8 @@ import pytest
 
 import shellcut as sc
 from shellcut.fracture.cuts import Cuts
-from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
-from shellcut.fracture.tip import Segment
 from shellcut.mesh.structured import rectangle
+from test_cut_loads import random_cut
 
 RNG = np.random.default_rng
 
@@ -54,33 +53,16 @@ def conserved(sim):
     }
 
 
-def random_cut(sim, cuts, rng):
-    """Cut some row from one place of its boundary to another."""
-    row = int(rng.integers(cuts.topology.n_row))
-    polygon = cuts.topology.polygon(row)
-    k = len(polygon.points)
-    i, j = rng.choice(k, 2, replace=False)
-    ends = []
-    for e in (i, j):
-        a, b = np.array(polygon.points[e]), np.array(polygon.points[(e + 1) % k])
-        if polygon.sides[e] >= 0:
-            s = [along_side(polygon.sides[e], tuple(p)) for p in (a, b)]
-            ends.append(on_side(polygon.sides[e], s[0] + rng.uniform(0.2, 0.8) * (s[1] - s[0])))
-        else:
-            ends.append(tuple(a + rng.uniform(0.2, 0.8) * (b - a)))
-    return cuts.along(sim.state, Segment(row, *ends, FLANK, -1), "criterion", 1.0)
-
-
 @pytest.mark.parametrize(
     ("kind", "material"), [("flat", {}), ("curved", {}), ("curved", {"points_per_layer": 3})]
 )
 def test_random_cuts_conserve_everything(kind, material):
     sim = film(kind, **material)
     s, rng = sim.state, RNG(11)
-    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw(), fibres=6)
     before = conserved(sim)
     for _ in range(60):
-        random_cut(sim, cuts, rng)
+        random_cut(sim, cuts, int(rng.integers(cuts.topology.n_row)), rng)
     after = conserved(sim)
     assert s.n_quad == sim.mesh.n_quad + 60
     assert s.n_node > sim.mesh.n_node
@@ -94,9 +76,9 @@ def test_frequencies_of_all_parts_stay_below_their_bounds(kind):
     # A sliver has more mass than film, the other part less: its frequency rises at every cut.
     sim = film(kind)
     s, rng = sim.state, RNG(5)
-    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw(), fibres=6)
     for _ in range(60):
-        random_cut(sim, cuts, rng)
+        random_cut(sim, cuts, int(rng.integers(cuts.topology.n_row)), rng)
     frequencies = sim.shell.frequencies
     frequencies.follow(s.node.x, s.node.t, s.quads)
     bound = frequencies.squared.copy()

@@ -20,14 +20,6 @@ def strip(p, k, edges):
     return strip_coordinates(tuple(p), k, edges.segments, DEEP)
 
 
-def test_coordinates_of_a_straight_blade():
-    # Edge from z = 3 down to -3 at x = y = 0, plus is y > 0, the blade lies at x < 0.
-    edges = CuttingEdges.of(straight_blade())
-    along, lateral, depth, owns = strip((-0.4, 0.07, 1.0), 0, edges)
-    assert (along, lateral, depth) == (pytest.approx(2.0), pytest.approx(0.07), pytest.approx(0.4))
-    assert owns
-
-
 @pytest.mark.parametrize(
     ("point", "owned"),
     [
@@ -79,13 +71,10 @@ def test_strips_of_a_curved_edge_leave_no_gap():
             assert any(strip(p, j, edges)[3] for j in mine), (s, depth)
 
 
-def test_edge_point_is_clipped_to_the_segment():
+def test_an_edge_point_is_clipped_to_its_segment_and_no_tool_has_none():
     edges = CuttingEdges.of(straight_blade())
     for along, z in ((-0.5, 3.0), (0.0, 3.0), (2.0, 1.0), (6.0, -3.0), (7.0, -3.0)):
         np.testing.assert_allclose(edge_point(along, 0, edges.segments), [0, 0, z], atol=1e-15)
-
-
-def test_no_tool_has_no_edges():
     edges = CuttingEdges.of(None)
     assert edges.segments.shape == (0, 4, 3)
     assert edges.body.shape == (0,)

@@ -4,6 +4,7 @@ import ast
 import importlib.util
 import json
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,11 @@ from pathlib import Path
 import pytest
 
 import shellcut.recording.recorder
+from shellcut import read_model
+from shellcut.command_line import main
+from shellcut.command_line.main import parser_of_all
+from shellcut.command_line.shared_arguments import settings_of
+from shellcut.model_file import shipped_models
 from shellcut.model_file.section_table import LISTS, SECTIONS
 
 CHROMIUM = next(
@@ -64,6 +70,46 @@ def test_the_package_index_gets_links_that_lead_somewhere(tmp_path, address):
         assert [file for file in files if not (ROOT / file.partition("#")[0]).exists()] == []
 
 
+def slug(heading):
+    """The anchor that GitHub and the site give a heading."""
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_to_headings(page):
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)#([^)\s]+)\)", page.read_text()):
+        path = page.parent / target if target else page
+        if path.suffix == ".md" and not target.startswith("http"):
+            headings = re.findall(r"^#+ (.*)$", path.read_text(), re.M)
+            assert anchor in map(slug, headings), f"{target}#{anchor}"
+
+
+def commands_of_pages():
+    """Every line of shellcut in the shell blocks of the pages."""
+    for page in PAGES:
+        for block in re.findall(r"```sh\n(.*?)```", page.read_text(), re.S):
+            for line in block.replace("\\\n", " ").splitlines():
+                words = shlex.split(line, comments=True)
+                if words[:1] == ["shellcut"]:
+                    yield pytest.param(words[1:], id=f"{page.stem}: {' '.join(words)}")
+
+
+@pytest.mark.parametrize("words", [*commands_of_pages()])
+def test_commands_of_the_pages_are_understood(words, tmp_path, monkeypatch, capsys):
+    # Runs of them are in test_howto.py, test_examples.py and tests/acceptance.
+    arguments = parser_of_all().parse_args(words)
+    monkeypatch.chdir(tmp_path)
+    if getattr(arguments, "model", None) in shipped_models():
+        if arguments.command == "sweep":
+            assert main([*words, "--dry-run"]) == 0, capsys.readouterr().err
+        else:
+            settings = settings_of(arguments)
+            for file in (str(v) for v in settings.values() if re.search(r"\.(stl|msh)$", str(v))):
+                Path(file).touch()
+            assert read_model(arguments.model, settings).head.model == arguments.model
+
+
 def test_every_citation_has_its_reference():
     known = set(re.findall(r"@\w+\{(\w+),", (ROOT / "docs/references.bib").read_text()))
     cited = {}
@@ -84,7 +130,7 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
 
 
-def test_the_page_of_the_materials_is_that_of_the_presets(monkeypatch):
+def test_pages_are_those_of_their_sources(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     module = importlib.import_module("materials_page")
     # else: python docs/materials_page.py
@@ -215,13 +261,6 @@ def test_the_readmes_models_run(tmp_path, monkeypatch, capsys):
     for model in models:
         exec(compile(model, "README.md", "exec"), {})
         assert "crack" in capsys.readouterr().out
-
-
-def test_ci_takes_the_test_command_from_the_readme():
-    commands = re.findall(r"python3 -m venv .*", (ROOT / "README.md").read_text())
-    assert len(commands) == 2
-    assert commands[0].endswith("shellcut run opening --set mesh=quick -o out")
-    assert re.fullmatch(r"python3 -m venv \.venv-test.*pytest", commands[1])
 
 
 SITE_PAGE = """<!doctype html><body><article><section id="model-keys"><h1>Model keys</h1>

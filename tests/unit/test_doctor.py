@@ -1,7 +1,5 @@
 """The doctor's report on this machine, and on worse ones."""
 
-import time
-
 import h5py
 import pytest
 
@@ -20,10 +18,8 @@ def lines(capsys):
     return report
 
 
-def test_a_line_each_and_fast(lines):
-    start = time.perf_counter()
+def test_a_line_each(lines):
     code, said = lines()
-    assert time.perf_counter() - start < 4.0  # measured 0.3 s
     assert code == 0
     for what in ("python", "shellcut", "numba", "cores", "SIMD", "compiled code", "disk"):
         assert said[what].split()[0] in ("ok", "note")

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import fields
 
-import numba as nb
 import numpy as np
 import pytest
 
@@ -11,7 +10,6 @@ import shellcut as sc
 from free_strip import NOTCH, cut_strip, slanted_strip
 from shellcut.frame import is_corner, sides_of
 from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
-from shellcut.mitc4.surface import Surface
 from shellcut.models.case import Case
 from shellcut.recording.crack_ends import CrackEnds
 from shellcut.recording.cut_front import CutFront
@@ -62,11 +60,6 @@ def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
     real = s.node.real[: s.n_node].copy()
     real[flank] = False
     np.testing.assert_array_equal(frame.points[: real.sum()], s.node.x[: s.n_node][real])
-
-
-def test_kernels_get_the_types_of_a_film_without_cuts(cut):
-    # Else some are compiled again at the first cut, seconds within a run.
-    assert nb.typeof(cut.shell._reference) == nb.typeof(Surface.of(cut.mesh))
 
 
 def test_outlines_meet_point_by_point(cut):
@@ -142,7 +135,7 @@ def test_ends_of_cracks(cut):
     assert 0.0 < zone < length < cut.state.crack_length
     c = cut.state.cable
     jointed = np.flatnonzero(c.status[: cut.state.n_cable] == JOINTED)
-    edge = cut.state.node.X[c.ends[jointed, 0], 0].max()
+    edge = c.at_ends(cut.state.node.X)[jointed, 0, 0].max()
     assert ahead == pytest.approx(6.0 - edge, abs=1e-3)
     assert spare > 0.5
 

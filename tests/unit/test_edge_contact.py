@@ -9,7 +9,6 @@ from film_and_bar import ON, bar, flat_bar, pushed, round_bar
 from free_strip import cut_strip
 from naive.edge_contact import depth_at, forces_on_ends
 from notched_strip import cutting
-from shellcut.contact.coulomb_friction import TANGENTIAL
 from shellcut.contact.film_outline import FilmOutline, open_edges
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
@@ -59,7 +58,7 @@ def evaluated(sim, shift=(0.0, 0.0, 0.0), rotation=None):
     # Whatever it was before is forgotten; it was deeper, so that no growth is a jump.
     s.node.contact_depth[:], s.node.contact_offset[:] = 1e3, 0.0
     s.node.contact_side[:] = 0
-    sim.contact.near._known.revision = -1
+    sim.contact.near._age._known.revision = -1
     sim.contact._pose = term(sim)._pose = pose
     s.node.force[:] = 0.0
     sim.contact.add_forces(s, pose)
@@ -211,7 +210,7 @@ def test_the_force_does_not_jump(name):
     assert worst < 3.0
 
 
-def test_places_that_a_split_makes_inside_the_tool_do_not_press():
+def test_an_edge_presses_neither_inside_the_tool_nor_across_it():
     sim = one_quad(quad_with(np.array([-0.05, -0.4, 0.0]), np.array([-0.05, 0.6, 0.0])))
     evaluated(sim)
     t = term(sim)
@@ -320,7 +319,7 @@ def test_places_of_a_new_list_keep_their_memory_and_count_at_once():
         sim.step()
     edges, contact = term(sim), sim.contact
     before = edges.tables.table.memory
-    contact.near._known.revision = -1
+    contact.near._age._known.revision = -1
     searched = edges.n_search
     stored = edges.forces.stored
     sim.step()
@@ -351,33 +350,6 @@ def test_friction_on_places_holds_to_mu_times_the_pressure_and_closes():
     left = book.friction_work - book.friction_dissipated - book.friction_stored
     assert abs(left) < 1e-9 * book.friction_work
     assert abs(book.imbalance) < 1e-4 * book.tool_work
-
-
-def test_friction_of_a_bar_dragged_along_a_rim_is_mu_times_what_presses():
-    """At nodes that nothing moves: it sticks up to mu N with the stiffness of what presses."""
-    sim = pushed(RUBS, at=0.35)
-    sim.state.node.supported[:] = True
-    s = sim.state
-    s.dt = 1e-6
-
-    def go(x, z):
-        s.step += 10
-        s.node.force[:] = 0.0
-        for name in ("contact", "friction", "edges", "edge_friction"):
-            term(sim, name).add_forces(s, Pose(np.eye(3), np.array([x, 0.0, z])))
-        return -term(sim, "edge_friction").forces.wrench[0, 2]
-
-    for x in np.linspace(0.0, 0.08, 80):
-        go(x, 0.0)
-    ways = np.linspace(0.0, 0.1, 200)
-    pulls = [go(0.08, z) for z in ways]
-    carriers = term(sim).carriers
-    normal, k = carriers.pressure.sum(), carriers.stiffness[carriers.pressure > 0.0].sum()
-    assert normal > 1.0
-    # Places that are hardly pressed slip at once.
-    assert pulls[2] == pytest.approx(TANGENTIAL * k * ways[2], rel=1e-2)
-    # What the way in has stretched across is not quite gone after 0.1 mm.
-    assert pulls[-1] == pytest.approx(MU * normal, rel=1e-4)
 
 
 def ends_by_place(state, outline):
@@ -422,16 +394,13 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     assert (np.diff(edges.key) > 0).all()
 
 
-def test_the_opening_test_has_them_unless_told_otherwise():
+def test_it_is_there_unless_told_otherwise():
     def has_edges(**options):
         sim = opening_test("quick", angle_deg=5.0, **options).simulation
         return any(t.name == "edges" for t in sim.terms)
 
     assert has_edges(contact=Contact(friction=0.2))
     assert not has_edges(contact=Contact(film_edges=False))
-
-
-def test_off_there_is_no_term():
     sim = pushed(Contact(film_edges=False))
     assert [t.name for t in sim.terms] == ["contact", "points", "joints"]
     names = [t.name for t in cutting(contact=Contact(film_edges=True, friction=0.2)).terms]

@@ -48,12 +48,6 @@ def test_the_round_is_the_inscribed_circle_of_the_wedge(radius):
     assert (blade.flank == 1).sum() == (blade.flank == -1).sum()
 
 
-def test_no_radius_is_the_sharp_tool():
-    blade = straight_blade()
-    assert with_edge_radius(blade, 0.0) is blade
-    np.testing.assert_array_equal(straight_blade(edge_radius=0.0).vertices, blade.vertices)
-
-
 def test_teeth_are_rounded_where_they_were_sharp():
     sharp, ring = tooth_ring(), tooth_ring(edge_radius=0.05)
     assert ring.n_body == 4
@@ -70,7 +64,7 @@ def test_teeth_are_rounded_where_they_were_sharp():
     assert np.abs(np.hypot(middle[:, 0], middle[:, 1]) - 9.4).max() < 1e-3
 
 
-def test_edges_of_a_file_are_rounded(tmp_path):
+def test_edges_of_a_file_are_rounded_and_no_radius_is_sharp(tmp_path):
     straight_blade().write(tmp_path / "blade.stl")
     blade = read_tool(tmp_path / "blade.stl", unit="mm", edge_radius=0.1)
     forward = 0.1 / np.sin(np.radians(10.0)) - 0.1
@@ -80,6 +74,9 @@ def test_edges_of_a_file_are_rounded(tmp_path):
     assert blade.edge_radius == 0.1
     assert blade.without_cutting().edge_radius == 0.1
     assert blade.translated((1.0, 0.0, 0.0)).edge_radius == 0.1
+    blade = straight_blade()
+    assert with_edge_radius(blade, 0.0) is blade
+    np.testing.assert_array_equal(straight_blade(edge_radius=0.0).vertices, blade.vertices)
 
 
 @pytest.mark.parametrize(

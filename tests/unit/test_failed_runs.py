@@ -16,8 +16,6 @@ from same_run import assert_same_run
 from shellcut.command_line import main
 from shellcut.models import Case
 from shellcut.recording.recorder import Recorder, RunEnded
-from shellcut.recording.run_files import FolderLost
-from shellcut.simulation.hooks import StopWhen
 from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
 
 MODEL = ["guillotine", "--set", "size=1", "--set", "membrane.length=6", "--set", "travel=0.6"]
@@ -89,17 +87,6 @@ def test_files_that_may_not_grow(whole, tmp_path, capsys, monkeypatch):
     assert main(["resume", str(out)]) == 0
     assert_same_run(out, whole)
     capsys.readouterr()
-
-
-def test_a_disk_too_small_to_begin_with(tmp_path, capsys):
-    disk = tmp_path / "disk"
-    with small_disk(disk, 12):
-        out = disk / "out"
-        assert main(["run", *MODEL, "-o", str(out)]) == 2
-        said = capsys.readouterr().err
-        assert "No space left on device" in said
-        assert "Traceback" not in said
-        assert list(out.iterdir()) == []
 
 
 def test_a_row_that_does_not_fit_is_written_when_it_goes_on(uninterrupted, tmp_path):
@@ -215,15 +202,6 @@ def test_a_folder_taken_away_ends_the_run(tmp_path, capsys, monkeypatch, take_aw
     elif take_away is replaced:
         assert {p.name for p in out.iterdir()} == {"history.csv"}
     capsys.readouterr()
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="open files cannot be removed there")
-def test_a_folder_that_goes_at_the_last_step_is_noticed(tmp_path):
-    out, sim = tmp_path / "out", cutting()
-    recorder = Recorder(sim, out, until=END, name="cut", **RECORDS)
-    with pytest.raises(FolderLost):
-        sim.run(END, [recorder, StopWhen(lambda: sim.state.step == 55 and not shutil.rmtree(out))])
-    assert not out.exists()
 
 
 # ------------------------------------------------------------------ killed at its end

@@ -120,14 +120,6 @@ def test_t_joints_are_refused(tmp_path):
         read_film(path, unit="mm")
 
 
-def test_a_wrong_name_is_answered_with_those_there(tmp_path):
-    left = np.isin(np.arange(18), LEFT).astype(np.int32)
-    path = written(tmp_path, {"quad": QUADS}, point_data={"left": left, "all": 1 + 0 * left})
-    mesh = read_film(path, unit="mm")
-    with pytest.raises(MeshError, match=r"those present \(left, all\), got 'lefft'"):
-        mesh.node_set("lefft")
-
-
 def test_a_film_in_space(tmp_path):
     turn = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
     mesh = read_film(written(tmp_path, {"quad": QUADS}, NODES @ turn.T), unit="mm")

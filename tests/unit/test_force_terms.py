@@ -109,10 +109,23 @@ def test_the_stiffness_of_a_term_shortens_the_step():
     assert step.bound(state) == pytest.approx(2.0 / np.sqrt(total.max()), rel=1e-12)
 
 
-def test_contact_and_cables_of_a_simulation_are_terms():
-    sim = cutting()
-    assert [term.name for term in sim.terms] == ["contact", "points", "joints"]
-    assert list(sim.terms)[::2] == [sim.contact, sim.cables]
+@pytest.mark.parametrize(
+    ("options", "names"),
+    [
+        ({}, ["contact", "points", "joints"]),
+        ({"tool_points": False}, ["contact", "joints"]),
+        ({"friction": 0.2}, ["contact", "friction", "points", "point_friction", "joints"]),
+        (
+            {"film_edges": True, "tool_points": False, "friction": 0.2},
+            ["contact", "friction", "edges", "edge_friction", "joints"],
+        ),
+    ],
+    ids=str,
+)
+def test_contact_and_cables_of_a_simulation_are_terms(options, names):
+    sim = cutting(contact=sc.Contact(**options))
+    assert [term.name for term in sim.terms] == names
+    assert [list(sim.terms)[k] for k in (0, -1)] == [sim.contact, sim.cables]
     held = {}
     for term in sim.terms:
         nodes, stiffness = held[term.name] = term.stiffness(sim.state, held)

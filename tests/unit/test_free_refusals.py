@@ -41,7 +41,7 @@ def test_a_notch_that_cannot_be_cut_is_refused():
     ):
         with pytest.raises(ValueError, match="two different points in mm"):
             sim.notch(*ends)
-    with pytest.raises(ValueError, match="must begin at the rim"):
+    with pytest.raises(ValueError, match="must begin on the film or at its rim"):
         sim.notch((0.0, 0.0, 50.0), (1.0, 0.0, 50.0))
     sim.state.node.x[3] += 1e-3
     with pytest.raises(ValueError, match="before it is stretched"):

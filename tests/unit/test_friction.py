@@ -80,28 +80,6 @@ def test_a_stick_slip_cycle_dissipates_the_closed_form():
     assert friction.forces.stored == pytest.approx(0.5 * (MU * pressure) ** 2 / K, rel=1e-9)
 
 
-def test_it_sticks_up_to_mu_n_and_slips_with_mu_n():
-    state, contact, friction, entries = started()
-    pressure = np.linalg.norm(state.node.contact_force[0])
-    reach = MU * pressure / K
-    here = Pose.at_origin()
-    f, _, result = step(state, contact, friction, [0.9 * reach, 0.0, 0.0], here, entries)
-    np.testing.assert_allclose(f, [-K * 0.9 * reach, 0.0, 0.0], rtol=1e-9, atol=1e-12)
-    assert result.n_slipping == 0
-    f, _, result = step(state, contact, friction, [0.0, 0.0, 0.05], here, entries)
-    assert np.linalg.norm(f) == pytest.approx(MU * pressure, rel=1e-12)
-    assert result.n_slipping == 1
-    assert result.dissipated > 0.0
-    # Let go, it gives back nothing: what the spring held is dissipated.
-    stored = result.stored
-    _, _, result = step(state, contact, friction, [0.0, 1.0, 0.0], here, entries)
-    assert not state.node.friction_spring[0].any()
-    assert not state.node.friction_force[0].any()
-    assert result.stored == 0.0
-    assert stored > 0.0
-    assert entries["friction_work"] == pytest.approx(entries["friction_dissipated"], rel=1e-9)
-
-
 def test_a_moving_tool_and_node_agree_with_a_plain_return_mapping():
     rng = np.random.default_rng(4)
     state, contact, friction, entries = started()
@@ -183,18 +161,3 @@ def test_the_ledger_closes_and_friction_takes_its_part(whole):
     on_nodes = whole.state.node.friction_force[: whole.state.n_node].sum(axis=0)
     on_tool = list(whole.terms)[1].forces.wrench[:, :3].sum(axis=0)
     np.testing.assert_allclose(on_nodes, -on_tool, atol=1e-12 * np.abs(on_nodes).max())
-
-
-def test_a_split_node_takes_the_spring_along():
-    sim = cutting(contact=Contact(friction=0.2))
-    n = sim.state.node
-    n.friction_spring[7] = (1e-4, 2e-4, 3e-4)
-    twin = n.append_copy(7)
-    np.testing.assert_array_equal(n.friction_spring[twin], n.friction_spring[7])
-
-
-def test_without_friction_there_is_no_such_term():
-    sim = cutting()
-    sim.step()
-    assert "friction" not in [term.name for term in sim.terms]
-    assert sim.close_ledger().friction_work == 0.0

@@ -12,7 +12,7 @@ from opening_frame import opening_frame
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
-from small_disk import REFUSAL, files_of_at_most, small_disk
+from small_disk import REFUSAL, files_of_at_most
 
 
 def frames(n):
@@ -42,7 +42,7 @@ def assert_goes_on(path, wanted, n):
     assert reader.times.tolist() == [frame.time for frame in wanted[:n]]
     for k in range(n):
         np.testing.assert_array_equal(reader.frame(k).quads, wanted[k].quads)
-    with VtkHdfWriter(path, mode="a", until=wanted[n].time) as writer:
+    with VtkHdfWriter(path, until=wanted[n].time) as writer:
         assert writer.n_frame == n
         writer.append(wanted[n])
     np.testing.assert_array_equal(VtkHdfReader(path).frame(n).quads, wanted[n].quads)
@@ -73,17 +73,6 @@ def test_whatever_the_size_the_frames_before_are_there(tmp_path):
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-
-
-def test_a_disk_that_is_full(tmp_path):
-    wanted = frames(12)
-    disk = tmp_path / "disk"
-    with small_disk(disk, 300):
-        n = fill(disk / "run.vtkhdf", wanted)
-        assert n > 0
-        stored = (disk / "run.vtkhdf").read_bytes()
-    (tmp_path / "run.vtkhdf").write_bytes(stored)
-    assert_goes_on(tmp_path / "run.vtkhdf", wanted, n)
 
 
 def test_a_file_that_fails_is_what_it_was_and_hdf5_finds_its_own(tmp_path):
@@ -119,18 +108,3 @@ def test_who_closes_is_told_what_nobody_was_told(tmp_path):
     with pytest.raises(OSError, match=REFUSAL):
         target.close()
     target.close()
-
-
-def test_it_is_a_file_like_any_other(tmp_path):
-    target = HdfTarget(tmp_path / "a", "w")
-    assert target.write(b"abcdef") == 6
-    assert target.seek(-2, 2) == 4
-    assert target.read(10) == b"ef"
-    target.truncate(3)
-    target.keep()
-    target.close()
-    again = HdfTarget(tmp_path / "a", "r+")
-    again.seek(5)
-    again.write(b"x")
-    again.close()
-    assert (tmp_path / "a").read_bytes() == b"abc\0\0x"

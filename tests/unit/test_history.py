@@ -1,11 +1,5 @@
 """History files: exact numbers, whole lines whatever happens, units beside the names."""
 
-import os
-import signal
-import subprocess
-import sys
-import textwrap
-
 import numpy as np
 import pytest
 
@@ -32,27 +26,6 @@ def test_what_was_written_is_read_to_the_last_bit(tmp_path):
         np.testing.assert_array_equal(column, [row(k)[name] for k in range(50)])
 
 
-def test_numpy_reads_it_in_one_line(tmp_path):
-    path = tmp_path / "history.csv"
-    with HistoryWriter(path, COLUMNS) as history:
-        history.append(row(1))
-        history.append(row(2))
-    table = np.genfromtxt(path, delimiter=",", skip_header=1)
-    assert table[1, 1] == row(2)["angle"]
-
-
-def test_wrong_names_are_refused_and_nothing_is_written(tmp_path):
-    path = tmp_path / "history.csv"
-    with HistoryWriter(path, COLUMNS) as history:
-        with pytest.raises(KeyError, match=r"missing \['torque'\], unknown \['torqe'\]"):
-            history.append({"time": 0.0, "angle": 0.0, "torqe": 0.0})
-        with pytest.raises(KeyError, match=r"missing \['angle', 'torque'\], unknown \[\]"):
-            history.append({"time": 0.0})
-        with pytest.raises(KeyError, match=r"missing \[\], unknown \['force'\]"):
-            history.append(row(0) | {"force": 1.0})
-    assert len(path.read_text().splitlines()) == 1
-
-
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
@@ -69,8 +42,8 @@ def test_columns_that_cannot_stand_in_a_header_are_refused(tmp_path, columns, me
 
 def test_a_new_run_replaces_the_old_file_and_a_continued_one_appends(tmp_path):
     path = tmp_path / "history.csv"
-    for mode, first in (("w", 0), ("w", 10), ("a", 20)):
-        with HistoryWriter(path, COLUMNS, mode=mode) as history:
+    for until, first in ((None, 0), (None, 10), (np.inf, 20)):
+        with HistoryWriter(path, COLUMNS, until=until) as history:
             for k in range(first, first + 10):
                 history.append(row(k))
     np.testing.assert_array_equal(read_history(path)[0]["angle"], np.arange(10, 30) / 3.0)
@@ -87,41 +60,29 @@ def test_continuing_from_a_checkpoint_equals_the_uninterrupted_run(tmp_path):
     with broken.open("a") as file:  # the last line of a full disk
         file.write("1.4e-06,4.6")
     assert len(read_history(broken)[0]["time"]) == 14
-    with HistoryWriter(broken, COLUMNS, mode="a", until=row(9)["time"]) as history:
+    with HistoryWriter(broken, COLUMNS, until=row(9)["time"]) as history:
         for k in range(10, 20):
             history.append(row(k))
     assert whole.read_bytes() == broken.read_bytes()
 
 
-def test_other_columns_are_not_appended_to(tmp_path):
+def test_other_columns_and_foreign_files_are_refused(tmp_path):
     path = tmp_path / "history.csv"
     HistoryWriter(path, COLUMNS).close()
     with pytest.raises(ValueError, match=r"has other columns than this run: 'time \[s\]"):
-        HistoryWriter(path, COLUMNS[:2], mode="a")
-
-
-def test_a_foreign_file_is_not_read(tmp_path):
+        HistoryWriter(path, COLUMNS[:2], until=np.inf)
     path = tmp_path / "other.csv"
     path.write_text("a;b\n1;2\n")
     with pytest.raises(ValueError, match="is not a history file"):
         read_history(path)
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_a_killed_run_leaves_whole_lines(tmp_path):
-    path = tmp_path / "history.csv"
-    script = textwrap.dedent(f"""
-        import os, signal
-        from shellcut.results.history import HistoryWriter
-        history = HistoryWriter({str(path)!r}, [("time", "s"), ("angle", "deg")])
-        for k in range(1000):
-            history.append({{"time": k / 7, "angle": k / 3}})
-        os.kill(os.getpid(), signal.SIGKILL)
-    """)
-    done = subprocess.run([sys.executable, "-c", script], env=os.environ, check=False)
-    assert done.returncode == -signal.SIGKILL
-    values, _ = read_history(path)
-    np.testing.assert_array_equal(values["time"], np.arange(1000) / 7)
+    with HistoryWriter(path, COLUMNS) as history:
+        with pytest.raises(KeyError, match=r"missing \['torque'\], unknown \['torqe'\]"):
+            history.append({"time": 0.0, "angle": 0.0, "torqe": 0.0})
+        with pytest.raises(KeyError, match=r"missing \['angle', 'torque'\], unknown \[\]"):
+            history.append({"time": 0.0})
+        with pytest.raises(KeyError, match=r"missing \[\], unknown \['force'\]"):
+            history.append(row(0) | {"force": 1.0})
+    assert len(path.read_text().splitlines()) == 1
 
 
 def test_a_row_that_does_not_fit_is_told_of(tmp_path):
@@ -133,6 +94,6 @@ def test_a_row_that_does_not_fit_is_told_of(tmp_path):
         with files_of_at_most(whole + 5), pytest.raises(OSError, match=REFUSAL):
             writer.append({"time": 0.125, "torque": 2.0})
         assert path.stat().st_size == whole + 5
-    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")], mode="a") as writer:
+    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")], until=np.inf) as writer:
         writer.append({"time": 0.25, "torque": 3.0})
     assert read_history(path)[0]["time"].tolist() == [0.0, 0.25]

@@ -34,45 +34,47 @@ def blocks(page, language):
     return re.findall(rf"```{language}\n(.*?)```", (HOWTO / page).read_text(), re.S)
 
 
-def test_own_film(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("gmsh", exc_type=ImportError)
+@pytest.fixture
+def page(tmp_path, monkeypatch, capsys):
+    """Return what runs the code of a page in a new folder: its names, and what it printed."""
     monkeypatch.chdir(tmp_path)
+
+    def run(name, **names):
+        for code in blocks(name, "python"):
+            exec(compile(code, name, "exec"), names)
+        return names, capsys.readouterr().out
+
+    return run
+
+
+def test_own_film(page):
+    pytest.importorskip("gmsh", exc_type=ImportError)
     shutil.copy(DATA / "gmsh_4.1.msh", "disc.msh")
-    for code in blocks("own-film.md", "python"):
-        exec(compile(code, "own-film.md", "exec"), {})
-    told = capsys.readouterr().out
+    _, told = page("own-film.md")
     assert "Mesh(18 nodes, 10 quads" in told
     assert "the 10 quads of the shortest step" in told
     assert "['hole_1', 'outline']" in told
 
 
-def test_own_tool(tmp_path, monkeypatch, capsys, caplog):
-    monkeypatch.chdir(tmp_path)
+def test_own_tool(page, caplog):
     tooth_ring().write("cap.stl")
     (text,) = blocks("own-tool.md", "text")
     Path("motion.csv").write_text(text)
-    names = {}
     with caplog.at_level(logging.ERROR):
-        for code in blocks("own-tool.md", "python"):
-            exec(compile(code, "own-tool.md", "exec"), names)
+        names, told = page("own-tool.md")
     assert names["cap"].n_chain == 3
     assert names["motion"].times[-1] == 1e-3
-    assert capsys.readouterr().out.count("15 segments, 5.773 mm, open") == 4
+    assert told.count("15 segments, 5.773 mm, open") == 4
 
 
-def test_trust(capsys):
-    (code,) = blocks("trust.md", "python")
-    exec(compile(code, "trust.md", "exec"), {})
-    (said,) = capsys.readouterr().out.splitlines()
+def test_trust(page):
+    (said,) = page("trust.md")[1].splitlines()
     assert "stays=True" in said
 
 
 @pytest.mark.usefixtures("no_pictures")
-def test_first_cut(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (code,) = blocks("../first-cut.md", "python")
-    exec(compile(code, "first-cut.md", "exec"), {})
-    told = capsys.readouterr().out.splitlines()[-2:]
+def test_first_cut(page):
+    told = page("../first-cut.md")[1].splitlines()[-2:]
     # the quick opening test to 40 degrees, measured 199 N*mm; a band for another step
     largest = float(told[0].split()[2])
     assert 170.0 < largest < 230.0
@@ -80,42 +82,34 @@ def test_first_cut(tmp_path, monkeypatch, capsys):
     assert told[1].startswith("crack ")
 
 
-def test_hand_built(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    names = {}
-    for code in blocks("hand-built.md", "python"):
-        exec(compile(code, "hand-built.md", "exec"), names)
+def test_hand_built(page):
+    names, told = page("hand-built.md")
     assert 0.5 < names["sim"].pose.translation[0] < 0.6  # the hook ended the run
     assert max(names["hook"].force) > 0.0
-    told = capsys.readouterr().out.splitlines()
+    told = told.splitlines()
     assert float(told[0].split()[-3]) == pytest.approx(1.5, abs=0.1)  # N mm, of 3.2 of the tool
     assert told[1].startswith("Results of 'cut' in out")
     # between a beam (lateral strain free, 0.2193 mm) and a plate (1 - nu² of it, 0.1996 mm)
     assert 0.1996 < float(told[-1].split()[1]) < 0.2193
 
 
-def test_compare(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_compare(page):
     angle = np.linspace(0.0, 40.0, 401)
-    write_run(tmp_path / "out", "cap", angle, 140.0 * np.clip(angle / 15.0, 0.0, 1.0))
+    write_run(Path("out"), "cap", angle, 140.0 * np.clip(angle / 15.0, 0.0, 1.0))
     (text,) = blocks("compare.md", "text")
     Path("cap.csv").write_text(text)
-    for code in blocks("compare.md", "python"):
-        exec(compile(code, "compare.md", "exec"), {})
+    _, told = page("compare.md")
     # the peaks of the page: 13.71 N*cm against the 140 N*mm made here
-    assert "peak torque" in (told := capsys.readouterr().out)
+    assert "peak torque" in told
     assert "+2.1 %" in told
 
 
-def test_tensile(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_tensile(page):
     for k, name in enumerate(("md_1", "md_2", "cd")):
-        write_film(tmp_path / f"{name}.csv", bilinear(noise=0.05, seed=k))
-    (code,) = blocks("tensile.md", "python")
-    names = {}
-    exec(compile(code, "tensile.md", "exec"), names)
+        write_film(Path(f"{name}.csv"), bilinear(noise=0.05, seed=k))
+    names, told = page("tensile.md")
     assert names["law"].fracture_energy > 50.0
-    assert "tensile strength" in capsys.readouterr().out
+    assert "tensile strength" in told
     assert Path("film/law_CD.toml").exists()
     (text,) = blocks("tensile.md", "text")
     rows = [
@@ -126,15 +120,11 @@ def test_tensile(tmp_path, monkeypatch, capsys):
     assert len(shellcut.evaluate_tensile("two.csv").directions["MD"].figures) == 2
 
 
-def test_read_results(tmp_path, monkeypatch, capsys):
+def test_read_results(page):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-    monkeypatch.chdir(tmp_path)
     case = opening_test("quick", angle_deg=6.0, duration=4e-4)
     case.run("out", n_row=50, n_frame=4, n_snapshot=0, curves=False, progress=False)
-    names = {}
-    (code,) = blocks("read-results.md", "python")
-    exec(compile(code, "read-results.md", "exec"), names)
-    told = capsys.readouterr().out
+    names, told = page("read-results.md")
     assert "Results of 'opening' in out" in told
     assert "N*mm" in told
     assert Path("torque.png").exists()
@@ -147,31 +137,34 @@ def test_read_results(tmp_path, monkeypatch, capsys):
     assert (translation == wanted[1]).all()
 
 
-def test_pictures(tmp_path, monkeypatch):
+def test_pierce(page):
+    told = page("pierce.md")[1].splitlines()
+    assert float(told[0]) == pytest.approx(0.391, abs=5e-4)
+    assert float(told[1]) == pytest.approx(0.216, abs=5e-4)
+    (figures,) = [line for line in told if line.startswith("{'piercing")]
+    assert figures.count("piercing_force_") == 4
+
+
+def test_pictures(page):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-    monkeypatch.chdir(tmp_path)
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
     case.run("out", n_row=50, n_frame=2, n_snapshot=0, curves=False, progress=False)
     Path("cap.csv").write_text("path [mm],force [N]\n0.0,0.0\n0.5,0.2\n1.0,0.3\n")
-    (code,) = blocks("pictures.md", "python")
-    exec(compile(code, "pictures.md", "exec"), {})
+    page("pictures.md")
     for name in ("crack.png", "strip.png", "scene.png", "cut.gif", "report.html"):
         assert Path(name).stat().st_size > 1000
     assert "<h2>Measured curve</h2>" in Path("out/report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.usefixtures("no_pictures")
-def test_resume(tmp_path, monkeypatch):
+def test_resume(page, monkeypatch):
     # As it stands, on a smaller model.
     def small(name):
         assert name == "quick"
         return guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
 
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shellcut, "opening_test", small)
-    names = {"opening_test": small}
-    for code in blocks("resume.md", "python"):
-        exec(compile(code, "resume.md", "exec"), names)
+    names, _ = page("resume.md", opening_test=small)
     assert names["extra"] == {"note": "before the teeth touch"}
     assert names["again"].state.time >= 2e-4
     assert names["case"].simulation.state.time >= names["case"].duration

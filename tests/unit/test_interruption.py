@@ -63,20 +63,22 @@ def test_which_signal_ends_the_process():
         assert not interruption.ends_process  # it becomes KeyboardInterrupt
 
 
-def test_without_a_signal_nothing_is_delivered(received):
+def test_without_a_signal_nothing_is_delivered_and_handlers_are_back(received):
     before = handlers()
     with Interruption() as interruption:
         assert handlers() != before
     interruption.deliver()
     assert received == []
     assert handlers() == before
-
-
-def test_handlers_are_back_after_an_error(received):
-    before = handlers()
     with pytest.raises(ZeroDivisionError), Interruption():
         1 / 0  # noqa: B018
     assert handlers() == before
+    # As of a program started by nohup, or in the background of a script.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with Interruption() as interruption:
+        signal.raise_signal(signal.SIGINT)
+        assert not interruption.requested
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
 def test_ctrl_c_becomes_a_keyboard_interrupt():
@@ -92,15 +94,6 @@ def test_ctrl_c_becomes_a_keyboard_interrupt():
                 signal.raise_signal(signal.SIGINT)
     finally:
         signal.signal(signal.SIGINT, former)
-
-
-def test_ignored_signals_stay_ignored(received):
-    # As of a program started by nohup, or in the background of a script.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with Interruption() as interruption:
-        signal.raise_signal(signal.SIGINT)
-        assert not interruption.requested
-    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
 def test_in_another_thread_nothing_is_held_back(received):

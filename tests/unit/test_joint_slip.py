@@ -193,7 +193,7 @@ def test_free_and_adhering_cables_carry_one_stress():
         assert np.divide(*pulls(state)) == pytest.approx(1.0, rel=1e-14)
 
 
-def test_a_joint_goes_on_over_the_vertices_of_an_edge():
+def test_a_joint_goes_on_over_vertices_and_is_held_at_the_open_end():
     tool = tooth_ring(n_teeth=1, radius=6.0)
     chain = tool.vertices[np.append(tool.edges[:, 0], tool.edges[-1, 1])]
     first, back = 3, tool.edge_back[3]
@@ -215,9 +215,6 @@ def test_a_joint_goes_on_over_the_vertices_of_an_edge():
     shortest = min(length(s) for s in places)
     to_joint = np.linalg.norm(np.array(ends) - state.cable.joint_body[0], axis=1).sum()
     assert to_joint == pytest.approx(shortest, abs=1e-8)
-
-
-def test_a_joint_is_held_at_the_open_end_of_its_edge():
     blade = straight_blade(height=2.0)
     cables, state = one_cable(FREE, (-0.01, -0.3, 0.5), (-0.01, 0.3, 0.5), tool=blade)
     move(state, Pose.at_origin(), (-0.5, -0.3, 1.8), (-0.5, 0.3, 1.8))

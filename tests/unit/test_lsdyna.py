@@ -57,25 +57,34 @@ def test_fixed_columns(tmp_path, options):
     assert list(mesh.node_sets) == ["left"]
 
 
-def test_commas(tmp_path):
-    check_film(film(tmp_path, deck(free=True)))
-
-
-def test_a_mark_behind_the_keyword_sets_its_layout(tmp_path):
+def with_marks():
     text = deck("I10=Y").replace("*KEYWORD I10=Y", "*KEYWORD")
-    for keyword in ("NODE", "ELEMENT_SHELL"):
-        text = text.replace(f"*{keyword}\n", f"*{keyword} %\n")
+    return text.replace("*NODE\n", "*NODE %\n").replace("*ELEMENT_SHELL\n", "*ELEMENT_SHELL %\n")
+
+
+def with_thickness():
+    head, rest = deck().split("*ELEMENT_SHELL\n")
+    cards, tail = rest.split("*SET_NODE", 1)
+    both = "".join(line + "\n" + card([0.074] * 4, 16) for line in cards.splitlines())
+    return f"{head}*ELEMENT_SHELL_THICKNESS\n{both}*SET_NODE{tail}"
+
+
+LOWER = deck().replace("*NODE", "*node").replace("*ELEMENT_SHELL", "*Element_Shell")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [deck(free=True), with_marks(), LOWER.replace(f"{0:>16}", " " * 16), with_thickness()],
+    ids=["commas", "marks behind keywords", "lower case, blank fields", "cards of thickness"],
+)
+def test_the_same_film_in_other_writings(tmp_path, text):
     check_film(film(tmp_path, text))
 
 
-def test_another_layout_than_declared_is_refused(tmp_path):
+def test_another_layout_or_none_is_refused(tmp_path):
     told = refusal(tmp_path, deck("LONG=Y").replace("LONG=Y", ""))
     assert "is it in another layout" in told
-
-
-def test_keywords_in_lower_case_and_blank_fields(tmp_path):
-    text = deck().replace("*NODE", "*node").replace("*ELEMENT_SHELL", "*Element_Shell")
-    check_film(film(tmp_path, text.replace(f"{0:>16}", " " * 16)))
+    assert "a keyword must come first" in refusal(tmp_path, "hello\n")
 
 
 def more(*lines):
@@ -119,20 +128,8 @@ def test_triangles_repeat_their_last_node(tmp_path):
     mesh = film(tmp_path, extra, triangles="split")
     assert mesh.n_quad == 4 * 10 + 3
     assert len(mesh.quad_set("right part")) == 4 * len(RIGHT_PART) + 3
-    assert (
-        film(
-            tmp_path, extra.replace(card([n[11], n[11]], 8), card([n[11], 0], 8)), triangles="split"
-        ).n_quad
-        == 43
-    )
-
-
-def test_shells_with_thickness_have_two_cards(tmp_path):
-    text = deck()
-    head, rest = text.split("*ELEMENT_SHELL\n")
-    cards, tail = rest.split("*SET_NODE", 1)
-    both = "".join(line + "\n" + card([0.074] * 4, 16) for line in cards.splitlines())
-    check_film(film(tmp_path, f"{head}*ELEMENT_SHELL_THICKNESS\n{both}*SET_NODE{tail}"))
+    zero = extra.replace(card([n[11], n[11]], 8), card([n[11], 0], 8))
+    assert film(tmp_path, zero, triangles="split").n_quad == 43
 
 
 def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path):
@@ -206,7 +203,3 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
 )
 def test_refusals(tmp_path, add, words):
     assert words in refusal(tmp_path, more(add))
-
-
-def test_a_file_without_keywords_is_refused(tmp_path):
-    assert "a keyword must come first" in refusal(tmp_path, "hello\n")

@@ -255,10 +255,8 @@ class TestPresets:
             most = largest_nominal_stress(film, "uniaxial")
             assert most.stress == pytest.approx(published["strength"], rel=2e-3)
 
-    def test_the_film_of_the_paper_is_the_default(self):
+    def test_presets_are_the_default_of_others_and_of_every_way(self):
         assert preset_film("frangi2010") == ShellMaterial.homogeneous()
-
-    def test_the_laminate_is_of_the_others(self):
         film = preset_film("foil_ldpe")
         (ldpe,), (foil,) = preset_film("ldpe").layers, preset_film("aluminium_foil").layers
         assert [one.material for one in film.layers] == [ldpe.material, foil.material]
@@ -277,15 +275,13 @@ class TestPresets:
         assert made.thickness == 0.012
         assert made.layers[0].material == preset_film("pet").layers[0].material
 
-    def test_it_replaces_the_film_of_a_file_and_is_written_back(self, tmp_path):
+    def test_a_preset_stands_in_a_file_and_is_written_back(self, tmp_path):
         model = read_model("opening", {"material": "ldpe"})
         assert model.sections["material"].thickness == 0.05  # of the preset, not 74 um of the file
         model.write(tmp_path / "used.toml")
         assert read_model(tmp_path / "used.toml") == model
         assert 'preset = "ldpe"' in (tmp_path / "used.toml").read_text()
         assert read_model("opening", {"material.preset": "ldpe"}) == model
-
-    def test_in_a_file_before_the_sections_or_in_one(self, tmp_path):
         (tmp_path / "a.toml").write_text('model = "opening"\nmaterial = "pet"\n')
         (tmp_path / "b.toml").write_text('model = "opening"\n[material]\npreset = "pet"\n')
         a, b = read_model(tmp_path / "a.toml"), read_model(tmp_path / "b.toml")
@@ -299,9 +295,3 @@ class TestPresets:
             read_model(tmp_path / "a.toml")
         with pytest.raises(ValueError, match=r"no film 'pett'; did you mean pet\?"):
             preset_film("pett")
-
-    def test_another_law_drops_what_yields(self):
-        assert material(law="hencky") == Hencky(MODULI)
-        model = read_model("opening", {"material": "pet", "material.law": "hencky"})
-        (layer,) = model.sections["material"].made().layers
-        assert isinstance(layer.material, Hencky)

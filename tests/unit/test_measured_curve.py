@@ -64,18 +64,17 @@ def test_columns_by_name_or_number_others_may_hold_anything(tmp_path, columns):
     assert (found.x_name, found.y_name) == ("Winkel", "Drehmoment")
 
 
-def test_units_given_win_over_those_written_and_this_is_said(tmp_path):
+def test_units_given_are_taken_and_said_where_others_are_written(tmp_path):
     text = "Weg [mm];Kraft [N]\n0;0\n1;2\n"
     found = curve(tmp_path, text, units="in, N")
     np.testing.assert_allclose(found.x, [0.0, 25.4], rtol=1e-15)
     assert found.notes == ("Weg has the heading unit mm, but is read as in as given",)
-
-
-def test_without_headings_units_are_given(tmp_path):
     found = curve(tmp_path, "0 0\n1 2\n2 4\n", units=("rad", "lbf*in"))
     np.testing.assert_allclose(found.x, np.degrees([0.0, 1.0, 2.0]), rtol=1e-14)
     np.testing.assert_allclose(found.y, np.array([0.0, 2.0, 4.0]) * 112.984829, rtol=1e-8)
     assert found.x_name == "column 1"
+    with pytest.raises(ValueError, match="units must be two"):
+        curve(tmp_path, "0 0\n1 1\n", units="deg")
 
 
 def test_falling_standing_and_jittering_coordinates():
@@ -145,8 +144,3 @@ def test_arrays_are_checked():
         MeasuredCurve([0.0, np.nan], [0.0, 1.0], "ell", "N")
     with pytest.raises(ValueError, match=r"got shapes \(2,\) and \(3,\)"):
         MeasuredCurve([0.0, 1.0], [0.0, 1.0, 2.0], "mm", "N")
-
-
-def test_two_units_or_none(tmp_path):
-    with pytest.raises(ValueError, match="units must be two"):
-        curve(tmp_path, "0 0\n1 1\n", units="deg")

@@ -58,15 +58,12 @@ def test_arrays_are_cast_copied_and_read_only():
     assert mesh.quads.tolist() == QUADS
 
 
-def test_a_mesh_is_frozen():
+def test_a_mesh_is_frozen_and_survives_pickling():
     mesh = Mesh.from_arrays(NODES, QUADS)
     with pytest.raises(FrozenInstanceError):
         mesh.nodes = mesh.nodes
     with pytest.raises(TypeError):
         mesh.node_sets["left"] = np.array([0])
-
-
-def test_a_mesh_survives_pickling():
     mesh = Mesh.from_arrays(NODES, QUADS, node_sets={"left": [0, 3]}).cut([1, 4])
     again = pickle.loads(pickle.dumps(mesh))
     for name in ("nodes", "quads", "directors", "origin"):
@@ -92,14 +89,11 @@ def test_edges_name_their_quads():
     assert list(table) == sorted(table)
 
 
-def test_boundary_nodes():
+def test_lengths_areas_jacobian_and_boundary():
     mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
     inner = mesh.nodes_where(lambda x, y, z: (x > 0.5) & (x < 3.5) & (abs(y) < 1.5))
     assert len(inner) == 9
     assert np.array_equal(mesh.boundary_nodes(), np.setdiff1d(np.arange(25), inner))
-
-
-def test_lengths_areas_and_jacobian_of_a_trapezium():
     mesh = Mesh.from_arrays([[0, 0], [4, 0], [3, 1], [0, 1]], [[0, 1, 2, 3]])
     assert mesh.edge_lengths() == pytest.approx(np.array([[4.0, np.sqrt(2.0), 3.0, 1.0]]))
     assert mesh.quad_areas() == pytest.approx([3.5], rel=1e-14)
@@ -121,15 +115,12 @@ def test_area_of_a_warped_quad_is_that_of_the_bilinear_surface():
 # --- directors -----------------------------------------------------------------------------------
 
 
-def test_directors_of_a_plane_mesh_are_exact():
+def test_directors_of_a_plane_mesh_are_exact_and_all_the_same():
     mesh = annulus(1.3, 2.9, n_around=17, n_radial=3)
     assert np.array_equal(mesh.directors, np.tile([0.0, 0.0, 1.0], (mesh.n_node, 1)))
     flipped = Mesh.from_arrays(mesh.nodes, mesh.quads[:, ::-1])
     assert np.array_equal(flipped.directors, np.tile([0.0, 0.0, -1.0], (mesh.n_node, 1)))
     assert not np.signbit(flipped.directors[:, :2]).any()
-
-
-def test_directors_of_a_tilted_plane_mesh_are_all_the_same():
     turn = rotation()
     flat = annulus(1.3, 2.9, n_around=17, n_radial=3)
     mesh = Mesh.from_arrays(flat.nodes @ turn.T, flat.quads)
@@ -137,7 +128,7 @@ def test_directors_of_a_tilted_plane_mesh_are_all_the_same():
     assert mesh.directors[0] == pytest.approx(turn[:, 2], abs=1e-14)
 
 
-def test_mean_directors_are_weighted_by_area():
+def test_mean_directors_are_weighted_by_area_and_radial_on_a_cylinder():
     # a ridge along y between a slope of length 1 and a level part of length 3: corner areas 1 : 3
     c, s = np.cos(0.4), np.sin(0.4)
     nodes = [[-c, 0, -s], [0, 0, 0], [3, 0, 0], [-c, 1, -s], [0, 1, 0], [3, 1, 0]]
@@ -145,9 +136,6 @@ def test_mean_directors_are_weighted_by_area():
     mean = np.array([-s, 0.0, c]) + 3.0 * np.array([0.0, 0.0, 1.0])
     assert T[1] == pytest.approx(mean / np.linalg.norm(mean), rel=1e-14)
     assert T[0] == pytest.approx([-s, 0.0, c], rel=1e-14)
-
-
-def test_mean_directors_of_a_cylinder_are_radial_inside():
     exact = cylinder(10.0, 4.0, arc_deg=120.0, n_around=12, n_along=4)
     mean = Mesh.from_arrays(exact.nodes, exact.quads).directors
     inner = np.setdiff1d(
@@ -298,12 +286,9 @@ def test_a_wrong_mesh_is_refused(nodes, quads, words):
     assert "problems" not in message  # each case has one fault, and only that is reported
 
 
-def test_the_limits_themselves_are_accepted():
+def test_limits_are_accepted_and_a_fold_is_refused():
     assert Mesh.from_arrays(*full_fan(MAX_VALENCE)).n_quad == MAX_VALENCE
     assert Mesh.from_arrays(FOLD, QUADS, max_fold_deg=91.0).n_quad == 2
-
-
-def test_a_quad_folded_back_on_its_neighbour_is_refused():
     nodes = [*NODES[:2], [0.1, 0.0], *NODES[3:5], [0.1, 1.0]]
     message = refusal(nodes, QUADS)
     assert "180.0 between quad 0" in message
@@ -325,7 +310,7 @@ def test_wrong_sets_and_origins_are_refused(sets, words):
     assert all(word in message for word in words), message
 
 
-def test_all_problems_are_reported_together():
+def test_all_problems_are_reported_with_five_offenders():
     nodes = [*NODES, [9, 9], [np.nan, 0]]
     message = refusal(
         nodes, [[0, 1, 4, 3], [1, 4, 5, 2]], node_sets={"a": [99]}, directors=[[0, 0, 1]]
@@ -333,9 +318,6 @@ def test_all_problems_are_reported_together():
     assert message.startswith("5 problems:")
     for words in ("finite", "node 6", "opposite orientation", "node set 'a'", "directors"):
         assert words in message
-
-
-def test_at_most_five_offenders_are_named():
     message = refusal([*NODES, *np.random.default_rng(1).random((8, 2))], QUADS)
     assert message.count("node ") == 5
     assert "and 3 more" in message
@@ -361,7 +343,7 @@ def test_a_wrong_set_name_is_answered_with_the_nearest():
         mesh.quad_set("patch")
 
 
-def test_with_sets_adds_and_does_not_replace():
+def test_sets_are_added_and_found_by_place():
     mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
     more = mesh.with_sets(node_sets={"corner": [0]}, quad_sets={"first": [0]})
     assert more.node_set("corner").tolist() == [0]
@@ -372,10 +354,6 @@ def test_with_sets_adds_and_does_not_replace():
         mesh.with_sets(node_sets={"left": [1]})
     with pytest.raises(MeshError, match="node set 'far' must hold ids from 0 to 5, got 6"):
         mesh.with_sets(node_sets={"far": [6]})
-
-
-def test_nodes_where_wants_one_bool_a_node():
-    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
     assert mesh.nodes_where(lambda x, y, z: x == 2.0).tolist() == [2, 5]
     with pytest.raises(MeshError, match="must return 6 bools"):
         mesh.nodes_where(lambda x, y, z: x)
@@ -418,9 +396,6 @@ def test_a_cut_inside_has_two_tips(sheet):
     assert cut.node_set("row").tolist() == [10, 11, 12, 13, 14, 25]
     assert cut.node_set("left").tolist() == sheet.node_set("left").tolist()
     assert cut.quad_set("first").tolist() == [0]
-
-
-def test_the_side_that_is_renumbered_turns_with_the_line(sheet):
     cut = sheet.cut(np.array([13, 12, 11]))
     assert np.flatnonzero((cut.quads == 12).any(axis=1)).tolist() == [5, 6]
 
@@ -430,41 +405,47 @@ def test_a_cut_from_the_boundary_is_open_there(sheet):
     check_cut(sheet, cut, [10, 11, 12], [10, 11])
     assert cut.node_set("left").tolist() == [0, 5, 10, 15, 20, 25]
     assert {10, 11, 12, 25, 26} <= set(cut.boundary_nodes().tolist())
-
-
-def test_a_cut_across_parts_the_sheet(sheet):
-    line = [10, 11, 12, 13, 14]
-    cut = sheet.cut(line)
-    check_cut(sheet, cut, line, line)
-    below, above = cut.quads[:8], cut.quads[8:]
-    assert not np.intersect1d(below, above).size
-
-
-def test_one_edge_from_the_boundary(sheet):
     check_cut(sheet, sheet.cut([10, 11]), [10, 11], [10])
-
-
-def test_a_cut_may_turn_a_corner(sheet):
     line = [10, 11, 12, 17, 22]
     cut = sheet.cut(line)
     check_cut(sheet, cut, line, line)
 
 
-def test_a_cut_ends_on_an_earlier_cut(sheet):
+def test_a_cut_across_parts_the_sheet_and_a_closed_line_a_patch(sheet):
+    line = [10, 11, 12, 13, 14]
+    cut = sheet.cut(line)
+    check_cut(sheet, cut, line, line)
+    below, above = cut.quads[:8], cut.quads[8:]
+    assert not np.intersect1d(below, above).size
+    line = [6, 7, 8, 13, 18, 17, 16, 11, 6]
+    cut = sheet.cut(line)
+    check_cut(sheet, cut, line, line[:-1])
+    inner = [5, 6, 9, 10]
+    rest = np.setdiff1d(np.arange(16), inner)
+    assert not np.intersect1d(cut.quads[inner], cut.quads[rest]).size
+    ring = annulus(1.0, 2.0, n_around=8, n_radial=2)
+    line = [0, 8, 16]
+    check_cut(ring, ring.cut(line), line, line)
+
+
+def test_a_cut_ends_on_an_earlier_cut_or_goes_on_from_its_tip(sheet):
     notched = sheet.cut([10, 11, 12, 13])  # the lower side, on the right, has nodes 25, 26, 27
     above = notched.cut([22, 17, 12])
     check_cut(notched, above, [22, 17, 12], [22, 17, 12])
     below = above.cut([27, 7])
     check_cut(above, below, [27, 7], [27])
     assert np.flatnonzero(below.origin == 12).tolist() == [12, 27, 30, 31]
-
-
-def test_a_cut_goes_on_from_a_tip(sheet):
     once = sheet.cut([10, 11, 12, 13])
     twice = sheet.cut([10, 11, 12]).cut([12, 13])
     check_cut(sheet.cut([10, 11, 12]), twice, [12, 13], [12])
     assert np.array_equal(once.nodes[once.quads], twice.nodes[twice.quads])
     assert twice.n_node == once.n_node
+    with pytest.raises(
+        MeshError, match=r"node 12 was duplicated by a cut, its copies are \[12, 27\]"
+    ):
+        notched.cut([2, 7, 12])
+    with pytest.raises(MeshError, match="cut before"):
+        notched.cut([11, 12])
 
 
 def test_a_cut_touches_the_boundary_on_its_way():
@@ -475,21 +456,6 @@ def test_a_cut_touches_the_boundary_on_its_way():
     cut = mesh.cut([5, 0, 3])
     check_cut(mesh, cut, [5, 0, 3], [5, 0, 0, 3])
     assert len(np.unique(cut.quads)) == 12
-
-
-def test_a_closed_line_cuts_a_patch_out(sheet):
-    line = [6, 7, 8, 13, 18, 17, 16, 11, 6]
-    cut = sheet.cut(line)
-    check_cut(sheet, cut, line, line[:-1])
-    inner = [5, 6, 9, 10]
-    rest = np.setdiff1d(np.arange(16), inner)
-    assert not np.intersect1d(cut.quads[inner], cut.quads[rest]).size
-
-
-def test_a_ring_is_slit(sheet):
-    ring = annulus(1.0, 2.0, n_around=8, n_radial=2)
-    line = [0, 8, 16]
-    check_cut(ring, ring.cut(line), line, line)
 
 
 @pytest.mark.parametrize(
@@ -512,16 +478,6 @@ def test_a_line_that_cannot_be_cut_is_refused(sheet, line, words):
     with pytest.raises(MeshError) as caught:
         sheet.cut(line)
     assert all(word in str(caught.value) for word in words), str(caught.value)
-
-
-def test_a_line_across_an_earlier_cut_is_told_the_copies(sheet):
-    notched = sheet.cut([10, 11, 12, 13])
-    with pytest.raises(
-        MeshError, match=r"node 12 was duplicated by a cut, its copies are \[12, 27\]"
-    ):
-        notched.cut([2, 7, 12])
-    with pytest.raises(MeshError, match="cut before"):
-        notched.cut([11, 12])
 
 
 def test_ordered_nodes_are_the_same_film():

@@ -147,7 +147,7 @@ CLAMPED = [*SIDES, shellcut.Support.clamped("left")]
         ({"supports": CLAMPED}, "the first at (0, 0, 0) mm"),
         ({"notch": 12.0}, "there must be film to cut"),
         ({"supports": ()}, "which nothing holds"),
-        (SIDEWAYS, "moves 90° off that direction"),
+        (SIDEWAYS, "moves 90° off where it points"),
     ],
 )
 def test_what_is_on_the_way_is_told(options, said):
@@ -180,7 +180,7 @@ def test_a_ring_driven_backwards_is_told():
         supports=[shellcut.Support.clamped("rim")],
     )
     said = [str(f) for f in found(case)]
-    assert any("100 % of the way on which it does not" in text for text in said), said
+    assert any("another direction on 100 % of the path" in text for text in said), said
     assert any("reverse the motion" in text for text in said)
 
 
@@ -193,9 +193,12 @@ def test_a_saw_may_go_back_where_it_has_cut():
     assert said == []
 
 
-def test_teeth_that_pass_out_of_the_film_are_told():
+def test_edges_that_pass_out_or_leave_are_told():
     said = only(shellcut.opening_test("quick", pitch=40.0))
-    assert "4 of 4 whose end passes out of the film" in said
+    assert "4 of 4 whose end leaves the film" in said
+    motion = shellcut.StraightMotion((1.0, 0.0, 0.0), 12000.0)
+    said = only(strip_cut(motion=motion), "note")
+    assert "1 of 1 cutting edges leave the film before the motion ends" in said
 
 
 def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
@@ -212,13 +215,7 @@ def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
     away = shellcut.opening_test(
         "quick", tool=tooth_ring(radius=30.0), fracture=shellcut.Fracture(path="edges")
     )
-    assert "none of the 4 that does, from t = 0 to 6 ms" in only(away)
-
-
-def test_a_blade_that_leaves_over_the_end_is_noted():
-    motion = shellcut.StraightMotion((1.0, 0.0, 0.0), 12000.0)
-    said = only(strip_cut(motion=motion), "note")
-    assert "1 of 1 cutting edges leave the film before the motion ends" in said
+    assert "none of 4 that does so up to 6 ms" in only(away)
 
 
 @pytest.mark.parametrize("rungs", [0.5, 1.9])
@@ -226,7 +223,7 @@ def test_a_process_zone_shorter_than_two_edges_is_told(rungs):
     short = rungs * 0.8 / 4.0
     law = shellcut.CohesiveLaw(opening_a=0.5 * short, opening_p=3.0 * short, opening_u=4.0 * short)
     said = only(strip_cut(law=law))
-    assert f"{rungs:.2g} edges" in said
+    assert f"{rungs:.2g} of them" in said
     enough = shellcut.CohesiveLaw(opening_a=0.2, opening_p=1.2, opening_u=1.65)
     assert found(strip_cut(law=enough)) == ()
 
@@ -234,14 +231,11 @@ def test_a_process_zone_shorter_than_two_edges_is_told(rungs):
 # --- steps, refusals -----------------------------------------------------------------------------
 
 
-def test_a_duration_too_short_for_the_steps_is_refused():
+def test_steps_are_compared_with_the_safe_one():
     case = shellcut.opening_test("quick", duration=1e-8)
     assert "a step" in only(case, "refuse")
     with pytest.raises(RefusedModel, match="passes nodes before contact acts on them"):
         shellcut.check_model(case.simulation, case.duration).enforce(force=True)
-
-
-def test_a_fixed_step_is_compared_with_the_safe_one():
     sim = shellcut.opening_test("quick").simulation
     safe = sim.dt / 0.95
     for factor, doubted in ((0.99, 0), (1.01, 1)):
@@ -264,16 +258,7 @@ def test_what_can_be_forced_says_so():
     assert "--force" not in str(refusal.value)
 
 
-def test_a_film_without_a_tool_is_asked_for_its_numbers_only():
-    sim = shellcut.Simulation(
-        rectangle(4.0, 2.0, size=1.0), shellcut.ShellMaterial.homogeneous(thickness=74.0)
-    )
-    check = shellcut.check_model(sim, 1e-3)
-    assert check.sweep is None
-    assert [f.severity for f in check.findings] == ["refuse"]
-
-
-def test_checking_changes_nothing():
+def test_checking_changes_nothing_and_a_film_without_a_tool_is_asked_for_numbers():
     one, two = (
         shellcut.opening_test("quick", stepping=shellcut.Stepping(fixed=1e-7)) for _ in range(2)
     )
@@ -281,3 +266,9 @@ def test_checking_changes_nothing():
     for case in (one, two):
         case.simulation.run(2e-5)
     assert np.array_equal(one.simulation.state.node.x, two.simulation.state.node.x)
+    sim = shellcut.Simulation(
+        rectangle(4.0, 2.0, size=1.0), shellcut.ShellMaterial.homogeneous(thickness=74.0)
+    )
+    check = shellcut.check_model(sim, 1e-3)
+    assert check.sweep is None
+    assert [f.severity for f in check.findings] == ["refuse"]

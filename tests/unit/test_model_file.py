@@ -265,17 +265,14 @@ k = 2
 # --- names and overrides -------------------------------------------------------------------------
 
 
-def test_an_unknown_name_lists_those_there_are():
-    (line,) = refusal("openign")
-    assert "guillotine, opening, oscillating, trouser; did you mean opening?" in line
-
-
-def test_the_models_are_package_data():
+def test_shipped_models_are_package_data_and_told():
     shipped = shipped_models()
     assert set(shipped) == {"guillotine", "opening", "oscillating", "trouser"}
     for name, text in shipped.items():
         assert text == files("shellcut.models").joinpath(f"{name}.toml").read_text("utf-8")
         assert all(len(line) <= 90 for line in text.splitlines())
+    (line,) = refusal("openign")
+    assert "guillotine, opening, oscillating, trouser; did you mean opening?" in line
 
 
 @pytest.mark.parametrize(
@@ -306,11 +303,16 @@ def test_a_shipped_model_is_the_builder_with_its_defaults(name, builder):
         assert ours.dt == theirs.dt
 
 
-def test_overrides_by_dotted_and_bare_keys():
+def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeypatch):
     model = read_model("opening", {"mesh": "quick", "tool.teeth": 3, "strength": "20 MPa"})
     assert model.sections["membrane"].mesh == "quick"
     assert model.sections["tool"].teeth == 3
     assert model.sections["cohesive"].strength == 20.0
+    tooth_ring().write(tmp_path / "cap.stl")
+    monkeypatch.chdir(tmp_path)
+    tool = read_model("opening", {"tool.stl": "cap.stl"}).sections["tool"]
+    assert tool.file == str(tmp_path / "cap.stl")  # relative to where the user is
+    assert tool.kind == "file"
 
 
 @pytest.mark.parametrize(
@@ -328,14 +330,6 @@ def test_overrides_by_dotted_and_bare_keys():
 )
 def test_an_override_that_fits_not_is_named(overrides, said):
     assert any(said in line for line in refusal("opening", overrides))
-
-
-def test_an_override_may_change_the_kind_of_a_section(tmp_path, monkeypatch):
-    tooth_ring().write(tmp_path / "cap.stl")
-    monkeypatch.chdir(tmp_path)
-    tool = read_model("opening", {"tool.stl": "cap.stl"}).sections["tool"]
-    assert tool.file == str(tmp_path / "cap.stl")  # relative to where the user is
-    assert tool.kind == "file"
 
 
 def test_paths_in_a_file_are_relative_to_it(tmp_path, monkeypatch):
@@ -356,8 +350,9 @@ def test_what_is_written_has_every_key_its_unit_and_a_digest(tmp_path):
     model = read_model("opening", {"mesh": "quick"})
     model.write(tmp_path / "used.toml")
     text = (tmp_path / "used.toml").read_text()
-    first, _, body = text.partition("\n")
-    assert first == f"# sha256 of all below: {hashlib.sha256(body.encode()).hexdigest()}"
+    schema, digest, body = text.split("\n", 2)
+    assert schema == "#:schema ./shellcut.schema.json"
+    assert digest == f"# sha256 of all below: {hashlib.sha256(body.encode()).hexdigest()}"
     assert f"# shellcut {shellcut.__version__}" in body
     assert re.search(r"^young = 1678.0 +# \[MPa\] Young's modulus$", text, re.M)
     for section in model.sections.values():
@@ -365,6 +360,7 @@ def test_what_is_written_has_every_key_its_unit_and_a_digest(tmp_path):
             assert re.search(rf"^(# )?{key} =", text, re.M), key
     assert is_as_written(text)
     assert not is_as_written(text.replace("1678", "1679"))
+    assert not is_as_written(text.partition("\n")[2])
 
 
 @pytest.mark.parametrize(

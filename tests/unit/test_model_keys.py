@@ -328,8 +328,6 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {}
     if title == "material.layers":
         given = dict(LAYER)
-    if key == "cable_places" and "path" in kind.keys:
-        given = {"path": "free"}
     if title.startswith("material") and key not in LAYER:
         given = {**given, **BESIDE.get(key, {})}
     if key == "joint_friction":
@@ -354,13 +352,10 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
     assert built(model_text(model, title, kind, varied)) != unvaried[text]
 
 
-def test_the_quads_of_a_pressure(built):
+def test_quads_and_divisions_reach_what_is_built(built):
     text = 'model = "free"\n[membrane]\nfile = "film.inp"\n[motion]\nfile = "motion.csv"\n'
     text += "[[loads]]\nvalue = 1.0\n"
     assert built(text + 'quads = "chosen"\n') != built(text)
-
-
-def test_divisions_instead_of_a_size(built):
     text = 'model = "free"\n[membrane]\nlength = 4.0\nwidth = 3.0\nn_x = 4\n'
     motion = "[motion]\nangle_deg = 20\nduration = 1e-3\n"
     coarse = built(f"{text}n_y = 2\n{motion}")
@@ -382,15 +377,16 @@ def test_every_parameter_has_a_key(kind):
     assert set(parameters) - ELSEWHERE <= {*kind.keys, *(k.parameter for k in kind.keys.values())}
 
 
-def test_every_option_of_a_simulation_is_in_some_section():
+def test_every_option_of_a_simulation_and_output_is_in_some_section():
     taken = {"mesh", "material", "supports", "loads", "tool", "motion", "law"}
     taken |= {"contact", "fracture", "stepping"}  # sections
     taken |= {"directional", "quasi_static", "imperfection", "threads"}  # at the top
     taken |= {"damping_alpha", "damping_beta"}  # [damping]
     assert set(inspect.signature(Simulation).parameters) - taken == set(NOT_IN_FILES)
+    assert set(OUTPUT().arguments()) <= set(inspect.signature(RunOptions).parameters)
 
 
-def test_layers_make_a_laminate(tmp_path):
+def test_layers_rates_ramps_and_discs_are_made(tmp_path):
     ply = "[[material.layers]]\nyoung = {}\npoisson = 0.3\ndensity = 1e-9\nthickness = 0.02\n"
     path = tmp_path / "x.toml"
     path.write_text('model = "opening"\n' + ply.format(70000.0) + ply.format(200.0))
@@ -398,26 +394,12 @@ def test_layers_make_a_laminate(tmp_path):
     assert isinstance(made, ShellMaterial)
     assert [layer.material.young for layer in made.layers] == [70000.0, 200.0]
     assert HOMOGENEOUS().made() == ShellMaterial.homogeneous()
-
-
-def test_rates_of_supports_are_constant():
     support = SUPPORT(nodes="rim", velocity=(("x", 2.0),), spin=(("z", 3.0),)).made()
     assert support.velocity["x"](0.1) == 2.0
     assert support.spin["z"](7.0) == 3.0
-
-
-def test_a_ramp_rises_to_one(tmp_path):
-    path = tmp_path / "x.toml"
     path.write_text('model = "opening"\n[[loads]]\nvalue = 1.0\nramp = "2 ms"\n')
     factor = read_model(path).lists["loads"][0].made().factor
     assert [factor(t) for t in (0.0, 1e-3, 2e-3, 9.0)] == [0.0, 0.5, 1.0, 1.0]
-
-
-def test_outputs_are_those_of_a_run():
-    assert set(OUTPUT().arguments()) <= set(inspect.signature(RunOptions).parameters)
-
-
-def test_the_disc_of_a_free_model():
     kind = SECTIONS["free"]["membrane"][2]
     assert kind(radius=5.0, n_side=4).made().n_quad == disc(5.0, n_side=4).n_quad
 

@@ -5,6 +5,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
+from shellcut.formats.errors import FileError
 from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
 from shellcut.tool.table_motion import TableMotion
 
@@ -80,32 +81,18 @@ def test_coordinate_grows_by_the_speed(motion, scale, part):
 
 
 class TestScrew:
-    def test_angle_is_reached_exactly_at_the_duration(self):
+    def test_a_screw_reaches_its_angle_and_advances_by_its_pitch(self):
         screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0, ramp_fraction=0.03)
         assert screw.coordinate(DURATION) == pytest.approx(np.radians(95.0), rel=1e-14)
         assert screw.ramp == pytest.approx(0.03 * DURATION)
         # the ramp covers half of its part
         assert screw.coordinate(screw.ramp) == pytest.approx(0.5 * screw.ramp * screw.angular_speed)
-
-    def test_advance_a_turn_is_the_pitch_downwards(self):
         screw = ScrewMotion(angular_speed=2.0 * np.pi, pitch=12.0)
         rotation, origin = screw.pose(1.0)
         np.testing.assert_allclose(origin, [0.0, 0.0, -12.0], rtol=1e-14)
         np.testing.assert_allclose(rotation, np.eye(3), atol=1e-14)
-
-    def test_turns_counter_clockwise_seen_from_the_axis_tip(self):
         rotation, _ = ScrewMotion(angular_speed=0.5 * np.pi).pose(1.0)
         np.testing.assert_allclose(rotation @ [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], atol=1e-15)
-
-    def test_points_of_the_axis_only_advance(self):
-        screw = tilted_screw()
-        rotation, origin = screw.pose(2e-3)
-        angle = screw.coordinate(2e-3)
-        point = np.array(screw.axis_point) + 0.7 * np.array(screw.axis)
-        advance = 12.0 * angle / (2.0 * np.pi) * np.array([0.0, 1.0, -1.0]) / np.sqrt(2.0)
-        np.testing.assert_allclose(rotation @ point + origin - point, advance, atol=1e-14)
-
-    def test_rests_before_the_start_and_starts_softly(self):
         screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0)
         rotation, origin = screw.pose(-1.0)
         np.testing.assert_array_equal(rotation, np.eye(3))
@@ -114,6 +101,14 @@ class TestScrew:
             assert not np.any(screw.twist(time))
         assert screw.coordinate(-1.0) == 0.0
         assert screw.twist(2.0 * DURATION)[0][2] == screw.angular_speed
+
+    def test_points_of_the_axis_only_advance(self):
+        screw = tilted_screw()
+        rotation, origin = screw.pose(2e-3)
+        angle = screw.coordinate(2e-3)
+        point = np.array(screw.axis_point) + 0.7 * np.array(screw.axis)
+        advance = 12.0 * angle / (2.0 * np.pi) * np.array([0.0, 1.0, -1.0]) / np.sqrt(2.0)
+        np.testing.assert_allclose(rotation @ point + origin - point, advance, atol=1e-14)
 
     @pytest.mark.parametrize(
         ("change", "message"),
@@ -137,13 +132,9 @@ class TestStraight:
         np.testing.assert_allclose(origin, [0.0, 5.4, 7.2])
         np.testing.assert_array_equal(rotation, np.eye(3))
         np.testing.assert_allclose(motion.twist(1.0)[1], [0.0, 6.0, 8.0])
-
-    def test_without_ramp_it_starts_at_speed(self):
         motion = StraightMotion((1.0, 0.0, 0.0), speed=10.0)
         assert motion.twist(0.0)[1][0] == 10.0
         assert motion.coordinate(0.5) == 5.0
-
-    def test_refusals(self):
         with pytest.raises(ValueError, match="direction must not be zero"):
             StraightMotion((0.0, 0.0, 0.0), speed=1.0)
 
@@ -172,13 +163,11 @@ class TestTable:
                 np.testing.assert_allclose(mine, exact, atol=1e-12)
             assert motion.coordinate(time) == pytest.approx(screw.coordinate(time), rel=1e-12)
         assert motion.coordinate_unit == "rad"
-
-    def test_without_rotation_the_coordinate_is_the_path(self):
         motion = TableMotion([0.0, 1.0, 2.0], [[0, 0, 0], [3, 4, 0], [6, 8, 0]])
         assert motion.coordinate_unit == "mm"
         assert motion.coordinate(1.5) == pytest.approx(7.5)
 
-    def test_end_poses_are_held_at_rest_outside(self):
+    def test_end_poses_are_held_at_rest_outside_and_copies_are_kept(self):
         times, translations, vectors = table()
         motion = TableMotion(times, translations, vectors)
         for outside, end in ((-1.0, 0), (3.0, -1)):
@@ -189,10 +178,6 @@ class TestTable:
             assert not np.any(motion.twist(outside))
             assert motion.coordinate(outside) == motion.coordinate(times[end])
         assert np.any(motion.twist(times[-1]))
-
-    def test_keeps_read_only_copies(self):
-        times, translations, vectors = table()
-        motion = TableMotion(times, translations, vectors)
         times[0] = -9.0
         assert motion.times[0] == 0.0
         with pytest.raises(ValueError, match="read-only"):
@@ -217,3 +202,64 @@ class TestTable:
     def test_refusals(self, times, translations, vectors, message):
         with pytest.raises(ValueError, match=message):
             TableMotion(times, translations, vectors)
+
+
+def table_of(tmp_path, text, encoding="utf-8"):
+    path = tmp_path / "motion.csv"
+    path.write_bytes(text.encode(encoding))
+    return TableMotion.read_csv(path)
+
+
+def refusal(tmp_path, text):
+    with pytest.raises(FileError) as caught:
+        table_of(tmp_path, text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time [s],z [mm],angle [deg]\n0,0,0\n0.001,-0.5,90\n0.002,-1,180\n",
+        "# a press\ntime [ms]; angle [deg]; z [um]\n0,0; 0; 0\n1,0; 90; -500,0\n2; 180; -1e3\n",
+        "Time (ms)\tAngle (turn)\tZ (cm)\n0\t0\t0\n1\t0,25\t-0,05\n2\t0,5\t-0,1\n",
+        "\ufefftime / us,rz / rad,z / m\r\n\r\n0,0,0\r\n1000,1.5707963267948966,-5e-4\r\n"
+        "2000,3.141592653589793,-1e-3\r\n",
+        '"time [s]","z [mm]","rz [deg]"\n"0","0","0"\n"0.001","-0.5","90"\n"0.002","-1","180"\n',
+    ],
+)
+def test_headings_units_separators_and_decimal_commas(tmp_path, text):
+    motion = table_of(tmp_path, text)
+    np.testing.assert_allclose(motion.times, [0.0, 1e-3, 2e-3], rtol=1e-15)
+    np.testing.assert_allclose(motion.translations, [[0, 0, z] for z in (0.0, -0.5, -1.0)])
+    np.testing.assert_allclose(
+        motion.rotation_vectors, [[0, 0, a] for a in (0.0, np.pi / 2, np.pi)], rtol=1e-15
+    )
+    assert motion.coordinate_unit == "rad"
+
+
+def test_without_turn_the_coordinate_is_the_path(tmp_path):
+    motion = table_of(tmp_path, "x [mm],time [s]\n0,0\n3,1\n")
+    assert motion.coordinate_unit == "mm"
+    assert motion.coordinate(1.0) == pytest.approx(3.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("# nothing\n", "a line of headings"),
+        ("time,z [mm]\n0,0\n", "a heading must be 'name [unit]' of time, x, y, z"),
+        ("time [s],w [mm]\n0,0\n", "got 'w [mm]'"),
+        ("time [h]\n0\n", "time must be a unit of time (us, ms, s, min), got 'h'"),
+        ("time [s],time [ms]\n0,0\n", "each column must occur once, got time again"),
+        ("x [mm]\n0\n", "there must be a column time"),
+        ("time [s],angle [deg],rz [deg]\n0,0,0\n", "as angle or as rx, ry, rz, got both"),
+        ("time [s],z [mm]\n0,0\n", "two lines of numbers or more, got 1"),
+        ("time [s],z [mm]\n0,0\n1\n", "line 3: there must be 2 numbers, got 1"),
+        ("time [s],z [mm]\n0,0\n1,x\n", "line 3: must be a number, got 'x'"),
+        ("time [s],z [mm]\n0,0\n0,1\n", "times must increase"),
+        ("time [s],angle [deg]\n0,0\n1,170\n", "must turn by less than 135 degrees"),
+        ("time [s],z [mm]\n0,0\n1,nan\n", "translations must be finite"),
+    ],
+)
+def test_refusals(tmp_path, text, words):
+    assert words in refusal(tmp_path, text)

@@ -35,25 +35,21 @@ def test_considere_for_a_power_law(n, pull, factor):
     assert math.log1p(most.strain) == pytest.approx(n, abs=0.01)
 
 
-def test_linear_hardening_has_its_maximum_where_slope_is_stress():
-    # σ = σ_0 + H p: at p = 1 - σ_0/H, H exp(-p)
-    most = largest_nominal_stress(film(sc.Plastic(RIGID, sc.Linear(20.0, 50.0))), "uniaxial")
-    assert most.stress == pytest.approx(50.0 * math.exp(-0.6), rel=FINE)
-    # kinematic hardening counts as much
-    split = sc.Plastic(RIGID, sc.Linear(20.0, 30.0), kinematic=20.0)
-    assert largest_nominal_stress(film(split), "uniaxial").stress == pytest.approx(
-        most.stress, rel=1e-12
+@pytest.mark.parametrize(
+    ("material", "stress"),
+    [
+        # σ = σ_0 + H p: at p = 1 - σ_0/H, H exp(-p); kinematic hardening counts as much
+        (sc.Plastic(RIGID, sc.Linear(20.0, 50.0)), 50.0 * math.exp(-0.6)),
+        (sc.Plastic(RIGID, sc.Linear(20.0, 30.0), kinematic=20.0), 50.0 * math.exp(-0.6)),
+        (sc.Plastic(RIGID, sc.Linear(20.0)), 20.0),
+        (sc.Hencky(sc.Elastic(100.0, 0.3, 1e-9)), 100.0 / math.e),
+    ],
+    ids=["linear", "kinematic", "ideal", "Hencky"],
+)
+def test_the_maximum_lies_where_the_slope_is_the_stress(material, stress):
+    assert largest_nominal_stress(film(material), "uniaxial").stress == pytest.approx(
+        stress, rel=FINE
     )
-
-
-def test_without_hardening_it_is_the_yield_stress():
-    most = largest_nominal_stress(film(sc.Plastic(RIGID, sc.Linear(20.0))), "uniaxial")
-    assert most.stress == pytest.approx(20.0, rel=FINE)
-
-
-def test_hencky_carries_its_modulus_over_e():
-    most = largest_nominal_stress(film(sc.Hencky(sc.Elastic(100.0, 0.3, 1e-9))), "uniaxial")
-    assert most.stress == pytest.approx(100.0 / math.e, rel=FINE)
 
 
 def test_hill_across_and_along():

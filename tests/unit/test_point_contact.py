@@ -7,7 +7,6 @@ import pytest
 
 from naive.booking import book
 from naive.contact import smoothed
-from notched_strip import cutting
 from shellcut.contact.contact_points import contact_points
 from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import felt_nodes
@@ -60,11 +59,6 @@ def pricked(
 
 def term(sim):
     return next(t for t in sim.terms if t.name == "points")
-
-
-def lower(sim, depth):
-    while sim.motion.coordinate(sim.state.time) < GAP + depth:
-        sim.step()
 
 
 def press(sim, depth, shift=(0.0, 0.0)):
@@ -400,20 +394,3 @@ def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
     (lifted,), lost = rubbed(sim, [np.array([0.0, 0.0, 0.1])])
     assert lifted.stored == 0.0
     assert lost["friction_dissipated"] > 0.0
-
-
-def test_a_needle_that_rubs_closes_the_ledger():
-    sim = pricked(friction=0.4, direction=(0.6, 0.3, -0.74))
-    lower(sim, 0.35)
-    book = sim.close_ledger()
-    assert book.friction_dissipated > 0.02 * book.tool_work
-    # The forces' own works beside what they store and dissipate: poses turn by nothing.
-    left = book.friction_work - book.friction_dissipated - book.friction_stored
-    assert abs(left) < 1e-6 * book.friction_work
-    assert abs(book.relative(book.imbalance)) < 1e-3
-
-
-def test_off_there_is_no_such_term():
-    sim = cutting(contact=Contact(tool_points=False))
-    assert [t.name for t in sim.terms] == ["contact", "joints"]
-    assert [t.name for t in cutting().terms] == ["contact", "points", "joints"]

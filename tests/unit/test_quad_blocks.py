@@ -45,30 +45,6 @@ def test_quads_whose_nodes_follow_each_other_share_blocks():
     assert sorted(blocks.quad[blocks.filled].tolist()) == list(range(60))
 
 
-def test_a_chain_ends_where_a_quad_is_rewired():
-    mesh = rectangle(20.0, 1.0, n_x=20, n_y=1)
-    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(20, np.bool_))
-    quads = mesh.quads.copy()
-    split = int(blocks.quad[np.flatnonzero(blocks.chain)[0], 3])
-    quads[split, 1] = mesh.n_node
-    before = blocks.chain.sum()
-    blocks.rewire(quads, np.array([split]))
-    assert blocks.chain.sum() == before - 1
-    # Sewn together again it is one once more.
-    blocks.rewire(mesh.quads, np.array([split]))
-    assert blocks.chain.sum() == before
-
-
-def test_a_rewired_quad_is_followed_where_it_is_repeated_too():
-    mesh = rectangle(3.0, 1.0, n_x=3, n_y=1)
-    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(3, np.bool_))
-    quads = mesh.quads.copy()
-    last = int(blocks.quad[0, 7])  # five places repeat the last quad
-    quads[last, 2] = 99
-    blocks.rewire(quads, np.array([last]))
-    np.testing.assert_array_equal(blocks.corner.transpose(0, 2, 1), quads[blocks.quad])
-
-
 @pytest.mark.parametrize(
     "mesh",
     [
@@ -91,11 +67,6 @@ def test_only_neighbouring_strips_share_nodes(mesh):
     # Even shares, or the second thread would wait.
     size = np.diff(blocks.full_start)
     assert size.max() <= size.min() + 1
-
-
-def test_a_small_film_is_one_strip():
-    mesh = rectangle(3.0, 3.0, n_x=30, n_y=30)
-    assert build_blocks(mesh.nodes, mesh.quads, np.ones(900, np.bool_)).n_strip == 1
 
 
 def test_quads_that_more_strips_do_not_part_stay_in_two():

@@ -16,7 +16,7 @@ from shellcut.mesh.structured import disc, rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import kernel
-from shellcut.numerics.processor import mxcsr
+from shellcut.numerics.processor import flush_subnormals, mxcsr, set_rounding
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 
@@ -141,14 +141,17 @@ def test_results_do_not_depend_on_the_number_of_threads():
         assert entries == other_entries
 
 
+of_x86 = pytest.mark.skipif(
+    platform.machine().lower() not in ("x86_64", "amd64"), reason="x86 only has the setting"
+)
+
+
 @kernel
 def _setting():
     return mxcsr()
 
 
-@pytest.mark.skipif(
-    platform.machine().lower() not in ("x86_64", "amd64"), reason="x86 only has the setting"
-)
+@of_x86
 @pytest.mark.parametrize("material", ["film", "film by points"])
 def test_a_step_leaves_the_processor_as_it_was(material):
     before = _setting() & 0x8040
@@ -159,17 +162,28 @@ def test_a_step_leaves_the_processor_as_it_was(material):
     assert [_setting() & 0x8040, there & 0x8040] == [before, before]
 
 
+@kernel
+def _halved(values, out):
+    before = flush_subnormals()
+    out[0] = 0.5 * values[0]
+    set_rounding(before)
+    out[1] = 0.5 * values[1]
+
+
+@of_x86
+def test_subnormals_are_flushed_where_asked_and_nowhere_else():
+    out = np.ones(2)
+    least = np.full(2, 2.0**-1022)  # of the doubles with all their digits
+    _halved(least, out)
+    assert out.tolist() == [0.0, 2.0**-1023]
+    assert (0.5 * least == 2.0**-1023).all()  # and not in what follows
+
+
 _ELSEWHERE = """
 import sys
 import numpy as np
-from naive import cases
-from test_quad_forces import MATERIALS, moved_twice
-out = []
-for case in ("flat", "curved"):
-    for material in ("film", "layers by points"):
-        for work, force in moved_twice(cases.ALL[case](11, 3), MATERIALS[material]):
-            out += [np.array(work), force.ravel()]
-np.save(sys.argv[1], np.concatenate(out))
+from test_quad_forces import forces_here
+np.save(sys.argv[1], forces_here())
 """
 
 
@@ -202,7 +216,7 @@ def forces_here():
 @pytest.mark.parametrize(
     "environment",
     [
-        # Compiled again for either; test_lanes does so with what differs between processors.
+        # Compiled again for either.
         pytest.param(
             {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
             id="AVX2",

@@ -12,7 +12,6 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.mitc4.eigenvalue_bound import bound_largest_eigenvalues
 from shellcut.mitc4.frequency import growth_rates
-from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 
 
@@ -53,20 +52,6 @@ def test_all_quads_of_a_disc_at_rest():
     # Congruent quads agree to the 1e-9 of their scalar products.
     assert ratio.min() > 1.0 - 1e-8
     assert ratio.max() < 1.002 + 1e-8
-
-
-def test_congruent_quads_are_evaluated_once():
-    turned = rectangle(6.0, 4.0, n_x=6, n_y=4)
-    nodes = Rotation.from_rotvec([0.3, -0.8, 1.1]).apply(turned.nodes.copy())
-    mesh = Mesh.from_arrays(nodes, turned.quads)
-    shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
-    asked = []
-    tangents = shell.frequencies._tangents
-    shell.frequencies._tangents = lambda *a: (asked.append(a[-1].size), tangents(*a))[1]
-    squared, _ = shell.frequencies._at_rest()
-    # One class of squares, but for digits that round-off carries over.
-    assert sum(asked) <= 4
-    assert np.ptp(squared) < 1e-8 * squared[0]
 
 
 @cache
@@ -131,18 +116,6 @@ def test_growth_rates_of_an_isotropic_film():
     assert growth_rates(cases.FILM) == pytest.approx((1 + 0.5 * ratio, np.sqrt(ratio)), rel=1e-12)
 
 
-def test_a_rigid_motion_changes_nothing():
-    mesh = cases.warped()
-    shell, _ = cases.set_up(mesh)
-    before = shell.frequencies.squared.copy()
-    turn = Rotation.from_rotvec([1.1, -1.5, 1.3])
-    x = turn.apply(mesh.nodes.copy()) + np.array([3.0, -2.0, 5.0])
-    t = turn.apply(mesh.directors.copy())
-    shell.frequencies.follow(*as_in_a_state(x, t), mesh.quads)
-    # Round-off of strains at 5 mm from the origin.
-    np.testing.assert_allclose(shell.frequencies.squared, before, rtol=1e-12)
-
-
 def test_evaluation_where_asked_only_and_again():
     mesh = cases.warped()
     shell, state = cases.set_up(mesh)
@@ -172,28 +145,3 @@ def test_bound_of_a_matrix_with_negative_eigenvalues(least):
     bound_largest_eigenvalues(tangent=K[None].copy(), mass=one, inertia=one, squared=squared)
     assert squared[0] >= 1.0
     assert squared[0] <= (1.0021 if least > -1.0 else np.abs(K).sum(axis=1).max() * (1 + 1e-12))
-
-
-def test_mass_and_inertia_scale_the_freedoms():
-    mesh = cases.curved()
-    shell, state = cases.set_up(mesh)
-    K = shell.tangents(state, np.array([2]))
-    mass, inertia = shell.mass[[2]], shell.quad_inertia(np.array([2]))
-    squared = np.zeros((2, 1))
-    bound_largest_eigenvalues(tangent=K.copy(), mass=mass, inertia=inertia, squared=squared[0])
-    bound_largest_eigenvalues(
-        tangent=K.copy(), mass=4 * mass, inertia=4 * inertia, squared=squared[1]
-    )
-    assert squared[0, 0] == pytest.approx(4 * squared[1, 0], rel=1e-12)
-
-
-def test_state_and_shell_agree_on_the_rows_of_a_split_mesh():
-    # Quads are rewired at a split; the reference keeps its own node ids.
-    mesh = rectangle(4.0, 3.0, n_x=4, n_y=3)
-    shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
-    state = initial_state(mesh)
-    twin = state.node.append_copy(6)
-    state.quads[state.quads == 6] = twin
-    before = shell.frequencies.squared.copy()
-    shell.frequencies.follow(state.node.x, state.node.t, state.quads)
-    np.testing.assert_array_equal(shell.frequencies.squared, before)

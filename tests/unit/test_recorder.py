@@ -3,18 +3,15 @@
 import itertools
 import json
 import time
-from functools import partial
 
 import numpy as np
 import pytest
 
 import shellcut.recording.recorder
 import shellcut.recording.unfelt_penetration
-import shellcut.results.frame_writer
 import shellcut.view.progress
 from notched_strip import cutting
 from open_files import is_open
-from opening_frame import opening_frame
 from shellcut.checks import RefusedModel
 from shellcut.files.run_folder import snapshot, snapshots
 from shellcut.loads.supports import Support
@@ -25,10 +22,10 @@ from shellcut.recording.recorder import Recorder
 from shellcut.recording.resistance import Resistance
 from shellcut.recording.run_summary import run_summary
 from shellcut.recording.unfelt_penetration import Unfelt, UnfeltPenetration
-from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import read_history
 from shellcut.results.run_results import read
 from shellcut.results.verdict import Line
+from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
 from shellcut.simulation.simulation import Simulation
@@ -77,7 +74,7 @@ def test_the_resistance_is_that_of_contact_and_joints_and_of_all_teeth(whole):
     assert h["force_tooth_1"] == pytest.approx(h["force"], abs=tolerance)
 
 
-def test_the_summary_says_what_the_history_shows(whole):
+def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     case, results = whole
     sim, h, summary = case.simulation, results.history, results.summary
     assert summary["n_step"] == sim.state.step
@@ -90,6 +87,9 @@ def test_the_summary_says_what_the_history_shows(whole):
     assert "to go to the next cut or the film's edge" in summary["no_window"]
     assert not {"force_plateau_N", "dW_ds_N", "window_from_mm"} & summary.keys()
     assert summary["n_cable_created"] == sim.state.n_cable == h["cables_created"][-1]
+    assert results.times[-1] == case.simulation.state.time
+    # the checkpoint does not know of it: a run that goes on writes its own frames there
+    assert results.n_frame >= RECORDS["n_frame"] + 1
 
 
 def test_splits_are_told_with_place_and_reference(whole):
@@ -116,7 +116,7 @@ def test_a_case_is_run_once(tmp_path):
     assert contents(tmp_path) == before
 
 
-def test_a_new_run_takes_away_what_says_that_the_old_one_ended(tmp_path):
+def test_what_says_that_a_run_has_ended_goes_with_a_new_one_or_one_gone_on_with(tmp_path):
     Case("cut", cutting(), END).run(tmp_path, **RECORDS)
     assert read(tmp_path).summary
     recorder = Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS)
@@ -125,10 +125,6 @@ def test_a_new_run_takes_away_what_says_that_the_old_one_ended(tmp_path):
         assert not (tmp_path / "splits.csv").exists()
     finally:
         recorder.close()
-
-
-def test_a_run_gone_on_with_has_not_ended(tmp_path):
-    Case("cut", cutting(), END).run(tmp_path, **RECORDS)
     recorder = Recorder(cutting(), tmp_path, until=2 * END, name="cut", resume=True, **RECORDS)
     try:
         assert read(tmp_path).summary == {}
@@ -187,10 +183,15 @@ def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, ca
     ]
 
 
-def test_what_a_check_refuses_is_not_begun(tmp_path):
+def test_what_is_refused_leaves_nothing(tmp_path):
     sim = cutting(material=ShellMaterial.homogeneous(thickness=74.0))
     with pytest.raises(RefusedModel, match="a shell must be thin"):
         Recorder(sim, tmp_path / "none", until=END, name="cut", **RECORDS)
+    assert not (tmp_path / "none").exists()
+    film = rectangle(4.0, 2.0, size=1.0)
+    sim = Simulation(film, ShellMaterial.homogeneous(), supports=[Support.clamped("left")])
+    with pytest.raises(ValueError, match="needs a simulation with a tool"):
+        Recorder(sim, tmp_path / "none", until=END, name="cut")
     assert not (tmp_path / "none").exists()
 
 
@@ -237,24 +238,12 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
     def fail(*_):
         raise OSError("no space left")
 
-    monkeypatch.setattr(shellcut.results.frame_writer.VtkHdfWriter, "append", fail)
+    monkeypatch.setattr(VtkHdfWriter, "append", fail)
     sim = cutting()
     with pytest.raises(OSError, match="no space left"):
         Case("cut", sim, END).run(tmp_path, **RECORDS)
     assert sim.state.time < END
     assert not is_open(tmp_path / "cut.vtkhdf")
-
-
-def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
-    output = FrameOutput(tmp_path, "run")
-    try:
-        for time in (1e-4, 2e-4):
-            output.append(partial(opening_frame, 20.0, n_side=4, time=time))
-        output.settle()
-        assert read(tmp_path).n_frame == 2
-    finally:
-        output.close()
-    output.close()
 
 
 def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, monkeypatch):
@@ -331,25 +320,10 @@ def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys)
     assert capsys.readouterr().err.count("100 %") == 2
 
 
-def test_a_recorder_needs_a_tool_or_a_support_that_moves(tmp_path):
-    film = rectangle(4.0, 2.0, size=1.0)
-    sim = Simulation(film, ShellMaterial.homogeneous(), supports=[Support.clamped("left")])
-    with pytest.raises(ValueError, match="needs a simulation with a tool"):
-        Recorder(sim, tmp_path / "none", until=END, name="cut")
-    assert not (tmp_path / "none").exists()
-
-
-def test_the_last_frame_is_that_of_the_end(whole):
-    case, results = whole
-    assert results.times[-1] == case.simulation.state.time
-    # the checkpoint does not know of it: a run that goes on writes its own frames there
-    assert results.n_frame >= RECORDS["n_frame"] + 1
-
-
 def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
     written, lacking = [], []
 
-    def slow(output, frame, write=FrameOutput._write):
+    def slow(output, frame, write=VtkHdfWriter.append):
         time.sleep(0.02)  # longer than the steps to the next checkpoint
         write(output, frame)
         written.append(frame.time)
@@ -358,7 +332,7 @@ def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
         if extra["frame_time"] not in written:
             lacking.append(sim.state.step)
 
-    monkeypatch.setattr(FrameOutput, "_write", slow)
+    monkeypatch.setattr(VtkHdfWriter, "append", slow)
     monkeypatch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
     Case("cut", cutting(), END).run(tmp_path, checkpoint_every=0.0, **RECORDS)
     assert len(written) > RECORDS["n_frame"]

@@ -23,8 +23,13 @@ from shellcut.results.history import read_history
 from shellcut.results.splits_csv import read_splits
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 
-needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
-needs_devices = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs /dev/zero")
+OBSTACLES = {
+    "pipe": lambda path: os.mkfifo(path),
+    "device": lambda path: path.symlink_to("/dev/zero"),
+    "folder": lambda path: path.mkdir(),
+}
+of_unix = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes and devices")
+
 
 READERS = {
     "film.inp": read_film,
@@ -46,33 +51,32 @@ READERS = {
 }
 
 
-def test_a_file_is_read_whole(tmp_path):
+def test_a_file_is_read_whole_and_not_beyond_its_limit(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"0123456789")
     assert read_regular(path, 10) == b"0123456789"
     with pytest.raises(OSError, match="must hold 0 MB at most, got 0 MB or more"):
         read_regular(path, 9)
+    told_by_no_system = Path("/proc/self/status")
+    if told_by_no_system.exists():
+        assert told_by_no_system.stat().st_size == 0
+        assert read_regular(told_by_no_system, 10_000).startswith(b"Name:")
+        with pytest.raises(OSError, match="at most"):
+            read_regular(told_by_no_system, 10)
 
 
-def test_a_file_whose_size_the_system_does_not_tell(tmp_path):
-    path = Path("/proc/self/status")
-    if not path.exists():
-        pytest.skip("needs /proc")
-    assert path.stat().st_size == 0
-    assert read_regular(path, 10_000).startswith(b"Name:")
-    with pytest.raises(OSError, match="at most"):
-        read_regular(path, 10)
-
-
-@needs_pipes
+@of_unix
+@pytest.mark.parametrize("what", OBSTACLES)
 @pytest.mark.parametrize("name", READERS)
-def test_a_pipe_is_not_waited_for(tmp_path, name):
-    os.mkfifo(tmp_path / name)
-    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a pipe; save it"):
+def test_what_is_no_regular_file_is_not_waited_for(tmp_path, name, what):
+    if (name, what) == ("model.toml", "folder"):
+        pytest.skip("a folder is that of a run")
+    OBSTACLES[what](tmp_path / name)
+    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a {what}"):
         READERS[name](tmp_path / name)
 
 
-@needs_pipes
+@of_unix
 @pytest.mark.parametrize(
     ("name", "read"),
     [
@@ -87,21 +91,6 @@ def test_a_pipe_among_results_is_not_waited_for(tmp_path, name, read):
     os.mkfifo(tmp_path / name)
     with pytest.raises(OSError, match=f"{name} must be a regular file, got a pipe|has {name},"):
         read(tmp_path / name)
-
-
-@needs_devices
-@pytest.mark.parametrize("name", READERS)
-def test_a_device_is_not_read(tmp_path, name):
-    (tmp_path / name).symlink_to("/dev/zero")
-    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a device; save it"):
-        READERS[name](tmp_path / name)
-
-
-@pytest.mark.parametrize("name", [name for name in READERS if name != "model.toml"])
-def test_a_folder_of_that_name_is_told(tmp_path, name):
-    (tmp_path / name).mkdir()
-    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a folder"):
-        READERS[name](tmp_path / name)
 
 
 @pytest.mark.parametrize("name", READERS)

@@ -180,8 +180,8 @@ class TestWhatIsMissing:
     def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
         whole = report_run(out).read_text(encoding="utf-8")
         page = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
-        closes = [text for _, text in sentences(whole) if "ledger closes within" in text]
-        assert closes == [text for _, text in sentences(page) if "ledger closes within" in text]
+        closes = [text for _, text in sentences(whole) if "the ledger misses up to" in text]
+        assert closes == [text for _, text in sentences(page) if "the ledger misses up to" in text]
         assert len(closes) == 1
 
     def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):

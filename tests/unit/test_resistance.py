@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 from notched_strip import cutting
-from shellcut import compare
 from shellcut.models import Case
 from shellcut.numerics.broken_line import BrokenLine
 from shellcut.recording.resistance import COMPONENTS, Resistance
-from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.run_results import read
 from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
@@ -70,7 +68,7 @@ def figures(r, motion, wrench, time):
     return r.of(wrench, motion.pose(time)[1], time)
 
 
-def test_a_table_of_a_screw_is_a_screw():
+def test_a_table_of_a_screw_is_a_screw_wherever_its_axis_is():
     screw = ScrewMotion(angular_speed=2.0, pitch=6.0)
     exact = Resistance(screw, END)
     for motion in (screw_table(), Own(screw)):
@@ -81,9 +79,6 @@ def test_a_table_of_a_screw_is_a_screw():
             # Round-off: the splines of the table pass through straight and linear data exactly.
             found = figures(r, motion, wrench, 0.4)
             assert found == pytest.approx(figures(exact, screw, wrench, 0.4), abs=1e-12)
-
-
-def test_the_axis_of_a_table_is_found_where_it_is():
     motion = screw_table(point=(7.0, -3.0), pitch=0.0)
     kept = kept_axis(motion, END)
     assert isinstance(kept, Axis)
@@ -255,28 +250,3 @@ def test_a_turning_table_is_told_by_its_torque(turned):
     # About z, 20 mm beside the world's origin.
     torque = h["moment_z"] + 20.0 * h["force_x"]
     assert torque == pytest.approx(h["torque"], rel=1e-3, abs=1e-3 * np.abs(h["torque"]).max())
-
-
-def test_the_torque_of_every_step_does_the_work_of_the_ledger(turned):
-    sim = cutting(motion=turned[0].motion)
-    r = Resistance(sim.motion, 8e-5)
-    rows = [(0.0, 0.0)]
-    while sim.state.time < 8e-5:
-        sim.step()
-        wrench = sim.contact.forces.wrench.sum(axis=0) + sim.cables.forces.wrench.sum(axis=0)
-        torque, *_ = r.of(wrench, sim.pose.translation, sim.state.time)
-        rows.append((sim.motion.coordinate(sim.state.time), torque))
-    angle, torque = np.array(rows).T
-    sim.close_ledger()
-    # Both are sums by the trapezoidal rule: they differ by arc and chord of a step, 1.1e-7.
-    work = BrokenLine(angle, torque).integral(0.0, angle[-1])
-    assert work == pytest.approx(sim.ledger.tool_work, rel=1e-6)
-
-
-def test_a_turning_table_is_compared_by_its_torque(turned):
-    _, results = turned
-    h = results.history
-    measured = MeasuredCurve(h["angle"], h["torque"], x_unit="deg", y_unit="N*mm")
-    found = compare(results, measured, y="torque")
-    assert (found.y_name, found.y_unit, found.work_unit) == ("torque", "N*mm", "N*mm")
-    assert found.rms == 0.0

@@ -130,7 +130,7 @@ def test_the_cut_s_quality_over_the_frames(run):
     assert figures["slit_width_largest"][-1] > 0.05 > figures["slit_width_largest"][0]
 
 
-def test_a_run_that_was_killed(tmp_path):
+def test_a_run_that_was_killed_or_has_no_frame_yet(tmp_path):
     frames = leave(tmp_path / "out")
     results = shellcut.read(tmp_path / "out")
     assert results.history["torque"].tolist() == [144.0, 145.0, 146.0, 147.0, 148.0]
@@ -142,9 +142,6 @@ def test_a_run_that_was_killed(tmp_path):
     assert shellcut.read(tmp_path / "out").summary == {}
     (tmp_path / "out" / "summary.json").write_text(json.dumps({"n_quad": 3}))
     assert shellcut.read(tmp_path / "out" / "made.vtkhdf").summary == {"n_quad": 3}
-
-
-def test_a_run_without_a_frame_yet(tmp_path):
     leave(tmp_path / "out", n=0)
     results = shellcut.read(tmp_path / "out")
     assert results.n_frame == 0
@@ -231,11 +228,12 @@ def test_curves_are_drawn_from_what_was_read(run, tmp_path):
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
     frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
-    c, x = sim.state.cable, sim.state.node.x
+    c = sim.state.cable
+    ends = c.at_ends(sim.state.node.x)
     wanted = []
     for state in (0, 1):
         ids = [k for k in range(c.count) if c.status[k] == state]
-        minus, plus = x[c.ends[ids, 0]], x[c.ends[ids, 1]]
+        minus, plus = ends[ids, 0], ends[ids, 1]
         rows = [(minus, plus)] if state == 0 else [(minus, c.joint[ids]), (c.joint[ids], plus)]
         wanted += [(a, b, c.opening[ids], c.traction[ids], state) for a, b in rows]
     assert (c.status[: c.count] == 2).any()  # some are broken, and not shown

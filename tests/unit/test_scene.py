@@ -55,14 +55,6 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_cables_that_have_not_opened_have_nothing_to_draw(tmp_path):
-    shut = np.repeat(FRAMES[0].cable_segments[:, :1], 2, axis=1)
-    frame = dataclasses.replace(FRAMES[0], cable_segments=shut)
-    draw_movie(tmp_path / "m.gif", [frame, FRAMES[1]], size=SIZE, progress=False)
-    with pillow.open(tmp_path / "m.gif") as film:
-        assert film.n_frames == 2
-
-
 def test_stresses_colour_the_film(tmp_path):
     strained = dataclasses.replace(
         FRAMES[2], quad_principal_top=np.tile([18.0, 0.0], (len(FRAMES[2].quads), 1))
@@ -190,31 +182,16 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
     assert "none" in capsys.readouterr().err
 
 
-def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):
-    pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
-    with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
-        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_the_camera_of_a_movie_stands_still():
-    # The rim of the film does not move, so the corners of the picture of it do not either.
-    shape = (200, 300)
-    cameras = [_panel.whole_camera(FRAMES, shape) for _ in FRAMES]
-    alone = [_panel.whole_camera([f], shape) for f in FRAMES]
-    assert len({(c.scale, *c.centre) for c in cameras}) == 1
-    assert cameras[0].scale <= min(c.scale for c in alone)
-
-
-def test_all_problems_of_a_movie_at_once(tmp_path):
+def test_what_a_movie_needs_is_told(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="even") as refused:
         draw_movie(tmp_path / "cut.avi", [], size=(101, 50), fps=0.0, stress="no")
     for said in (".mp4 or .gif", "one frame", "even numbers", "fps", "stress must"):
         assert said in str(refused.value)
-
-
-def test_an_mp4_without_ffmpeg_names_the_remedy(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr("shutil.which", lambda name: None)
     with pytest.raises(ImportError, match=r"pip install shellcut\[movie\]"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
+    pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
+    with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
+        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)
+    assert list(tmp_path.iterdir()) == []

@@ -1,19 +1,19 @@
-"""Section stiffness: curved reference, volume factor, layers, the flat shortcut."""
+"""Strains and stiffness of a quad against their definitions, its mass, the flat shortcut."""
 
 import numpy as np
 import pytest
 
+from from_python import from_python
 from naive import cases
 from naive import shell as naive
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.structured import cylinder
+from shellcut.mitc4.element import modes, products
 from shellcut.mitc4.section import (
-    cartesian_map,
     flat_quads,
     full_stiffness,
     lumped_mass,
     point_stiffness,
-    shape_functions,
     strain_map,
 )
 
@@ -49,6 +49,39 @@ def naive_stiffness(X, T, q, material, n_point):
     return H
 
 
+_modes, _products = map(from_python, (modes, products))
+
+
+def a_quad(seed=0):
+    """Corners of a skewed, warped quad and directors that are neither equal nor normal to it."""
+    rng = np.random.default_rng(seed)
+    x = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]) + rng.uniform(-0.3, 0.3, (4, 3))
+    t = np.array([0, 0, 1]) + rng.uniform(-0.4, 0.4, (4, 3))
+    return x, t / np.linalg.norm(t, axis=1)[:, None]
+
+
+def modes_of(v):
+    return _modes(*(tuple(corner) for corner in v.tolist()))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_products_are_those_of_the_modes(seed):
+    x, t = a_quad(seed)
+    m = _products(modes_of(x), modes_of(t))
+    # Round-off: sums of some ten products of numbers of size four.
+    np.testing.assert_allclose(m, naive.products(x, t), rtol=0, atol=256 * np.finfo(float).eps)
+
+
+@pytest.mark.parametrize(("xi", "eta"), [*naive.GAUSS, (0.3, -0.8)])
+def test_products_hold_the_strains_at_every_point(xi, eta):
+    # Membrane and bending exactly, and the transverse shear as tied at the mid-edge points.
+    x, t = a_quad(5)
+    wanted = naive.generalised(x, t, xi, eta)
+    np.testing.assert_allclose(
+        strain_map(xi, eta) @ naive.products(x, t), wanted, atol=16 * np.finfo(float).eps
+    )
+
+
 def corners(mesh):
     return mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
 
@@ -74,16 +107,6 @@ def test_curved_reference_against_a_converged_quadrature(layers):
     i, j = np.triu_indices(16)
     scale = np.sqrt(np.einsum("ek,ek->ek", whole[:, i, i], whole[:, j, j]))
     assert (np.abs(upper - whole[:, i, j]) / scale).max() < 2e-7
-
-
-def test_curvature_couples_stretching_and_bending():
-    # A single layer on a curved reference: without the volume factor and G_alpha at its own
-    # height the coupling would vanish.
-    mesh = cases.curved(1, 1)
-    H = point_stiffness(*corners(mesh), ShellMaterial([Layer(SOFT, 0.3)]), 0)[0]
-    coupling = H[0, 3] / np.sqrt(H[0, 0] * H[3, 3])
-    # Of the size of h / R = 0.15 times a number of order one: a bound either way.
-    assert 0.03 < abs(coupling) < 0.3
 
 
 def test_volume_factor_gives_the_mass_of_a_layered_sector():
@@ -140,56 +163,3 @@ def test_bending_ratio_only_where_one_number_says_it():
     # Other Poisson's ratio in the core: even, but bending and stretching are not alike.
     other = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)])
     assert other.bending_ratio is None
-
-
-def test_symmetric_layers_equal_one_layer_of_the_same_stiffness():
-    # All layers of one material: the thickness integral may not depend on how it is parted.
-    X, T = corners(cases.curved(2, 1))
-    one = full_stiffness(X, T, ShellMaterial([Layer(SOFT, 0.09)]))
-    parts = [Layer(SOFT, 0.02), Layer(SOFT, 0.05), Layer(SOFT, 0.02)]
-    three = full_stiffness(X, T, ShellMaterial(parts))
-    # Round-off and the quadrature's (h/R)^8 = 2e-11 / 2^8.
-    np.testing.assert_allclose(three, one, rtol=0, atol=1e-12 * one.max())
-
-
-def test_layered_stretching_and_bending_stiffness_on_a_unit_square():
-    # Square of side 2: G_alpha are unit vectors, so h holds the Cartesian stiffness itself.
-    X = np.array([[[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]]])
-    T = np.tile([0.0, 0.0, 1.0], (1, 4, 1))
-    material = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)], 0.8)
-    soft, stiff = 1000.0 / (1 - 0.3**2), 70e3 / (1 - 0.33**2)
-    shear = 0.8 * (0.06 * 1000.0 / 2.6 + 0.01 * 70e3 / 2.66)
-    core = 2 / 3 * stiff * 0.005**3
-    for q in range(4):
-        h = point_stiffness(X, T, material, q)[0]
-        assert h[0, 0] == pytest.approx(0.06 * soft + 0.01 * stiff, rel=1e-13)
-        assert h[3, 3] == pytest.approx(2 / 3 * soft * (0.035**3 - 0.005**3) + core, rel=1e-13)
-        assert h[6, 6] == pytest.approx(shear, rel=1e-13)
-        assert h[6, 7] == pytest.approx(0.0, abs=1e-13 * shear)
-
-
-def test_cartesian_map_turns_a_tensor():
-    rng = np.random.default_rng(3)
-    G = np.eye(3)[None] + rng.uniform(-0.4, 0.4, (5, 3, 3))  # rows G_1, G_2, G_3
-    Q, frame = cartesian_map(G[:, 0], G[:, 1], G[:, 2])
-    v = rng.uniform(-1, 1, 5)  # E_11, E_22, 2E_12, 2E_13, 2E_23
-    E = np.array([[v[0], v[2] / 2, v[3] / 2], [v[2] / 2, v[1], v[4] / 2], [v[3] / 2, v[4] / 2, 0]])
-    for e in range(5):
-        contra = np.linalg.inv(G[e].T)
-        space = contra.T @ E @ contra
-        e1, e2 = frame[e]
-        e3 = G[e, 2] / np.linalg.norm(G[e, 2])
-        # Right-handed, normal to the director, the first along G_2 x e_3.
-        np.testing.assert_allclose(np.cross(e1, e2), e3, atol=1e-15)
-        assert e1 @ np.cross(G[e, 1], e3) == pytest.approx(np.linalg.norm(np.cross(G[e, 1], e3)))
-        wanted = [
-            *(e1 @ space @ e1, e2 @ space @ e2, 2 * e1 @ space @ e2),
-            *(2 * e1 @ space @ e3, 2 * e2 @ space @ e3),
-        ]
-        # Round-off of the inverse of a matrix of condition below ten.
-        np.testing.assert_allclose(Q[e] @ v, wanted, rtol=0, atol=1e-13)
-
-
-def test_shape_functions_match_their_definition():
-    for place in ((0.3, -0.7), *naive.CORNERS):
-        np.testing.assert_allclose(shape_functions(*place), naive.shape(*place), atol=1e-16)

@@ -76,14 +76,11 @@ def whole():
     return sim
 
 
-def test_the_case_does_cut(whole):
+def test_the_case_cuts_and_its_ledger_closes(whole):
     assert whole.state.n_cable >= 3
     assert whole.cables.n_joint_made >= 2
     assert whole.cables.n_broken >= 1
     assert {record.kind for record in whole.state.split_log} <= {"blade", "criterion"}
-
-
-def test_ledger_closes(whole):
     ledger = whole.close_ledger()
     assert ledger.tool_work > 0
     # Discretisation in time: trapezoids of contact and cables at steps of some 1e-7 s on a coarse
@@ -116,11 +113,15 @@ def test_hooks_do_not_change_a_bit(whole):
     assert bits(sim) == bits(whole)
 
 
-def test_classical_cables_never_meet_the_blade():
+def test_classical_cables_never_meet_the_blade_and_without_a_law_nothing_splits():
     sim = cutting(directional=False)
     sim.run(END)
     assert sim.cables.n_joint_made == 0
     assert sim.state.n_cable > 0
+    sim = cutting(law=None)
+    sim.run(2e-5)
+    assert sim.state.revision == 0
+    assert sim.cracks is None
 
 
 def test_the_table_of_what_changes_in_time_is_what_is_saved():
@@ -137,19 +138,20 @@ def test_a_simulation_is_not_copied(again):
         again(cutting())
 
 
-def test_without_a_law_nothing_splits():
-    sim = cutting(law=None)
-    sim.run(2e-5)
-    assert sim.state.revision == 0
-    assert sim.cracks is None
-
-
-def test_last_step_is_not_shortened():
+def test_the_last_step_is_whole_and_the_initial_velocity_is_put_in():
     sim = resting()
     sim.run(1e-6)
     assert sim.state.time >= 1e-6
     assert sim.state.time - sim.state.dt < 1e-6
     assert sim.state.dt == sim.dt
+    velocity = np.tile([0.0, 0.0, 100.0], (25, 1))
+    mesh = rectangle(2.0, 2.0, n_x=4, n_y=4)
+    sim = sc.Simulation(mesh, FILM, velocity=velocity, damping_alpha=0.0)
+    assert sim.ledger.initial == pytest.approx(
+        0.5 * 1e4 * sim.state.node.mass[:25].sum(), rel=1e-13
+    )
+    sim.run(1e-5)
+    assert sim.ledger.imbalance == pytest.approx(0.0, abs=1e-12 * sim.ledger.initial)
 
 
 class Recorder:
@@ -170,16 +172,13 @@ class Recorder:
         self.closed += 1
 
 
-def test_stop_run_ends_after_all_hooks_were_served():
+def test_all_hooks_are_served_and_closed_whatever_one_of_them_does():
     before, stopper, after = Recorder(), Recorder(sc.StopRun(), at=3), Recorder()
     sim = resting()
     sim.run(1.0, hooks=[before, stopper, after])
     assert sim.state.step == 3
     assert before.calls == stopper.calls == after.calls == [0, 1, 2, 3]
     assert (before.closed, stopper.closed, after.closed) == (1, 1, 1)
-
-
-def test_an_error_in_a_hook_still_closes_all():
     bad, good = Recorder(KeyError("x"), at=2), Recorder()
     with pytest.raises(KeyError):
         resting().run(1.0, hooks=[bad, good])
@@ -218,14 +217,3 @@ def test_blow_up_names_the_quad_that_is_worst():
         change = np.abs(length[1] / length[0] - 1.0).max(axis=1)
     change[~np.isfinite(change)] = np.inf
     assert change[quad] == change.max()
-
-
-def test_initial_velocity_is_put_in():
-    velocity = np.tile([0.0, 0.0, 100.0], (25, 1))
-    mesh = rectangle(2.0, 2.0, n_x=4, n_y=4)
-    sim = sc.Simulation(mesh, FILM, velocity=velocity, damping_alpha=0.0)
-    assert sim.ledger.initial == pytest.approx(
-        0.5 * 1e4 * sim.state.node.mass[:25].sum(), rel=1e-13
-    )
-    sim.run(1e-5)
-    assert sim.ledger.imbalance == pytest.approx(0.0, abs=1e-12 * sim.ledger.initial)

@@ -11,8 +11,8 @@ from opening_frame import RADIUS, opening_frame
 from shellcut.frame import JOINTED, STRAIGHT, Frame
 from shellcut.view import _panel, draw_snapshot
 from shellcut.view._close_camera import close_camera
-from shellcut.view._figure import with_unit
-from shellcut.view._raster import Camera, Canvas, shade, view_axes
+from shellcut.view._raster import Camera, Canvas, view_axes
+from shellcut.view.fields import field_limits
 
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -34,29 +34,6 @@ def membrane_only():
 
 
 class TestCanvas:
-    def test_two_triangles_of_a_rectangle_fill_its_pixels_and_no_others(self):
-        box = np.array([[3.0, 2.0, 0], [13.0, 2.0, 0], [13.0, 9.0, 0], [3.0, 9.0, 0]])
-        canvas = Canvas((12, 16))
-        canvas.draw(np.stack((box[[0, 1, 2]], box[[0, 2, 3]])), RED)
-        filled = np.isfinite(canvas.depth).reshape(12, 16)
-        wanted = np.zeros((12, 16), bool)
-        wanted[2:9, 3:13] = True
-        np.testing.assert_array_equal(filled, wanted)
-
-    def test_triangles_that_cross_each_show_their_nearer_half(self):
-        def slab(slope):
-            corners = np.array([[0.0, 0, 0], [40, 0, 0], [40, 20, 0], [0, 20, 0]])
-            corners[:, 2] = slope * (corners[:, 0] - 20.0)
-            return np.stack((corners[[0, 1, 2]], corners[[0, 2, 3]]))
-
-        for order in ((1, -1), (-1, 1)):  # whichever is drawn first
-            canvas = Canvas((20, 40))
-            for slope in order:
-                canvas.draw(slab(slope), RED if slope == 1 else BLUE)
-            image = canvas.image(1)
-            assert (image[:, 20:] == RED).all()
-            assert (image[:, :20] == BLUE).all()
-
     def test_depth_is_that_of_the_plane_for_any_size_and_orientation(self):
         rng = np.random.default_rng(5)
         corners = rng.uniform(0.0, 1.0, size=(40, 3, 3)) * [60.0, 50.0, 9.0]
@@ -82,15 +59,13 @@ class TestCanvas:
             canvas.blend(layer, 0.5, through=through)
             np.testing.assert_allclose(canvas.color[0], 0.5 * (RED + BLUE) if seen else RED)
 
-    def test_lines_have_their_width(self):
+    def test_lines_have_their_width_and_nothing_is_drawn_of_nothing(self):
         canvas = Canvas((20, 40))
         ends = np.array([[[5.0, 10.0, 0], [35, 10, 0]], [[20.0, 4, 0], [20, 4, 0]]])
         canvas.draw_lines(ends, BLUE, 4.0)
         drawn = np.isfinite(canvas.depth).reshape(20, 40)
         assert drawn[:, 30].sum() == 4
         assert drawn[2:6, 18:22].all()  # a segment without length is a dot
-
-    def test_nothing_to_draw(self):
         canvas = Canvas((4, 4))
         canvas.draw(np.zeros((0, 3, 3)), RED)
         canvas.draw_lines(np.zeros((0, 2, 3)), RED, 2.0)
@@ -111,22 +86,6 @@ def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
     camera = Camera(axes, np.array([1.0, 2.0, 3.0]), 10.0, (80, 100))
     at = camera.project(np.array([[1.0, 2, 3], [2.0, 2, 3], [1.0, 2, 4], [1.0, 1, 3]]))
     np.testing.assert_allclose(at, [[50, 40, 0], [60, 40, 0], [50, 30, 0], [50, 40, 10]])
-
-
-def test_shading_keeps_colours_within_bounds():
-    rng = np.random.default_rng(2)
-    shaded = shade(rng.normal(size=(30, 4, 3)), np.eye(3), np.ones(3))
-    assert shaded.min() >= 0.45 - 1e-12
-    assert shaded.max() <= 1.0 + 1e-12
-
-
-def test_numbers_in_the_title_have_units():
-    assert _panel.title_of(opening_frame(45.0, n_side=6)) == (
-        "angle 45°      torque 143.6 N·mm      time 2.835 ms"
-    )
-    assert with_unit(6000.0, "mm/s") == "6000 mm/s"
-    assert with_unit(123456.0, "N") == "123,456 N"
-    assert with_unit(0.25, "-") == "0.25"
 
 
 @pytest.mark.parametrize("angle", [10.0, 30.0, 60.0])
@@ -151,11 +110,11 @@ def test_the_close_camera_goes_with_the_tooth(angle, monkeypatch):
 
 def test_default_stress_limits_are_round_and_hold_nearly_all():
     frame = opening_frame(30.0, n_side=10)
-    low, high = _panel.round_limits(frame.quad_principal[:, 0])
+    low, high = field_limits([frame.quad_principal[:, 0]], 1)
     assert low == 0.0
     assert high in (15.0, 20.0)
     assert (frame.quad_principal <= high).mean() > 0.99
-    assert _panel.round_limits(-frame.quad_principal[:, 0]) == (0.0, 1.0)
+    assert field_limits([-frame.quad_principal[:, 0]], 1) == (0.0, 1.0)
 
 
 def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):

@@ -1,18 +1,14 @@
 """Tables that grow, and the state of a mesh at rest."""
 
-import re
 from dataclasses import fields
 
 import numpy as np
-import pytest
 
 from naive import cases
 from shellcut.loads.supports import Support
-from shellcut.mesh.mesh import MAX_VALENCE
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state, quads_of_nodes
 from shellcut.models import free_cut
-from shellcut.state import KnownTopology
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 
@@ -43,38 +39,6 @@ def test_rows_are_appended_and_the_old_ones_survive_growth():
         assert array.flags.f_contiguous
 
 
-def test_a_blank_row_is_zero_even_where_rubbish_was():
-    cable = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1)).cable
-    cable.force[0], cable.status[0], cable.ends[0] = np.nan, 2, 9
-    assert cable.append_blank() == 0
-    assert not cable.force[0].any()
-    assert (cable.status[0], *cable.ends[0]) == (0, 0, 0)
-
-
-@pytest.mark.parametrize("name", ["node", "quad", "flank", "cable"])
-def test_rows_have_the_shape_and_type_that_their_fields_say(name):
-    table = getattr(initial_state(cases.curved()), name)
-    types = {
-        "Floats": np.float64,
-        "Columns": np.float64,
-        "Ints": np.int64,
-        "Bools": np.bool_,
-        "SmallInts": np.int8,
-        "SmallIds": np.int32,
-    }
-    for field in fields(table)[1:]:
-        kind, numbers = re.fullmatch(r"(?:Annotated\[)?(\w+)(?:, \((.*)\)\])?", field.type).groups()
-        row = tuple(int(one) for one in (numbers or "").split(",") if one)
-        array = getattr(table, field.name)
-        if (name, field.name) == ("node", "quads"):
-            row = (MAX_VALENCE,)
-        assert (array.shape[1:], array.dtype) == (row, types[kind]), field.name
-        assert (
-            array.ctypes.data % 64 == 0 or array.size == 0 or field.name in ("quads", "n_quad_at")
-        )
-        assert array.flags.f_contiguous or kind != "Columns"
-
-
 def test_initial_state_is_the_mesh_at_rest():
     mesh = rectangle(3.0, 2.0, n_x=3, n_y=2)
     mesh = mesh.cut([4, 5])  # a notch at the left: node 4 has a twin, node 12
@@ -102,26 +66,6 @@ def test_quads_of_nodes_by_brute_force():
         mine = [e for e in range(len(quads)) if node in quads[e]]
         assert table[node, : count[node]].tolist() == mine
         assert not table[node, count[node] :].any()
-
-
-def test_a_known_topology_is_that_of_one_state_until_it_splits():
-    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
-    known = KnownTopology()
-    assert not known.is_of(state)
-    known.take(state)
-    assert known.is_of(state)
-    assert not known.is_of(initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1)))
-    state.split_log.append("a split")
-    state.revision += 1
-    assert not known.is_of(state)
-    assert known.new_splits(state) == ["a split"]
-    # What a checkpoint brings back is of the state that is asked about next.
-    other = KnownTopology()
-    other.restore(known.revision)
-    assert other.new_splits(state) == ["a split"]
-    other.restore(state.revision)
-    assert other.is_of(state)
-    assert other.new_splits(state) == []
 
 
 def test_a_film_of_one_quad_is_cut():

@@ -60,26 +60,25 @@ def test_a_straight_way_has_its_figures_a_millimetre():
     assert figures["window_to_mm"] == pytest.approx(15.6, abs=0.03)
 
 
-def test_teeth_that_enter_late_are_waited_for():
-    window = steady_window(history(X, [edge(X), edge(X, begins=20.0)]), ANGLE)
-    assert window.low == pytest.approx(20.0 + 4.8 / 0.18, abs=2.3)
+@pytest.mark.parametrize(
+    ("edges", "end", "low", "high"),
+    [
+        # Teeth that enter late are waited for.
+        ([edge(X), edge(X, begins=20.0)], "low", 44.3, 49.0),
+        # It ends where the tool has left the film, or a cable is met at the end of an edge.
+        ([edge(X, leaves=45.0)], "high", 45.0 - 0.4 / 0.18, 45.0),
+        ([(*edge(X)[:3], np.where(X < 45.0, 1.0, 0.0))], "high", 45.0 - 0.8 / 0.18, 44.99),
+    ],
+    ids=["late", "left", "at the end"],
+)
+def test_the_window_begins_and_ends_with_what_cuts(edges, end, low, high):
+    assert low <= getattr(steady_window(history(X, edges), ANGLE), end) <= high
 
 
 def test_an_edge_that_meets_a_cable_by_the_way_is_not_waited_for():
     alone = steady_window(history(X, [edge(X)]), ANGLE)
     by_the_way = edge(X, arc=0.8)
     assert steady_window(history(X, [edge(X), by_the_way]), ANGLE) == alone
-
-
-def test_the_window_ends_where_the_tool_has_left_the_film():
-    window = steady_window(history(X, [edge(X, leaves=45.0)]), ANGLE)
-    assert 45.0 - 0.4 / 0.18 <= window.high <= 45.0
-
-
-def test_the_window_ends_where_a_cable_is_met_at_the_end_of_an_edge():
-    met, zone, ahead, _ = edge(X)
-    window = steady_window(history(X, [(met, zone, ahead, np.where(X < 45.0, 1.0, 0.0))]), ANGLE)
-    assert 45.0 - 2.0 * 0.4 / 0.18 <= window.high < 45.0
 
 
 def test_it_begins_when_the_motion_is_up_to_speed():
@@ -118,7 +117,8 @@ def why(edges, x=X):
 
 def test_where_there_is_none_the_reason_is_said():
     assert why([]) == "the history lacks the cut length of each cutting edge"
-    assert why([(0.0 * X,) * 4]) == "no cable was bent around a cutting edge"
+    for x in (X, X[:0]):
+        assert why([(0.0 * x,) * 4], x) == "no cable was bent around a cutting edge"
     short = X[X < 10.0]
     assert why([edge(short)], short) == (
         "cutting edge 1 has cut 1.6 mm, and none of its cables has broken"
@@ -137,11 +137,6 @@ def test_where_there_is_none_the_reason_is_said():
     assert why([edge(X, leaves=30.0), edge(X, begins=20.0)]) == (
         "a cutting edge had left the film, or stopped, before 46.7 deg"
     )
-
-
-def test_a_history_of_no_rows_has_none():
-    empty = np.zeros(0)
-    assert why([(empty,) * 4], empty) == "no cable was bent around a cutting edge"
 
 
 def test_a_small_run_says_what_it_cut(tmp_path):

@@ -1,7 +1,5 @@
 """The stretch of the film since the last look at all quads, and the look that it brings forward."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -39,22 +37,6 @@ def test_it_is_the_largest_stretch_of_a_centre(name):
     again = StretchSince(1.5)
     again.restore(since.saved())
     assert again.growth(state) == since.growth(state)
-
-
-def test_a_copy_counts_once_it_has_been_followed():
-    mesh = cases.warped(3, 2)
-    _, state = cases.set_up(mesh)
-    since = StretchSince(1.5)
-    since.take(state, np.ones(mesh.n_quad))
-    cases.deform(state, stretch=0.05, tilt=0.0)
-    before = since.growth(state)
-    quads = np.concatenate([state.quads, state.quads[:2]])
-    cut = SimpleNamespace(node=state.node, quads=quads, n_quad=len(quads))
-    assert since.growth(cut) == before > 1.0  # a step in which film is cut may ask before
-    since.follow(cut, np.ones(cut.n_quad))
-    assert since.growth(cut) == before
-    state.node.x[quads[-1]] *= 2.0
-    assert since.growth(cut) > 1.0 + 2.0 * 1.5 * 0.9
 
 
 def test_a_film_that_is_drawn_out_after_a_long_rest_stays_stable():

@@ -113,7 +113,7 @@ def test_an_edge_that_comes_down_flat_is_in_the_film_along_all_its_length_at_onc
     assert not fate.passed_out
 
 
-def test_teeth_pass_out_where_the_screw_has_gone_down_by_their_height():
+def test_teeth_pass_out_below_but_not_through_a_second_edge():
     disc = opening_disc("quick")
     motion = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0)
     sweep = Sweep.of(disc, tooth_ring(height=2.0), motion, 6e-3)
@@ -123,9 +123,6 @@ def test_teeth_pass_out_where_the_screw_has_gone_down_by_their_height():
         assert np.degrees(motion.coordinate(fate.last)) == pytest.approx(angle, abs=0.5)
     tall = Sweep.of(disc, tooth_ring(height=5.0), motion, 6e-3)
     assert all(fate.stays for fate in tall.fates)
-
-
-def test_teeth_that_leave_through_a_second_edge_have_not_passed_out():
     # Two chains on one tooth: where the lower one ends the upper one begins.
     ring = tooth_ring(height=5.0, n_teeth=1)
     low = ring.vertices[ring.edges].mean(axis=1)[:, 2] < 2.0
@@ -135,17 +132,6 @@ def test_teeth_that_leave_through_a_second_edge_have_not_passed_out():
     assert not one.stays
     assert not one.passed_out
     assert two.stays
-
-
-def test_a_tool_that_goes_down_and_up_is_withdrawn():
-    motion = TableMotion(
-        [0.0, 1e-3, 2e-3, 3e-3],
-        [[2.0, 0.0, 4.0], [3.0, 0.0, 1.0], [5.0, 0.0, 1.0], [6.0, 0.0, 4.0]],
-    )
-    (fate,) = Sweep.of(SHEET, blade(), motion, 3e-3).fates
-    assert fate.meets
-    assert not fate.stays
-    assert not fate.passed_out
 
 
 def test_a_blade_may_leave_over_the_rim_and_come_back_after_a_hole():
@@ -181,11 +167,19 @@ def test_an_edge_of_very_many_vertices_is_met_where_one_of_few_is():
     assert many.fates[0].stays
 
 
-def test_an_edge_that_stays_above_never_meets_the_film():
+def test_tools_that_stay_above_or_are_withdrawn():
     sweep = Sweep.of(SHEET, blade(z=2.0), along(), 8e-3)
     assert not sweep.fates[0].meets
     assert len(sweep.place) == 0
     assert np.isinf(sweep.distance(SHEET.nodes[:3])).all()
+    motion = TableMotion(
+        [0.0, 1e-3, 2e-3, 3e-3],
+        [[2.0, 0.0, 4.0], [3.0, 0.0, 1.0], [5.0, 0.0, 1.0], [6.0, 0.0, 4.0]],
+    )
+    (fate,) = Sweep.of(SHEET, blade(), motion, 3e-3).fates
+    assert fate.meets
+    assert not fate.stays
+    assert not fate.passed_out
 
 
 def test_a_curved_film_is_met_where_it_is():

@@ -1,9 +1,20 @@
-"""What makes room for another run is what a run has written, and nothing else."""
+"""A folder has one run at a time; what makes room for another is what a run has written."""
+
+import errno
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
 
 import pytest
 
+import shellcut.files.file_lock
 from shellcut.files.file_list import FILES, OTHERS, FileList, claim, files_there, names_in, target
-from shellcut.files.folder_lock import FolderInUse
+from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
 from shellcut.files.taken_folder import TakenFolder
 
 
@@ -11,7 +22,7 @@ from shellcut.files.taken_folder import TakenFolder
 def taken(tmp_path):
     folder = TakenFolder(tmp_path / "out")
     yield folder
-    folder.close()
+    folder.lock.close()
 
 
 def fill(folder, *names):
@@ -29,7 +40,7 @@ def run_before(folder, *names):
     taken = TakenFolder(folder)
     taken.begin(names, replace=True)
     fill(folder, *names)
-    taken.close()
+    taken.lock.close()
 
 
 def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
@@ -43,7 +54,7 @@ def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
     fill(out, *mine)
     taken = TakenFolder(out)
     taken.begin(["history.csv"], replace=True)
-    taken.close()
+    taken.lock.close()
     assert left(out) == sorted([*mine, FILES])
     assert not (out / "a_frames").exists()
     assert names_in(out) == ["history.csv"]
@@ -55,7 +66,7 @@ def test_a_folder_of_frames_with_something_else_in_it_stays(tmp_path):
     fill(out, "a_frames/mine.vtu")
     taken = TakenFolder(out)
     taken.begin([], replace=True)
-    taken.close()
+    taken.lock.close()
     assert left(out) == ["a_frames/mine.vtu", FILES]
 
 
@@ -66,7 +77,7 @@ def test_a_run_is_not_replaced_unasked(tmp_path):
     taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
         taken.begin(["history.csv"], replace=False)
-    taken.close()
+    taken.lock.close()
     assert left(out) == before
 
 
@@ -81,7 +92,7 @@ def test_what_no_run_wrote_is_not_replaced_either(tmp_path, replace):
     )
     with pytest.raises(FileExistsError, match=wanted):
         taken.begin(["history.csv"], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
-    taken.close()
+    taken.lock.close()
     assert left(out) == ["history.csv", "notes.txt", "snapshot_01.png"]
 
 
@@ -93,7 +104,7 @@ def test_a_list_of_another_origin_is_no_list(tmp_path):
     taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=FILES):
         taken.begin(["history.csv"], replace=True)
-    taken.close()
+    taken.lock.close()
     assert left(out) == ["precious.txt", FILES]
 
 
@@ -109,15 +120,15 @@ def test_a_list_leads_to_nothing_outside(tmp_path):
     assert names_in(out) == ["history.csv"]
     taken = TakenFolder(out)
     taken.begin([], replace=True)
-    taken.close()
+    taken.lock.close()
     assert (tmp_path / "precious.txt").exists()
 
 
 def test_names_are_listed_before_their_files_are_there(taken):
     taken.begin(["history.csv"], replace=True)
     assert names_in(taken.path) == ["history.csv"]
-    taken.add(taken.path / "a_frames" / "frame_0000.vtu")
-    taken.add(taken.path / "history.csv")
+    taken.files.add("a_frames/frame_0000.vtu")
+    taken.files.add("history.csv")
     assert names_in(taken.path) == ["history.csv", "a_frames/frame_0000.vtu"]
     assert files_there(taken.path) == []
     fill(taken.path, "history.csv")
@@ -131,17 +142,12 @@ def test_a_run_gone_on_with_keeps_its_list(tmp_path):
     run_before(out, "history.csv", "snapshot_00.png")
     taken = TakenFolder(out)
     taken.resume(["history.csv", "summary.json"])
-    assert taken.names == ["history.csv", "snapshot_00.png", "summary.json"]
+    assert taken.files.names == ["history.csv", "snapshot_00.png", "summary.json"]
     fill(out, "summary.json", "mine.png")
-    taken.remove(["summary.json", "mine.png"])
-    taken.close()
+    taken.files.remove(["summary.json", "mine.png"])
+    taken.lock.close()
     assert left(out) == sorted(["history.csv", FILES, "snapshot_00.png", "mine.png"])
     assert FileList(out).there() == ["history.csv", "snapshot_00.png"]
-
-
-def test_one_at_a_time(taken):
-    with pytest.raises(FolderInUse):
-        TakenFolder(taken.path)
 
 
 def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):
@@ -160,8 +166,8 @@ def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):
     taken.begin(["history.csv"], replace=True)  # removes the link, not what it leads to
     assert not (out / "history.csv").is_symlink()
     with pytest.raises(FileExistsError):
-        taken.add(out / "a_frames" / "frame_0000.vtu")
-    taken.close()
+        taken.files.add("a_frames/frame_0000.vtu")
+    taken.lock.close()
     assert left(mine) == ["frame_0000.vtu", "history.csv"]
 
 
@@ -174,7 +180,7 @@ def test_a_list_behind_a_link_is_somebody_elses(tmp_path):
     taken = TakenFolder(tmp_path / "out")
     with pytest.raises(FileExistsError, match=FILES):
         taken.begin(["history.csv"], replace=True)
-    taken.close()
+    taken.lock.close()
     assert names_in(tmp_path / "other") == ["history.csv"]
 
 
@@ -199,3 +205,171 @@ def test_a_command_replaces_what_commands_wrote_and_no_input(tmp_path):
         claim("", ["a.csv"])
     with pytest.raises(ValueError, match="must have a name"):
         TakenFolder("")
+
+
+HOLDER = """
+import sys
+from pathlib import Path
+# The room alone: the whole package takes seconds.
+sys.path.insert(0, str(Path(sys.argv[2]).parents[1]))
+from files.folder_lock import FolderLock
+lock = FolderLock(Path(sys.argv[1]))
+print("held", flush=True)
+sys.stdin.readline()
+"""
+
+
+@pytest.fixture
+def holder(tmp_path):
+    """A process that holds the folder."""
+    command = [sys.executable, "-c", HOLDER, str(tmp_path), shellcut.files.folder_lock.__file__]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"held\n"
+        yield process
+        process.kill()
+
+
+def test_who_holds_it_is_told(holder, tmp_path):
+    with pytest.raises(FolderInUse) as refusal:
+        FolderLock(tmp_path)
+    said = str(refusal.value)
+    assert f"process {holder.pid} on {socket.gethostname()} since 20" in said
+    assert f"{tmp_path} is being written" in said
+    with pytest.raises(FolderInUse):
+        refuse_if_in_use(tmp_path)
+    assert json.loads((tmp_path / LOCK).read_text())["process"] == holder.pid
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_a_process_killed_or_ended_holds_nothing(holder, tmp_path):
+    holder.kill()
+    holder.wait()
+    assert (tmp_path / LOCK).exists()
+    FolderLock(tmp_path).close()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_process_that_ends_holds_nothing(holder, tmp_path):
+    holder.stdin.write(b"\n")
+    holder.stdin.close()
+    assert holder.wait() == 0
+    FolderLock(tmp_path).close()
+
+
+def test_twice_in_one_process_is_refused_in_any_thread(tmp_path):
+    lock = FolderLock(tmp_path)
+    with pytest.raises(FolderInUse, match=f"this very process, {os.getpid()}"):
+        FolderLock(tmp_path)
+    told = []
+
+    def attempt():
+        try:
+            FolderLock(tmp_path)
+        except FolderInUse as refusal:
+            told.append(refusal)
+
+    thread = threading.Thread(target=attempt)
+    thread.start()
+    thread.join()
+    assert len(told) == 1
+    lock.close()
+    lock.close()
+    FolderLock(tmp_path).close()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_fork_neither_holds_nor_frees_it(tmp_path):
+    lock = FolderLock(tmp_path)
+    ready, go = os.pipe(), os.pipe()
+    child = os.fork()
+    if child == 0:
+        lock.close()  # as by an end of the interpreter
+        os.write(ready[1], b"x")
+        os.read(go[0], 1)
+        os._exit(0)
+    os.read(ready[0], 1)
+    with pytest.raises(FolderInUse):
+        FolderLock(tmp_path)
+    # The parent gives it back while its child lives on.
+    lock.close()
+    FolderLock(tmp_path).close()
+    os.write(go[1], b"x")
+    os.waitpid(child, 0)
+    for one in (*ready, *go):
+        os.close(one)
+
+
+def test_a_lock_whose_file_was_removed_is_taken_again(tmp_path):
+    lock = FolderLock(tmp_path)
+    (tmp_path / LOCK).unlink()
+    lock.hold()
+    with pytest.raises(FolderInUse):
+        FolderLock(tmp_path)
+    (tmp_path / LOCK).unlink()
+    other = FolderLock(tmp_path)
+    with pytest.raises(FolderInUse):
+        lock.hold()
+    lock.close()
+    assert (tmp_path / LOCK).exists()
+    other.close()
+    assert not (tmp_path / LOCK).exists()
+
+
+def test_of_many_that_want_it_at_once_one_gets_it(tmp_path):
+    # Each holds it for a moment, ten times: nobody may come in between, also while files come and
+    # go, and everybody gets it in the end, on however slow a machine.
+    inside, most = [], []
+
+    def take():
+        got = 0
+        while got < 10:
+            try:
+                lock = FolderLock(tmp_path)
+            except FolderInUse:
+                time.sleep(1e-4)
+                continue
+            got += 1
+            inside.append(1)
+            most.append(len(inside))
+            inside.pop()
+            lock.close()
+
+    threads = [threading.Thread(target=take) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == [1] * 80
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="flock is of POSIX")
+def test_a_file_system_without_locks_is_told_of(tmp_path, monkeypatch, caplog):
+    # There is none here: the system's answer is put in its place.
+    def without(*_):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(shellcut.files.file_lock.fcntl, "flock", without)
+    FolderLock(tmp_path).close()
+    assert "without locks" in caplog.text
+    assert "no second run" in caplog.text
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_is_no_folder_in_use(tmp_path):
+    (tmp_path / LOCK).mkdir()
+    with pytest.raises(IsADirectoryError):
+        FolderLock(tmp_path)
+
+
+@pytest.mark.parametrize("there", ["my notes", '["process"]'])
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_file_of_the_lock_s_name_that_is_none_stays(tmp_path, there, linked):
+    mine = tmp_path / ("mine" if linked else LOCK)
+    mine.write_text(there)
+    if linked:
+        (tmp_path / LOCK).symlink_to(mine)
+    for attempt in (FolderLock, refuse_if_in_use):
+        with pytest.raises(OSError, match=LOCK):
+            attempt(tmp_path)
+    assert mine.read_text() == there
+    assert (tmp_path / LOCK).is_symlink() == linked

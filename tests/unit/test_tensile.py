@@ -102,7 +102,7 @@ class TestMaterial:
 
 
 class TestClosedForm:
-    def test_without_noise(self, tmp_path):
+    def test_of_one_curve_without_noise(self, tmp_path):
         found = evaluate_tensile(write(tmp_path / "film.csv", bilinear()), gauge_length=GAUGE)
         film = found.directions[""]
         (one,) = film.figures
@@ -114,6 +114,22 @@ class TestClosedForm:
         assert one.strength == pytest.approx(STRENGTH, rel=1e-6)
         assert one.strain_at_strength == pytest.approx(END, rel=1e-5)
         assert film.fracture_energy.mean == pytest.approx(LAW.fracture_energy, rel=1e-3)
+        found = evaluate_tensile(
+            write(tmp_path / "film.csv", bilinear(slack=0.013)), gauge_length=GAUGE
+        )
+        (one,) = found.directions[""].figures
+        assert one.slack == pytest.approx(0.013, rel=1e-3)
+        assert one.young == pytest.approx(YOUNG, rel=1e-3)
+        assert one.strain_at_strength == pytest.approx(END, rel=1e-4)
+        strain, stress = bilinear()
+        force = stress * 15.0 * 0.074 / 4.4482216152605
+        path = tmp_path / "film.csv"
+        extension = strain * GAUGE / 25.4
+        write(path, (extension, force), headings="travel [in];load [lbf]", factor=1.0)
+        found = evaluate_tensile(path, gauge_length=GAUGE, width=15.0, thickness=0.074)
+        (one,) = found.directions[""].figures
+        assert one.young == pytest.approx(YOUNG, rel=1e-3)  # six decimals of an inch
+        assert one.strength == pytest.approx(STRENGTH, rel=1e-5)
 
     def test_the_hardening_curve_is_that_of_the_line(self, tmp_path):
         film = evaluate_tensile(write(tmp_path / "film.csv", bilinear())).directions[""]
@@ -150,26 +166,6 @@ class TestClosedForm:
         for name, band in (("plateau", 0.4), ("opening_a", 0.15), ("opening_p", 0.25)):
             assert getattr(law, name) == pytest.approx(getattr(LAW, name), abs=band), name
         assert law.opening_u == pytest.approx(LAW.opening_u, abs=0.25)
-
-    def test_slack_is_taken_off(self, tmp_path):
-        found = evaluate_tensile(
-            write(tmp_path / "film.csv", bilinear(slack=0.013)), gauge_length=GAUGE
-        )
-        (one,) = found.directions[""].figures
-        assert one.slack == pytest.approx(0.013, rel=1e-3)
-        assert one.young == pytest.approx(YOUNG, rel=1e-3)
-        assert one.strain_at_strength == pytest.approx(END, rel=1e-4)
-
-    def test_force_and_extension_in_pounds_and_inches(self, tmp_path):
-        strain, stress = bilinear()
-        force = stress * 15.0 * 0.074 / 4.4482216152605
-        path = tmp_path / "film.csv"
-        extension = strain * GAUGE / 25.4
-        write(path, (extension, force), headings="travel [in];load [lbf]", factor=1.0)
-        found = evaluate_tensile(path, gauge_length=GAUGE, width=15.0, thickness=0.074)
-        (one,) = found.directions[""].figures
-        assert one.young == pytest.approx(YOUNG, rel=1e-3)  # six decimals of an inch
-        assert one.strength == pytest.approx(STRENGTH, rel=1e-5)
 
     def test_a_law_gives_back_itself(self):
         opening = np.linspace(0.0, 4.0, 101)
@@ -397,15 +393,13 @@ class TestModulus:
         assert one.slack == pytest.approx(0.005, rel=0.01)
         assert "the curve gets steeper up to a strain of 0.9" in "\n".join(one.sentences)
 
-    def test_preload_and_few_points(self, tmp_path):
+    def test_preload_few_points_and_brittle_films(self, tmp_path):
         strain = np.linspace(0.0, 0.4, 401)  # two points in the range
         stress = np.minimum(2000.0 * strain + 6.0, 16.0 + 20.0 * strain)
         one = self.young(tmp_path / "film.csv", strain, stress)
         assert one.young == pytest.approx(2000.0, rel=1e-5)
         assert one.slack == pytest.approx(-0.003, rel=1e-4)
         assert "secant of interpolated stresses" in "\n".join(one.sentences)
-
-    def test_a_brittle_film_is_measured_up_to_its_end(self, tmp_path):
         strain = np.linspace(0.0, 0.002, 50)
         one = self.young(tmp_path / "film.csv", strain, 6e4 * strain)
         assert one.young == pytest.approx(6e4, rel=1e-4)
@@ -434,29 +428,22 @@ class TestHonestSentences:
         assert found.young == pytest.approx(70e3, rel=0.05)
         assert "the film yields between strains of 0.05 and 0.25 %" in "\n".join(found.sentences)
 
-    def test_no_fall(self, tmp_path):
+    def test_breaks_are_told(self, tmp_path):
         path = write(tmp_path / "film.csv", bilinear(fall=False))
         said = self.said(path, gauge_length=GAUGE)
         assert "no fall after the strength is recorded" in said
         assert "the record ends at 23.8 MPa, 100% of the strength, before the break" in said
         assert "no law: no specimen shows a fall" in said
         assert "0 specimens" not in str(evaluate_tensile(path))
-
-    def test_a_sudden_break_gives_a_bound_only(self, tmp_path):
         strain, stress = bilinear(fall=False)
         path = write(tmp_path / "film.csv", (np.append(strain, 0.4001), np.append(stress, 0.1)))
         # 23.84² / 2 E
         assert "at most 0.142 N/mm² times the gauge length" in self.said(path)
-
-    def test_a_film_that_draws(self, tmp_path):
-        strain, stress = bilinear(fall=False)
         more = np.linspace(END + 0.01, 3.0, 100)
         curve = np.append(strain, [*more, 3.001]), np.append(stress, [*(0 * more + 22.0), 0.0])
         said = self.said(write(tmp_path / "pe.csv", curve), gauge_length=GAUGE)
         assert "1 of 1 specimens hold over 80 % of the strength half-way" in said
         assert "it broke at once from 92% of the strength" in said
-
-    def test_an_elastic_film_has_no_yield(self, tmp_path):
         strain = np.linspace(0.0, 0.01, 200)
         stress = np.append(2000.0 * strain[:-1], 0.0)
         said = self.said(write(tmp_path / "film.csv", (strain, stress)))
@@ -496,12 +483,10 @@ class TestRefusals:
             evaluate_tensile(path)
         assert str(path) in str(caught.value)
 
-    def test_all_files_at_once(self, tmp_path):
+    def test_files_and_dimensions(self, tmp_path):
         with pytest.raises(ValueError, match=r"(?s)a\.csv: cannot be read.*b\.csv: cannot be read"):
             evaluate_tensile([tmp_path / "a.csv", tmp_path / "b.csv"])
         assert issubclass(FileError, ValueError)
-
-    def test_dimensions(self, tmp_path):
         with pytest.raises(ValueError, match=r"gauge_length must be .* got -1 mm; width must be"):
             evaluate_tensile(tmp_path / "a.csv", gauge_length=-1, width=float("nan"))
         with pytest.raises(ValueError, match="offset must be a strain between 0 and 1, got 0"):
@@ -553,15 +538,13 @@ class TestCommand:
         curve = read_measured_curve(out / "hardening_MD.csv", x=1, y=2)
         assert (curve.x[0], curve.y_unit) == (0.0, "MPa")
 
-    def test_bad_arguments(self, tmp_path, capsys):
+    def test_bad_arguments_and_a_name_with_a_sign(self, tmp_path, capsys, monkeypatch):
         arguments = ["--gauge-length", "5 kg", "--width", "wide", "--offset", "x"]
         assert main(["tensile", str(tmp_path / "no.csv"), *arguments]) == 2
         told = capsys.readouterr().err
         assert "--gauge-length must be a number in mm" in told
         assert "--width must be a number in mm" in told
         assert "--offset must be a number of per cent" in told
-
-    def test_a_file_with_a_sign_in_its_name(self, tmp_path, capsys, monkeypatch):
         monkeypatch.chdir(tmp_path)
         write(tmp_path / "T=23.csv", bilinear())
         assert main(["tensile", "T=23.csv"]) == 0

@@ -47,20 +47,11 @@ def refusal(*args, **kwargs):
 
 
 class TestCuttingEdge:
-    def test_wedge_edge_is_found_by_its_angle(self):
+    def test_wedge_edge_and_its_sides(self):
         tool = Tool.from_triangles(*wedge())
         assert tool.edges.tolist() == [[0, 3]]
         assert tool.edge_chain.tolist() == [0]
         assert tool.edge_body.tolist() == [0]
-
-    @pytest.mark.parametrize("half_angle_deg", [3.0, 12.0, 25.0])
-    def test_wedge_turns_by_180_minus_twice_its_half_angle(self, half_angle_deg):
-        surface = wedge(np.radians(half_angle_deg))
-        turn = 180.0 - 2.0 * half_angle_deg
-        assert Tool.from_triangles(*surface, sharp_angle_deg=turn - 0.01).n_edge == 1
-        assert f"the sharpest turns by {turn:.1f}" in refusal(*surface, sharp_angle_deg=turn + 0.01)
-
-    def test_plus_is_beside_the_segment_in_its_direction(self):
         vertices, triangles = wedge()
         for edge, plus_y in (([0, 3], -1.0), ([3, 0], 1.0)):
             tool = Tool.from_triangles(vertices, triangles, edges=[edge])
@@ -68,6 +59,13 @@ class TestCuttingEdge:
             np.testing.assert_allclose(tool.edge_back, [[-1.0, 0.0, 0.0]], atol=1e-15)
             assert tool.triangle_normals[tool.edge_flank_plus[0], 1] * plus_y > 0.9
             assert tool.triangle_normals[tool.edge_flank_minus[0], 1] * plus_y < -0.9
+
+    @pytest.mark.parametrize("half_angle_deg", [3.0, 12.0, 25.0])
+    def test_wedge_turns_by_180_minus_twice_its_half_angle(self, half_angle_deg):
+        surface = wedge(np.radians(half_angle_deg))
+        turn = 180.0 - 2.0 * half_angle_deg
+        assert Tool.from_triangles(*surface, sharp_angle_deg=turn - 0.01).n_edge == 1
+        assert f"the sharpest turns by {turn:.1f}" in refusal(*surface, sharp_angle_deg=turn + 0.01)
 
     def test_mid_plane_bisects_an_uneven_wedge(self):
         section = [(0.0, 0.0), (-1.0, 0.5), (-1.0, 0.1)]
@@ -144,20 +142,25 @@ class TestFlanks:
 
 
 class TestSurface:
-    def test_duplicate_vertices_of_an_stl_file_are_merged(self):
+    def test_vertices_are_merged_left_out_and_copied(self):
         vertices, triangles = wedge()
         soup = vertices[triangles].reshape(-1, 3)
         soup += 1e-9 * np.random.default_rng(3).standard_normal(soup.shape)
         tool = Tool.from_triangles(soup, np.arange(len(soup)).reshape(-1, 3))
         assert (tool.n_vertex, tool.n_edge, tool.n_body) == (6, 1, 1)
-
-    def test_unused_vertices_go_and_edges_follow(self):
-        vertices, triangles = wedge()
         tool = Tool.from_triangles(
             np.concatenate([[[9.0, 9.0, 9.0]], vertices]), triangles + 1, edges=[(1, 4)]
         )
         assert tool.n_vertex == 6
         assert tool.edges.tolist() == [[0, 3]]
+        tool = straight_blade()
+        with pytest.raises(ValueError, match="read-only"):
+            tool.vertices[0, 0] = 1.0
+        for name in ("triangles", "triangle_body", "edges", "edge_body", "edge_chain"):
+            assert getattr(tool, name).dtype == np.int64
+        assert tool.flank.dtype == np.int8
+        assert tool.edge_flank_plus.dtype == tool.edge_flank_minus.dtype == np.int64
+        assert "straight blade" in repr(tool)
 
     def test_volume_and_box_by_body(self):
         tool = Tool.from_triangles(*joined(wedge(), wedge(np.radians(6.0), at=(5.0, 0.0, 0.0))))
@@ -169,65 +172,42 @@ class TestSurface:
         np.testing.assert_allclose(lower, [-1.0, -np.tan(HALF_ANGLE), 0.0])
         np.testing.assert_allclose(upper, [5.0, np.tan(HALF_ANGLE), 2.0])
 
-    def test_arrays_are_read_only_and_of_the_stated_types(self):
-        tool = straight_blade()
-        with pytest.raises(ValueError, match="read-only"):
-            tool.vertices[0, 0] = 1.0
-        for name in ("triangles", "triangle_body", "edges", "edge_body", "edge_chain"):
-            assert getattr(tool, name).dtype == np.int64
-        assert tool.flank.dtype == np.int8
-        assert tool.edge_flank_plus.dtype == tool.edge_flank_minus.dtype == np.int64
-        assert "straight blade" in repr(tool)
-
-    def test_caller_keeps_its_arrays(self):
-        vertices, triangles = wedge()
-        Tool.from_triangles(vertices, triangles)
-        vertices[0, 0] = 7.0
-
 
 class TestRefusals:
-    def test_shapes_and_types_together(self):
+    def test_shapes_types_ids_and_angles(self):
         message = refusal(np.zeros((4, 2)), [[0.0, 1.0, 2.0]], edges=[1, 2])
         assert "vertices must have shape (n_vertex, 3), got (4, 2)" in message
         assert "triangles must hold integer vertex ids, got float64" in message
         assert "edges must have shape (n_edge, 2) and at least one row, got (2,)" in message
-
-    def test_ids_out_of_range_and_non_finite(self):
         vertices, triangles = wedge()
         vertices[2, 1] = np.nan
         message = refusal(vertices, triangles + 1)
         assert "1 vertex not finite, first id 2" in message
         assert "triangles must hold vertex ids in [0, 6), got 1 to 6" in message
-
-    def test_angles(self):
         message = refusal(*wedge(), sharp_angle_deg=180.0, flank_angle_deg=0.0)
         assert "sharp_angle_deg must be between 0 and 180, got 180.0" in message
         assert "flank_angle_deg must be between 0 and 90, got 0.0" in message
 
-    def test_hole_says_how_many_and_where(self):
+    def test_triangles_that_do_not_fit(self):
         vertices, triangles = wedge()
         message = refusal(vertices, triangles[:-1])
         assert "3 open edges: the surface has a hole around (-0.666667, 0, 2), 1.039 mm" in message
-
-    def test_degenerate_triangle(self):
-        vertices, triangles = wedge()
         flat = np.concatenate([vertices, [[0.0, 0.0, 1.0]]])
         message = refusal(flat, np.concatenate([triangles, [(0, 3, 6)]]))
         assert "1 degenerate triangle (no area), centred at (0, 0, 1)" in message
-
-    def test_non_manifold_edge(self):
-        vertices, triangles = wedge()
         fin = np.concatenate([vertices, [[1.0, 0.0, 1.0]]])
         message = refusal(fin, np.concatenate([triangles, [(0, 3, 6)]]))
         assert (
             "1 non-manifold edge (more than two triangles meet): (0, 0, 0) to (0, 0, 2)" in message
         )
-
-    def test_non_manifold_vertex(self):
         low, high = wedge(), wedge(at=(1.0, np.tan(HALF_ANGLE), 2.0))
         message = refusal(*joined(low, high))
         assert "1 non-manifold vertex" in message
         assert "move them apart: (0, 0, 2)" in message
+        triangles[0] = triangles[0, ::-1]
+        message = refusal(vertices, triangles)
+        assert "3 edges between triangles of opposite orientation" in message
+        assert "triangles[i, ::-1]" in message
 
     def test_inside_out_tooth_is_named_with_the_remedy(self):
         (vertices, triangles), second = wedge(), wedge(at=(5.0, 0.0, 0.0))
@@ -236,28 +216,16 @@ class TestRefusals:
         assert "vertices, triangles[:, ::-1] for the triangles of that tooth" in message
         assert "give vertices, triangles[:, ::-1]" in refusal(vertices, triangles[:, ::-1])
 
-    def test_one_turned_triangle(self):
-        vertices, triangles = wedge()
-        triangles[0] = triangles[0, ::-1]
-        message = refusal(vertices, triangles)
-        assert "3 edges between triangles of opposite orientation" in message
-        assert "triangles[i, ::-1]" in message
-
-    def test_given_edges_that_are_not_there(self):
+    def test_edges_that_cannot_cut(self):
         vertices, triangles = wedge()
         vertices = np.concatenate([vertices, [[3.0, 0.0, 0.0]]])
         message = refusal(vertices, triangles, edges=[(2, 4), (0, 3), (3, 0), (0, 6), (1, 3)])
         assert "3 given cutting edges not an edge of the surface" in message
         assert "with a vertex that no triangle uses" in message
         assert "1 of the given cutting edges repeat" in message
-
-    def test_flat_given_edge(self):
-        vertices, triangles = wedge()
         assert "1 given cutting edge flat or concave" in refusal(
             vertices, triangles, edges=[(0, 4)]
         )
-
-    def test_no_sharp_edge(self):
         cube = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
         message = refusal(*cube)
         assert "none turns by sharp_angle_deg = 100 or more, the sharpest turns by 90.0" in message

@@ -11,7 +11,14 @@ from shellcut.tool.tool import ToolError
 from shellcut.tool.tool_file import read_tool
 
 RING = tooth_ring()
+V = RING.vertices
 SINGLE = 2e-6  # mm; single precision of 10 mm is 5e-7, some operations on it
+
+
+def turned(which):
+    triangles = RING.triangles.copy()
+    triangles[which] = triangles[which, ::-1]
+    return triangles
 
 
 @pytest.fixture
@@ -67,48 +74,36 @@ class TestTheDefaultToothOutAndBack:
         # 5e-7 mm of single precision: measured 9e-5 of the peak; the requirement is 0.5 %
         assert np.abs(read - built_in).max() < 5e-3 * np.abs(built_in).max()
 
-    def test_inside_out(self, cap, caplog):
-        write_stl(cap, RING.vertices, RING.triangles[:, ::-1], header="inside out")
-        check_ring(read_tool(cap, unit="mm"))
-        assert "4 of 4 bodies were inside out and are turned" in caplog.text
-
-    def test_some_triangles_against_the_others(self, cap, caplog):
-        triangles = RING.triangles.copy()
-        triangles[::3] = triangles[::3, ::-1]
-        write_stl(cap, RING.vertices, triangles, header="mixed")
-        check_ring(read_tool(cap, unit="mm"))
-        assert "were oriented against their neighbours and are turned" in caplog.text
-
-    @pytest.mark.parametrize(("unit", "mm"), [("inch", 25.4), ("m", 1000.0), (2.5, 2.5)])
-    def test_in_another_unit(self, cap, unit, mm):
-        write_stl(cap, RING.vertices / mm, RING.triangles, header="scaled")
-        check_ring(read_tool(cap, unit=unit))
+    @pytest.mark.parametrize(
+        ("vertices", "triangles", "options", "said"),
+        [
+            (V, turned(slice(None)), {}, "4 of 4 bodies were inside out and are turned"),
+            (V, turned(slice(0, None, 3)), {}, "were oriented against their neighbours and are tu"),
+            (V, RING.triangles, {"unit": None}, "no unit given: taken as mm, the tool is 19."),
+            (V / 25.4, RING.triangles, {"unit": "inch"}, ""),
+            (V / 1000.0, RING.triangles, {"unit": "m"}, ""),
+            (V / 2.5, RING.triangles, {"unit": 2.5}, ""),
+            # The file holds the tool turned so that its z lies along the axis.
+            (V @ [[0, 0, -1], [0, 1, 0], [1, 0, 0]], RING.triangles, {"axis": "x"}, ""),
+            (V @ [[1, 0, 0], [0, 0, -1], [0, 1, 0]], RING.triangles, {"axis": "y"}, ""),
+            (V @ [[1, 0, 0], [0, -1, 0], [0, 0, -1]], RING.triangles, {"axis": "-z"}, ""),
+            (
+                V @ [[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]],
+                RING.triangles,
+                {"axis": (0, 3, 4)},
+                "",
+            ),
+        ],
+    )
+    def test_in_every_disguise(self, cap, caplog, vertices, triangles, options, said):
+        write_stl(cap, vertices, triangles, header="disguised")
+        check_ring(read_tool(cap, **{"unit": "mm", **options}))
+        assert said in caplog.text
 
     def test_inches_are_not_guessed(self, cap):
         write_stl(cap, RING.vertices / 25.4, RING.triangles, header="inch")
         with pytest.raises(FileError, match=r"unit must be given, because the tool is 0\.7"):
             read_tool(cap)
-
-    def test_a_guess_is_said(self, cap, caplog):
-        check_ring(read_tool(cap))
-        assert "no unit given: taken as mm, the tool is 19." in caplog.text
-
-    @pytest.mark.parametrize(
-        ("axis", "rows"),
-        [
-            ("x", [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
-            ("y", [[1, 0, 0], [0, 0, 1], [0, -1, 0]]),
-            ("-z", [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
-            ((0.0, 3.0, 4.0), [[1, 0, 0], [0, 0.8, 0.6], [0, -0.6, 0.8]]),
-        ],
-    )
-    def test_along_another_axis(self, cap, axis, rows):
-        # the file holds the tool turned so that its z lies along `axis`
-        turn = np.array(rows, dtype=float)
-        direction = {"x": [1, 0, 0], "y": [0, 1, 0], "-z": [0, 0, -1]}.get(axis, [0, 0.6, 0.8])
-        np.testing.assert_allclose(turn @ [0.0, 0.0, 1.0], direction, atol=1e-15)
-        write_stl(cap, RING.vertices @ turn.T, RING.triangles, header="turned")
-        check_ring(read_tool(cap, unit="mm", axis=axis))
 
     def test_shifted(self, cap):
         tool = read_tool(cap, unit="mm", shift=(1.0, 2.0, 3.0))
@@ -127,7 +122,7 @@ class TestTheDefaultToothOutAndBack:
         path.write_text(text)
         check_ring(read_tool(path, unit="mm"))
 
-    def test_with_a_hole(self, cap):
+    def test_holes_are_told_by_place_the_larger_first(self, cap):
         triangles = np.delete(RING.triangles, [40, 41], axis=0)
         write_stl(cap, RING.vertices, triangles, header="hole")
         place = RING.vertices[np.unique(RING.triangles[[40, 41]])].mean(axis=0)
@@ -137,11 +132,8 @@ class TestTheDefaultToothOutAndBack:
         assert "mm across, 4 edges" in problem
         told = [float(c) for c in problem.split("around (")[1].split(")")[0].split(", ")]
         np.testing.assert_allclose(told, place, atol=1e-4)  # to six digits
-
-    def test_with_two_holes_tells_the_larger_first(self, cap):
         far = int(np.argmax(RING.triangle_body == 3))
-        triangles = np.delete(RING.triangles, [40, 41, far], axis=0)
-        write_stl(cap, RING.vertices, triangles, header="holes")
+        write_stl(cap, V, np.delete(RING.triangles, [40, 41, far], axis=0), header="two holes")
         with pytest.raises(ToolError, match=r"the surface has 2 holes around .* 4 edges; around"):
             read_tool(cap, unit="mm")
 

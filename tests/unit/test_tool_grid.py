@@ -138,17 +138,7 @@ def test_side_decides_which_flank_is_closest():
         np.testing.assert_allclose(closest[0], q)
 
 
-def test_far_points_are_not_found():
-    grid = ClosestTriangleGrid.build(straight_blade())
-    far = np.array([[50.0, 0.0, 0.0], [0.0, -9.0, 0.0], [0.0, 0.0, 1e300], [np.nan, 0.0, 0.0]])
-    found, inside, triangle, closest = grid.query(far)
-    assert not found.any()
-    assert not inside.any()
-    assert (triangle == 0).all()
-    np.testing.assert_array_equal(closest, far)
-
-
-def test_lists_are_sorted_and_arrays_read_only():
+def test_a_grid_has_sorted_lists_finds_no_far_point_and_refuses():
     grid = ClosestTriangleGrid.build(straight_blade())
     lists = grid.arrays.lists
     step = np.diff(lists.distance)
@@ -159,6 +149,17 @@ def test_lists_are_sorted_and_arrays_read_only():
     with pytest.raises(ValueError, match="read-only"):
         lists.triangle[0] = 1
     assert "cells of" in repr(grid)
+    far = np.array([[50.0, 0.0, 0.0], [0.0, -9.0, 0.0], [0.0, 0.0, 1e300], [np.nan, 0.0, 0.0]])
+    found, inside, triangle, closest = grid.query(far)
+    assert not found.any()
+    assert not inside.any()
+    assert (triangle == 0).all()
+    np.testing.assert_array_equal(closest, far)
+    grid = ClosestTriangleGrid.of(straight_blade())
+    with pytest.raises(ValueError, match=r"points must have shape \(n_point, 3\), got \(1, 2\)"):
+        grid.query([0.0, 1.0])
+    with pytest.raises(ValueError, match=r"side must be -1, 0 or \+1, got 2"):
+        grid.query([0.0, 0.0, 0.0], side=2)
 
 
 def test_however_few_cells_there_are_the_answers_are_the_same(monkeypatch):
@@ -173,14 +174,6 @@ def test_however_few_cells_there_are_the_answers_are_the_same(monkeypatch):
     _, inside_coarse, _, closest_coarse = coarse.query(points[both], 1)
     np.testing.assert_array_equal(inside_fine, inside_coarse)
     np.testing.assert_allclose(closest_fine, closest_coarse, atol=1e-11)
-
-
-def test_refusals():
-    grid = ClosestTriangleGrid.of(straight_blade())
-    with pytest.raises(ValueError, match=r"points must have shape \(n_point, 3\), got \(1, 2\)"):
-        grid.query([0.0, 1.0])
-    with pytest.raises(ValueError, match=r"side must be -1, 0 or \+1, got 2"):
-        grid.query([0.0, 0.0, 0.0], side=2)
 
 
 def test_one_grid_a_tool_and_none_of_no_tool():

@@ -1,5 +1,7 @@
 """The tooth ring and the straight blade: geometry against their formulas."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -164,44 +166,40 @@ class TestStraightBlade:
         back = [[-np.sin(angle), 0.0, np.cos(angle)]]
         np.testing.assert_allclose(tool.edge_back, back, atol=1e-12)
 
-    def test_flanks(self):
+    def test_a_blade_has_its_lengths_and_flanks(self):
         tool = straight_blade()
         np.testing.assert_array_equal(
             tool.flank, np.where(np.abs(n := tool.triangle_normals[:, 1]) > 0.5, np.sign(n), 0.0)
         )
-
-    def test_lengths(self):
         tool = straight_blade(length=2.5, height=4.0, half_thickness=0.2)
         lower, upper = tool.bounding_box()
         np.testing.assert_allclose(lower, [-2.5, -0.2, -2.0], atol=1e-12)
         np.testing.assert_allclose(upper, [0.0, 0.2, 2.0], atol=1e-12)
 
 
-class TestRefusals:
-    @staticmethod
-    def refusal(build, **parameters):
-        with pytest.raises(ToolError) as caught:
-            build(**parameters)
-        return str(caught.value)
+@pytest.mark.parametrize(
+    ("build", "parameters", "told"),
+    [
+        (
+            straight_blade,
+            {"edge_angle_deg": 20.0, "wedge_half_angle_deg": 30.0},
+            "wedge_half_angle_deg = 30 is 59.4 seen along an edge at edge_angle_deg = 20",
+        ),
+        (tooth_ring, {"n_teeth": 14}, "14 teeth overlap: each takes 26.7 of 25.7 degrees"),
+        (tooth_ring, {"half_thickness": 9.5}, "half_thickness = 9.5 must be below radius = 9.4"),
+        (
+            tooth_ring,
+            {"relief_deg": 80.0},
+            "the relief rises by length * tan(relief_deg) = 8.507 mm",
+        ),
+        (tooth_ring, {"n_arc": 5}, "0.001 mm or more beside"),
+        (tooth_ring, {"n_arc": 5}, "use at least 11"),
+    ],
+)
+def test_what_is_no_tool_is_refused(build, parameters, told):
+    with pytest.raises(ToolError, match=re.escape(told)):
+        build(**parameters)
 
-    def test_blunt_along_a_flat_edge(self):
-        message = self.refusal(straight_blade, edge_angle_deg=20.0, wedge_half_angle_deg=30.0)
-        assert (
-            "wedge_half_angle_deg = 30 is 59.4 seen along an edge at edge_angle_deg = 20" in message
-        )
 
-    def test_overlapping_teeth(self):
-        message = self.refusal(tooth_ring, n_teeth=14)
-        assert "14 teeth overlap: each takes 26.7 of 25.7 degrees" in message
-
-    def test_counts_and_proportions(self):
-        message = self.refusal(tooth_ring, half_thickness=9.5)
-        assert "half_thickness = 9.5 must be below radius = 9.4" in message
-        message = self.refusal(tooth_ring, relief_deg=80.0)
-        assert "the relief rises by length * tan(relief_deg) = 8.507 mm" in message
-
-    def test_too_few_segments(self):
-        message = self.refusal(tooth_ring, n_arc=5)
-        assert "n_arc = 5 leaves the cutting edge 0.001 mm or more beside" in message
-        assert "use at least 11" in message
-        assert (tooth_ring(n_arc=11).edge_chain == 0).sum() == 11
+def test_the_fewest_segments_of_an_edge_are_enough():
+    assert (tooth_ring(n_arc=11).edge_chain == 0).sum() == 11

@@ -1,6 +1,5 @@
 """Two runs in one folder: the second is refused, by whatever way it comes, the first goes on."""
 
-import signal
 import subprocess
 import sys
 
@@ -8,11 +7,9 @@ import pytest
 
 import shellcut
 import shellcut.recording.recorder
-from notched_strip import cutting
 from shellcut import read_model
 from shellcut.command_line import main
 from shellcut.files.folder_lock import FolderInUse
-from shellcut.recording.recorder import Recorder
 
 SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
 SHORT += ["--set", "travel=0.6", "--set", "output.rows=40", "--frames", "4", "--no-pictures"]
@@ -107,33 +104,3 @@ def test_readers_are_not_disturbed_and_disturb_nobody(going, capsys):
     with pytest.raises(FolderInUse):
         case_of(out).run(out, resume=True, progress=False)
     capsys.readouterr()
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_after_kill_9_it_goes_on_as_if_nothing_had_been(going, tmp_path, capsys):
-    # Last of this file: the process is gone then.
-    out, process = going
-    process.kill()
-    process.wait()
-    assert (out / "run.lock").exists()
-    assert main(["resume", str(out)]) == 0
-    assert main(["run", "guillotine", "-o", str(tmp_path / "whole"), *SHORT]) == 0
-    assert (out / "history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
-    assert (out / "splits.csv").read_bytes() == (tmp_path / "whole/splits.csv").read_bytes()
-    assert {p.name for p in out.iterdir()} == {p.name for p in (tmp_path / "whole").iterdir()}
-    assert not (out / "run.lock").exists()
-    capsys.readouterr()
-
-
-def test_two_recorders_in_one_process(tmp_path):
-    options = {"until": 4e-6, "name": "cut", "progress": False, "n_snapshot": 0}
-    first = Recorder(cutting(), tmp_path, **options)
-    before = contents(tmp_path)
-    with pytest.raises(FolderInUse, match="this very process"):
-        Recorder(cutting(), tmp_path, **options)
-    assert contents(tmp_path) == before
-    first.close()
-    # Refused or broken off, a recorder holds nothing.
-    with pytest.raises(ValueError, match="name must be the stem of a file"):
-        Recorder(cutting(), tmp_path, **options | {"name": "a/b"})
-    Recorder(cutting(), tmp_path, **options).close()

@@ -8,37 +8,10 @@ from shellcut.numerics import vec3
 
 RNG = np.random.default_rng(5)
 A, B = RNG.uniform(-1, 1, (2, 3))
-EPS = np.finfo(float).eps
 
 
 def called(name, *arguments):
     return from_python(getattr(vec3, name))(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("name", "arguments", "wanted"),
-    [
-        ("add", (A, B), A + B),
-        ("sub", (A, B), A - B),
-        ("scale", (2.5, A), 2.5 * A),
-        ("combine", (2.5, A, -0.7, B), 2.5 * A - 0.7 * B),
-        ("cross", (A, B), np.cross(A, B)),
-        ("dot", (A, B), A @ B),
-        ("norm", (A,), np.linalg.norm(A)),
-    ],
-)
-def test_algebra(name, arguments, wanted):
-    got = called(name, *(a if np.isscalar(a) else tuple(a) for a in arguments))
-    # Round-off: a few operations on numbers of size one, some of them fused.
-    np.testing.assert_allclose(got, wanted, rtol=0, atol=8 * EPS)
-
-
-def test_rows_are_read_and_written_in_place():
-    rows = np.full((3, 3), np.nan)
-    called("store", rows, 1, (1.0, 2.0, 3.0))
-    called("add_to", rows, 1, (0.5, 0.5, 0.5))
-    assert called("load", rows, 1) == (1.5, 2.5, 3.5)
-    assert np.isnan(rows[[0, 2]]).all()
 
 
 @pytest.mark.parametrize("along", [0.0, 0.7])

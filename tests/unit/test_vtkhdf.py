@@ -4,7 +4,6 @@ import dataclasses
 import signal
 import subprocess
 import sys
-import textwrap
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -15,7 +14,18 @@ import pytest
 import shellcut
 from opening_frame import opening_frame
 from shellcut.frame import Frame
-from shellcut.results.frame_grid import CABLE, CELL_ARRAYS, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
+from shellcut.results.frame_grid import (
+    CABLE,
+    CELL_ARRAYS,
+    EDGE,
+    FLANK,
+    KEPT_BITS,
+    MEMBRANE,
+    TOOL,
+    array_name,
+    grid_of,
+    series_of,
+)
 from shellcut.results.hdf_columns import Columns
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
@@ -55,7 +65,7 @@ def test_an_array_that_came_later_is_left_out_of_older_files(tmp_path, monkeypat
     )
     # To go on with it, the file must have all of them.
     with pytest.raises(ValueError, match="by an older version"):
-        VtkHdfWriter(tmp_path / "older.vtkhdf", mode="a")
+        VtkHdfWriter(tmp_path / "older.vtkhdf", until=np.inf)
 
 
 class Reading:
@@ -186,19 +196,28 @@ def test_frames_are_read_back_as_they_were_written(tmp_path):
             reading.frame(k)
 
 
-def test_a_file_names_the_version_that_wrote_it(tmp_path):
+def test_frames_with_the_same_cells_share_them_and_a_file_names_its_version(tmp_path):
     write(tmp_path / "run.vtkhdf", frames(1))
     with h5py.File(tmp_path / "run.vtkhdf") as file:
         assert file["shellcut"].attrs["version"] == shellcut.__version__
+    path = tmp_path / "run.vtkhdf"
+    write(path, frames())
+    with h5py.File(path) as file:
+        assert file["VTKHDF/Steps/PartOffsets"][:].tolist() == [0, 0, 1, 1, 1, 2, 3]
+        assert len(file["VTKHDF/NumberOfCells"]) == 4
 
 
-def test_a_foreign_or_damaged_file_is_not_read(tmp_path):
+def test_a_foreign_or_damaged_file_is_neither_read_nor_appended_to(tmp_path):
     (tmp_path / "text.vtkhdf").write_text("no HDF5 at all")
     with pytest.raises(ValueError, match=r"text.vtkhdf must be a complete result file of shellcut"):
         VtkHdfReader(tmp_path / "text.vtkhdf")
     h5py.File(tmp_path / "other.vtkhdf", "w").close()
     with pytest.raises(ValueError, match="was not written by shellcut"):
         VtkHdfReader(tmp_path / "other.vtkhdf")
+    path = tmp_path / "other.h5"
+    h5py.File(path, "w").close()
+    with pytest.raises(ValueError, match="was not written by shellcut"):
+        VtkHdfWriter(path, until=np.inf)
 
 
 def test_vtk_reads_every_frame_in_order_and_jumping_back(tmp_path):
@@ -209,14 +228,6 @@ def test_vtk_reads_every_frame_in_order_and_jumping_back(tmp_path):
     assert reading.n_frame == len(written)
     for k in (0, 1, 2, 3, 4, 5, 6, 1, 4, 0, 6):
         assert_holds(reading.frame(k), written[k])
-
-
-def test_frames_with_the_same_cells_share_them(tmp_path):
-    path = tmp_path / "run.vtkhdf"
-    write(path, frames())
-    with h5py.File(path) as file:
-        assert file["VTKHDF/Steps/PartOffsets"][:].tolist() == [0, 0, 1, 1, 1, 2, 3]
-        assert len(file["VTKHDF/NumberOfCells"]) == 4
 
 
 def test_a_membrane_without_tool_and_with_an_awkward_unit(tmp_path):
@@ -238,7 +249,7 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     path = tmp_path / "run.vtkhdf"
     written = frames(10)
     write(path, written[:6])
-    with VtkHdfWriter(path, mode="a", until=written[3].time) as writer:
+    with VtkHdfWriter(path, until=written[3].time) as writer:
         assert writer.n_frame == 4
         for frame in written[4:]:
             writer.append(frame)
@@ -253,15 +264,8 @@ def test_dropping_everything_begins_anew(tmp_path):
     path = tmp_path / "run.vtkhdf"
     written = frames(3)
     write(path, written)
-    write(path, written, mode="a", until=0.0)
+    write(path, written, until=0.0)
     assert_holds(Reading(path).frame(2), written[2])
-
-
-def test_a_foreign_file_is_not_appended_to(tmp_path):
-    path = tmp_path / "other.h5"
-    h5py.File(path, "w").close()
-    with pytest.raises(ValueError, match="was not written by shellcut"):
-        VtkHdfWriter(path, mode="a")
 
 
 def test_frames_out_of_order_or_with_other_scalars_are_refused(tmp_path):
@@ -289,55 +293,58 @@ def test_after_a_frame_that_failed_the_next_one_is_whole(tmp_path, monkeypatch):
     assert_same(VtkHdfReader(path).frame(-1), after)
 
 
-# After 40 frames: when the next one is about to count, at its first data, or in peace.
-MOMENTS = ["_count", "write", "between frames"]
+KILLED = """
+import dataclasses, os, signal, sys
+from opening_frame import opening_frame
+from shellcut.results.hdf_columns import Columns
+from shellcut.results.vtkhdf import VtkHdfWriter
 
+def kill(*_, **__):
+    os.kill(os.getpid(), signal.SIGKILL)
 
-@pytest.fixture(scope="module")
-def killed(tmp_path_factory):
-    """Folder with a file for each moment, whose process was killed then."""
-    folder = tmp_path_factory.mktemp("killed")
-    script = textwrap.dedent(f"""
-        import dataclasses, os, signal, sys
-        sys.path.insert(0, {str(Path(__file__).parent)!r})
-        from opening_frame import opening_frame
-        from shellcut.results.vtkhdf import VtkHdfWriter
-
-        def kill(*_):
-            os.kill(os.getpid(), signal.SIGKILL)
-
-        def run(moment):
-            writer = VtkHdfWriter(f"{{sys.argv[1]}}/{{moment}}.vtkhdf")
-            for k in range(41):
-                if k == 40:
-                    setattr(writer._columns if moment == "write" else writer, moment, kill)
-                writer.append(dataclasses.replace(frames[k % 2], time=1.0 + k))
-            kill()
-
-        frames = [opening_frame(a, n_side=10) for a in (20.0, 40.0)]
-        for moment in {MOMENTS}:
-            child = os.fork()
-            if not child:
-                run(moment)
-            assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
-    """)
-    subprocess.run([sys.executable, "-c", script, str(folder)], check=True)
-    return folder
+frame, writer = opening_frame(20.0, n_side=10), VtkHdfWriter(sys.argv[1])
+for k in range(40):
+    writer.append(dataclasses.replace(frame, time=1.0 + k))
+if sys.argv[2] == "at its first data":
+    Columns.write = kill
+    writer.append(dataclasses.replace(frame, time=41.0))
+kill()
+"""
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-@pytest.mark.parametrize("moment", MOMENTS)
-def test_a_killed_run_leaves_a_readable_file(killed, moment):
-    path = killed / f"{moment}.vtkhdf"
-    n_frame = 41 if moment == "between frames" else 40
-    frames = [opening_frame(angle, n_side=10) for angle in (20.0, 40.0)]
+@pytest.mark.parametrize("moment", ["at its first data", "between frames"])
+def test_a_run_killed_after_frames_leaves_them_readable(tmp_path, moment):
+    path = tmp_path / "run.vtkhdf"
+    command = [sys.executable, "-c", KILLED, path, moment]
+    assert subprocess.run(command, cwd=Path(__file__).parent).returncode == -signal.SIGKILL
+    frame = opening_frame(20.0, n_side=10)
     reading = Reading(path)
-    assert reading.n_frame == n_frame
-    for k in range(n_frame):
-        assert_holds(reading.frame(k), dataclasses.replace(frames[k % 2], time=1.0 + k))
-    assert VtkHdfReader(path).n_frame == n_frame
-    assert_same(VtkHdfReader(path).frame(-1), dataclasses.replace(frames[k % 2], time=1.0 + k))
-    last = dataclasses.replace(frames[0], time=1e9)
+    assert VtkHdfReader(path).n_frame == reading.n_frame == 40
+    for k in (0, 39):
+        assert_holds(reading.frame(k), dataclasses.replace(frame, time=1.0 + k))
     del reading  # VTK 9.4 shows what it had open
-    write(path, [last], mode="a")
-    assert_holds(Reading(path).frame(n_frame), last)
+    write(path, [dataclasses.replace(frame, time=1e9)], until=np.inf)
+    assert_holds(Reading(path).frame(40), dataclasses.replace(frame, time=1e9))
+
+
+def test_twelve_bits_are_kept_to_nearest():
+    frame = opening_frame(0.0, n_side=2)
+    stress = np.random.default_rng(1).normal(size=frame.quad_stress.shape) * 10.0
+    grid = grid_of(dataclasses.replace(frame, quad_stress=stress))
+    kept = grid.cell_arrays["membrane stress [MPa]"][: len(stress)]
+    error = np.abs(kept / stress - 1.0).max()
+    # Half of the last bit, and next to all of it where there are so many.
+    assert 0.8 * 2.0 ** -(KEPT_BITS + 1) < error <= 2.0 ** -(KEPT_BITS + 1)
+    assert not (kept.view(np.int32) & ((1 << (23 - KEPT_BITS)) - 1)).any()
+
+
+def test_names_carry_the_units():
+    assert array_name("speed", "mm/s") == "speed [mm per s]"
+    frame = opening_frame(30.0, n_side=4)
+    assert series_of(frame) == {
+        "time [s]": frame.time,
+        "angle [deg]": 30.0,
+        "torque [N*mm]": frame.scalars["torque"],
+        "crack length [mm]": frame.scalars["crack length"],
+    }

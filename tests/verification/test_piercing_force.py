@@ -6,10 +6,13 @@ Axial, of each tooth in the step in which one of them pierces; F_p is that of a 
 import numpy as np
 import pytest
 
+import shellcut
 from films import unstructured_disc
 from shellcut import CohesiveLaw, Fracture, ShellMaterial, opening_test
 from shellcut.contact.contact_points import contact_points
 from shellcut.fracture.puncture import puncture_force
+from shellcut.recording.recorder import Recorder
+from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.tool.shapes import tooth_ring
 
 DURATION = 6e-3
@@ -44,6 +47,7 @@ def first_split(film, path, clearance, slower=1.0, **options):
         ("quick", "edges", 0.02, 1.0),
         ("quick", "edges", 0.04, 1.0),
         ("quick", "free", 0.02, 0.5),
+        ("quick", "free", 0.02, 3.0),
         ("raw", "free", 0.02, 1.0),
     ],
 )
@@ -76,3 +80,30 @@ def test_every_end_of_a_cutting_edge_has_its_point(radius, size):
     tips = points.place[points.is_tip]
     gap = np.linalg.norm(tool.vertices[ends][:, None] - tips[None], axis=2).min(axis=1)
     assert gap.max() == 0.0
+
+
+def test_force_depth_and_work_at_the_first_piercing_are_told(tmp_path):
+    case = opening_test("quick", duration=DURATION, tool=tooth_ring(tip_clearance=0.02))
+    sim, until = case.simulation, 0.06 * DURATION
+    sim.run(until, [Recorder(sim, tmp_path / "out", until=until, name="quick", n_row=200)])
+    results = shellcut.read(tmp_path / "out")
+    history, splits, told = results.history, results.splits, results.summary
+    for edge in (1, 2, 3, 4):
+        k = np.flatnonzero(splits["edge"] == edge)[0]
+        then = splits["time"][k]
+        assert splits["kind"][k] == "puncture"
+        for what, unit in (("force", "N"), ("depth", "mm"), ("work", "Nmm")):
+            assert told[f"piercing_{what}_{edge}_{unit}"] == splits[what][k]
+        assert splits["force"][k] == pytest.approx(F_P, rel=0.06)
+        # The tip is as deep as the tool has come down, but for what the contact yields.
+        down = -sim.motion.pose(then)[1][2] - 0.02
+        assert 0.9 * down < splits["depth"][k] < down
+        work = np.interp(then, history["time"], history["tool_work"])
+        assert splits["work"][k] == pytest.approx(work, rel=0.02)
+    angle = history["angle"]
+    measured = MeasuredCurve(angle, 0.5 * history["axial_force"], "deg", "N")
+    found = shellcut.compare(results, measured, y="axial_force")
+    assert found.pierced_at == pytest.approx(np.interp(then, history["time"], angle))
+    assert found.pierced_simulated == pytest.approx(4.0 * F_P, rel=0.06)
+    assert found.pierced_measured == pytest.approx(0.5 * found.pierced_simulated)
+    assert "at first piercing" in str(found)

@@ -6,9 +6,9 @@ zero at l_U; the area below it is the fracture energy
     G = ½ (sigma_F - sigma_C) l_A + ½ sigma_C (l_P + l_U)        ([Frangi2010] 5.1).
 
 The law is non-holonomic. The paper does not draw the unloading; here a cable unloads along the
-secant to the origin (default: a fibre that has drawn out keeps no permanent length) or along a
-stiff elastic line (it does). Below the onset opening delta_0 the secant is replaced by the slope
-sigma_F / delta_0: a cable just born would otherwise be infinitely stiff. Hence it is born with the
+secant to the origin: a fibre that has drawn out keeps no permanent length. Below the onset opening
+delta_0 the secant is replaced by the slope sigma_F / delta_0: a cable just born would otherwise be
+infinitely stiff. Hence it is born with the
 energy ½ sigma_F delta_0 A in its elastic part, booked as a negative dissipation that is repaid
 while the opening grows past delta_0; a broken cable has dissipated exactly G A.
 
@@ -35,7 +35,6 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.numerics.jit import inline, kernel
 
-Unloading: TypeAlias = Literal["secant", "elastic"]
 Joint: TypeAlias = Literal["adhesion", "slip", "free"]
 
 # Over onset: a short branch is then stiffer than a cable at its birth, sigma_F A / delta_0, by no
@@ -53,9 +52,9 @@ _START_OPENING = 1.0 / 80.0
 _STICK = 1.0 / 400.0
 
 STRENGTH, PLATEAU, OPENING_A, OPENING_P, OPENING_U = 0, 1, 2, 3, 4
-CAP, ELASTIC, ONSET, SHORT_BRANCH, START_OPENING, AREA = 5, 6, 7, 8, 9, 10
+CAP, ONSET, SHORT_BRANCH, START_OPENING, AREA = 5, 6, 7, 8, 9
 """Places of the numbers of a law as kernels take it: those of :class:`CohesiveLaw` by their names,
-the steepest slope of unloading, the constant one (0 for none), two lengths, and the area below."""
+the steepest slope of unloading, two lengths, and the area below."""
 
 
 @checked
@@ -76,9 +75,9 @@ class CohesiveLaw:
     """
 
     strength: Annotated[
-        float, Option("MPa", "sigma_F, at which a node splits and the cable is born", above=0)
+        float, Option("MPa", "sigma_F, at which the film parts and a cable begins", above=0)
     ] = 18.0
-    plateau: Annotated[float, Option("MPa", "sigma_C", above=0)] = 12.0
+    plateau: Annotated[float, Option("MPa", "sigma_C, held from l_A to l_P", above=0)] = 12.0
     opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
     opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
     opening_u: Annotated[float, Option("mm", "l_U, at which the cable breaks", above=0)] = 4.0
@@ -91,10 +90,6 @@ class CohesiveLaw:
             least=0,
         ),
     ] = 5e-3
-    unloading: Annotated[Unloading, Option("", "how a cable unloads")] = "secant"
-    unloading_stiffness: Annotated[
-        float, Option("MPa/mm", "slope of the elastic unloading", least=0)
-    ] = 1000.0
     joint: Annotated[
         Joint,
         Option(
@@ -110,7 +105,7 @@ class CohesiveLaw:
             "G_0, taken by a cut with a razor, kJ/m²: an edge of radius r severs cables at G_0 + 2 "
             "r H",
             above=0,
-            unset="no edge severs them, a cut takes the area of the law",
+            unset="a cut takes the area of the law",
         ),
     ] = None
     severing_pressure: Annotated[
@@ -141,14 +136,6 @@ class CohesiveLaw:
                 f"tenth at most, got {self.onset}"
             )
         problems += self._of_joint()
-        slope = (self.strength - self.plateau) / self.opening_a
-        if self.opening_p < self.opening_u:
-            slope = max(slope, self.plateau / (self.opening_u - self.opening_p))
-        if self.unloading == "elastic" and self.unloading_stiffness < slope:
-            problems.append(
-                "unloading_stiffness must exceed the steepest slope of the law, "
-                f"{slope:.4g} MPa/mm, got {self.unloading_stiffness}"
-            )
         problems += [] if problems else self._of_severing()
         if problems:
             raise ValueError("; ".join(problems))
@@ -256,7 +243,6 @@ class CohesiveLaw:
     def parameters(self) -> Floats:
         """Return the law as kernels take it, in the order of ``STRENGTH`` and the rest."""
         cap = self.strength / self.onset if self.onset > 0 else math.inf
-        elastic = self.unloading_stiffness if self.unloading == "elastic" else 0.0
         return np.array(
             [
                 self.strength,
@@ -265,7 +251,6 @@ class CohesiveLaw:
                 self.opening_p,
                 self.opening_u,
                 cap,
-                elastic,
                 self.onset,
                 self.short_branch,
                 self.start_opening,
@@ -302,8 +287,6 @@ def envelope(opening: float, law: Floats) -> float:
 @inline
 def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
     """Return the slope of unloading [MPa/mm] from the point (opening_max, peak)."""
-    if law[ELASTIC] > 0.0:
-        return float(law[ELASTIC])
     if peak < law[CAP] * opening_max:
         return peak / opening_max
     return float(law[CAP])

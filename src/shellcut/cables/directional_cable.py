@@ -45,7 +45,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, Ints, SmallInts, Vec3, product
+from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy, Vec3, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
@@ -55,7 +55,7 @@ from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
-from shellcut.tool.touch import Booking, Touch
+from shellcut.tool.touch import Booking, Touch, react
 
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
@@ -215,9 +215,9 @@ class CableSet(ForceTerm):
         self.touch.take(saved["touch"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
-    def stiffness(self, state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
-        c, room = state.cable, 2 * state.n_cable
+        c, room = state.cable, 4 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
         cables = HeldCables(**{name: getattr(c, name) for name in HeldCables._fields})
         count = self._stiffness(
@@ -249,20 +249,25 @@ def _work(ell: float, ell_max: float, law: Floats) -> float:
 
 
 @always_inline
-def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
-    """Return the vector of one end of cable c of rows : (n_cable, 2, 3)."""
-    return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
+def at_end(c: int, end: int, rows: Floats, cables: CableRows) -> Vec3:
+    """Return rows : (n_node, 3) at an end of cable c, between the nodes that carry it."""
+    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
+    return combine(1.0 - share, load(rows, here), share, load(rows, there))
 
 
 @always_inline
-def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
-    """Add a force [N] at a point p of its line to the wrench of a tooth."""
-    origin = pose.translation
-    arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
-    moment = cross(arm, force)
+def add_at_end(c: int, end: int, force: Vec3, rows: Floats, cables: CableRows) -> None:
+    """Add a force at an end of cable c to rows : (n_node, 3)."""
+    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
     for k in range(3):
-        wrench[body, k] += force[k]
-        wrench[body, 3 + k] += moment[k]
+        rows[here, k] += (1.0 - share) * force[k]
+        rows[there, k] += share * force[k]
+
+
+@always_inline
+def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
+    """Return the vector of one end of cable c of rows : (n_cable, 2, 3)."""
+    return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
 
 
 @kernel
@@ -294,8 +299,7 @@ def _add_cable_forces(
     for c in range(tables.n_cable):
         if status[c] == BROKEN:
             continue
-        i, j = cables.ends[c, 0], cables.ends[c, 1]
-        minus, plus = load(nodes.x, i), load(nodes.x, j)
+        minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
         may_meet = tables.directional and status[c] == STRAIGHT
         met = may_meet and find_joint(c, minus, plus, pose, before, tables)
         if met:
@@ -329,7 +333,8 @@ def _add_cable_forces(
         f_plus = scale(1.0 + joint.gain_plus, by_law_plus)
 
         # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
-        v_minus, v_plus = load(nodes.velocity_half, i), load(nodes.velocity_half, j)
+        v_minus = at_end(c, 0, nodes.velocity_half, cables)
+        v_plus = at_end(c, 1, nodes.velocity_half, cables)
         was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
         mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
         mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
@@ -356,17 +361,18 @@ def _add_cable_forces(
         for k in range(3):
             cables.force[c, 0, k] = f_minus[k]
             cables.force[c, 1, k] = f_plus[k]
-            nodes.force[i, k] += f_minus[k] + extra[k]
-            nodes.force[j, k] += f_plus[k] - extra[k]
 
-        # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
+        add_at_end(c, 0, add(f_minus, extra), nodes.force, cables)
+        add_at_end(c, 1, sub(f_plus, extra), nodes.force, cables)
+
+        # Forces on both ends and the tool sum to zero; their moments leave the named couple.
         if jointed:
             p, body = joint.place, tables.edges.body[cables.edge[c]]
             if radius > 0.0:
-                _pull_tool(minus, scale(-1.0, f_minus), body, pose, wrench)
-                _pull_tool(plus, scale(-1.0, f_plus), body, pose, wrench)
+                react(f_minus, minus, body, pose, wrench)
+                react(f_plus, plus, body, pose, wrench)
             else:
-                _pull_tool(p, scale(-1.0, add(f_minus, f_plus)), body, pose, wrench)
+                react(add(f_minus, f_plus), p, body, pose, wrench)
                 rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
                 for k in range(3):
                     couple[k] += rest[k]

@@ -40,7 +40,7 @@ import scipy
 
 from shellcut.arrays import Bools
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.formats.errors import named
+from shellcut.formats.errors import counted, named
 from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
@@ -94,11 +94,10 @@ def check_path(
     if law.opening_u < RUNGS * h:
         yield Finding(
             DOUBT,
-            f"the process zone must be longer than the film's edges, opening_u more than "
-            f"{RUNGS:g} of them, so that the blade always drags a cable; otherwise the tool's work "
-            "grows to 1.1 times that of the cables or more",
-            f"opening_u {law.opening_u:.4g} mm at the edge and {h:.3g} mm from node to node of the "
-            f"path, {law.opening_u / h:.2g} edges",
+            f"the process zone must be longer than the film's edges, opening_u {RUNGS:g} of them "
+            "or more, or the force is too high by a tenth and more",
+            f"opening_u {law.opening_u:.4g} mm and edges of {h:.3g} mm on the path, "
+            f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",
         )
 
@@ -110,7 +109,7 @@ def edge_line(sweep: Sweep) -> str:
     n_staying = sum(fate.stays for fate in fates)
     which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
     if n_staying == n:
-        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
+        return f"edges  {which} the film and stay{'s' * (n == 1)} in the film to the end"
     parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
     never = [fate.chain for fate in fates if not fate.meets]
     if never:
@@ -129,7 +128,7 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
         yield Finding(
             DOUBT,
             "a cutting edge must pass through the film during the motion",
-            f"none of the {len(fates)} that does, from t = 0 to {1e3 * sweep.duration:.4g} ms",
+            f"none of {len(fates)} that does so up to {1e3 * sweep.duration:.4g} ms",
             "check place and unit of the tool, the motion and its duration (shellcut preview draws "
             "them)",
         )
@@ -145,9 +144,9 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
     if out:
         yield Finding(
             DOUBT,
-            "a cutting edge must reach through the film as long as the tool moves along it, or "
-            "what follows the edge tears the film or leaves it whole",
-            f"{len(out)} of {len(fates)} whose end passes out of the film, the first at "
+            "a cutting edge must stay in the film as long as the tool moves along it, or the tool "
+            "behind the edge tears the film or leaves it whole",
+            f"{len(out)} of {len(fates)} whose end leaves the film, the first at "
             f"{_first_exit(out, sweep)}: {_chains([fate.chain for fate in out])}",
             "make the edges longer, or the advance across the film smaller (pitch)",
         )
@@ -193,8 +192,8 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
         DOUBT,
         f"a cutting edge must move where it points, within {np.degrees(ATTACK):.0f}°, or a "
         "blunt back or flank presses on the film",
-        f"{100.0 * share:.0f} % of the way on which it does not; cutting edge "
-        f"{int(sweep.chain[worst])} moves {angle:.0f}° off that direction at "
+        f"another direction on {100.0 * share:.0f} % of the path; cutting edge "
+        f"{int(sweep.chain[worst])} moves {angle:.0f}° off where it points at "
         f"({x:.4g}, {y:.4g}, {z:.4g}) mm, t = {1e3 * sweep.time[worst]:.4g} ms",
         "turn the tool, reverse the motion (axis of a screw, direction of a straight one), or "
         "leave the edge out ([tool] not_cutting)",
@@ -219,8 +218,8 @@ def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
     if rows.open.all():
         yield Finding(
             DOUBT,
-            "there must be film to cut on the way of the cutting edges",
-            "a way that follows existing cuts from end to end",
+            "there must be film to cut on the path of the cutting edges",
+            "a path that lies in existing cuts from end to end",
             "take a shorter notch, or move the tool",
         )
 
@@ -244,7 +243,7 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
         came += f", the next one {rows.off[worst] * h:.3g} mm off at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
     yield Finding(
         DOUBT,
-        f"a row of mesh edges must lie under the way of the cutting edges, within {OFF_ROW:g} of "
+        f"a row of mesh edges must lie under the path of the cutting edges, within {OFF_ROW:g} of "
         "their length, since cracks follow edges: beside it the force is too large, or nothing is "
         "cut",
         came + ("; some run across it" if none else ""),
@@ -263,9 +262,8 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
         x, y, z = mesh.nodes[held[0]] + 0.0
         yield Finding(
             DOUBT,
-            "the way of the cutting edges must keep clear of held nodes, which never split: the "
+            "the path of the cutting edges must keep clear of held nodes, which never split: the "
             "blade runs against them",
-            f"{len(held):,} held node{'' if len(held) == 1 else 's'} on it, the first at "
-            f"({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            f"{counted(len(held), 'held node')} on it, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
             "hold other nodes, or move the tool",
         )

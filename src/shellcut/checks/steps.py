@@ -78,7 +78,7 @@ def check_steps(
         yield Finding(
             DOUBT,
             f"the cutting edge should move by less than {FOUND_WITHIN:g} edge lengths of the film "
-            f"in the {check_every} steps between two checks for splits, or it misses nodes",
+            f"in the {check_every} steps between two looks at the cracks, or it cuts late",
             came,
             remedy + "; or check more often, fracture.check_every" * (check_every > 1),
         )
@@ -96,6 +96,6 @@ def check_steps(
             "",
             f"the run takes about {duration / dt:.2g} steps of {dt:.3g} s, with cutting edges at "
             f"{1e-3 * speed:.4g} m/s",
-            "between 1.5 and 12 m/s the speed hardly changes the cutting force: take a faster "
-            "motion; speeds are in mm/s, 6 m/s is 6000",
+            "take a faster motion: between 1.5 and 12 m/s the speed hardly changes the cutting "
+            "force; speeds are in mm/s, 6 m/s is 6000",
         )

@@ -38,10 +38,10 @@ def check_strength(material: ShellMaterial, law: CohesiveLaw | None) -> Iterator
         yield Finding(
             DOUBT,
             "a film must be able to carry the strength at which it is to crack, or it necks and "
-            "never parts, or parts only by the blade's rule",
+            "parts only where a blade has passed",
             f"{_carries(shown)}, a crack needs {law.strength:.4g} MPa",
-            "lower [cohesive] strength below what the film carries, or look at its hardening; "
-            "strength and this maximum are forces over the reference section",
+            "lower [cohesive] strength below what the film carries, or look at its hardening; both "
+            "are forces over the undeformed section",
         )
         return
     reached = _strain_at(material, law.strength)

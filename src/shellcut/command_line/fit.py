@@ -32,7 +32,7 @@ def add_to(commands: Any) -> None:
         help="fit keys of a model to measured curves",
         description="Fit keys of a model to measured curves by least squares. Writes "
         "OUT/fit.json, with 95 % confidence intervals, and with Matplotlib OUT/fit.png. Runs are "
-        "kept: the same call again runs nothing, an ended one goes on.",
+        "kept: the same call again repeats none, and an interrupted fit goes on.",
         epilog="example: shellcut fit opening slow.csv fast.csv --for fast.csv "
         "motion.duration=3e-3 --free cohesive.plateau,cohesive.opening_u -o OUT",
     )
@@ -74,8 +74,8 @@ def add_to(commands: Any) -> None:
         action="append",
         default=[],
         dest="of_curves",
-        help="a key that one experiment had otherwise: CURVE is its file, or its number from 1 on; "
-        "any number of times. Curves of the same keys share a run",
+        help="a key with another value in one experiment: CURVE is its file, or its number from 1 "
+        "on; any number of times. Curves of the same keys share a run",
     )
     parser.add_argument("--units", help='units of the files\' columns, as "deg, N*cm"')
     add_engine_to(parser)

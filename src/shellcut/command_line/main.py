@@ -10,6 +10,7 @@ from io import TextIOWrapper
 
 from . import (
     compare,
+    converge,
     doctor,
     fit,
     keys,
@@ -29,6 +30,7 @@ _COMMANDS = (
     run,
     resume,
     sweep,
+    converge,
     fit,
     preview,
     keys,

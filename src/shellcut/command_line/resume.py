@@ -6,10 +6,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from shellcut.files.run_folder import USED
 from shellcut.recording.run_log import RunLog
 
 from .exit_code import refuse
-from .run_model import USED, run_model
+from .run_model import run_model
 from .shared_arguments import named
 
 

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.list:
         for name, text in shipped_models().items():
-            print(f"{name:<12} {text.splitlines()[0].lstrip('# ')}")
+            print(f"{name:<12} {text.splitlines()[1].lstrip('# ')}")
         return DONE
     if arguments.model is None:
         return refuse("give a MODEL: a file, or one of " + ", ".join(shipped_models()))
@@ -103,4 +103,5 @@ def _write_model(name: str, path: Path) -> int:
     except OSError as problem:
         return refuse(problem)
     print(f"wrote {path}; run it with: shellcut run {path} -o OUT")
+    print("so that editors check its keys: shellcut keys --schema > shellcut.schema.json")
     return DONE

@@ -13,6 +13,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
 from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
 from shellcut.results.summary_figures import plain_figures
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from shellcut.model_file import Model
     from shellcut.models import Case
     from shellcut.recording.recorder import Recorder
-
-USED, LOG = "used.toml", "run.log"
 
 _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
@@ -200,8 +199,6 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
 
 def _remedy(problem: Exception, folder: Path) -> str:
     """Return what to do about a run that failed on the way."""
-    from shellcut.files.run_folder import CHECKPOINT
-
     full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
     cause = "free space" if full else "remove the cause"
     if (folder / CHECKPOINT).exists():
@@ -213,7 +210,7 @@ def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.file_list import files_there
     from shellcut.files.regular_file import read_regular
 
-    summary: dict[str, Any] = json.loads(read_regular(folder / "summary.json"))
+    summary: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
     for label, value in plain_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>12,.6g}")
     for words, energy, share in chain(*account(summary)):

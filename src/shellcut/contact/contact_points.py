@@ -12,8 +12,6 @@ pierced (:mod:`shellcut.fracture.pierce`). Their ends, the tips of teeth, are ne
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy
 
@@ -52,19 +50,20 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     """
     surface = Surface(tool.vertices, tool.triangles)
     vertex, turn_at_vertex, ends_cut = _corners(tool, surface)
-    along = _along_edges(tool, surface, SPACING * edge_length)
+    spacing = SPACING * edge_length
+    places, normals, turns, bodies, segments = _along_edges(tool, surface, spacing)
     at_vertex = np.zeros_like(tool.vertices)
     at_vertex[tool.triangles] = ClosestTriangleGrid.of(tool).arrays.surface.pseudo_normals[:, 1:4]
     body_of = np.zeros(tool.n_vertex, np.int64)
     body_of[tool.triangles] = tool.triangle_body[:, None]
-    place = np.concatenate([tool.vertices[vertex], along.place])
-    outward = np.concatenate([unit(at_vertex[vertex]), along.outward])
-    body = np.concatenate([body_of[vertex], along.body])
+    place = np.concatenate([tool.vertices[vertex], places])
+    outward = np.concatenate([unit(at_vertex[vertex]), normals])
+    body = np.concatenate([body_of[vertex], bodies])
     at_end = np.full(tool.n_vertex, -1)
     at_end[tool.edges] = np.arange(tool.n_edge)[:, None]
-    segment = np.concatenate([np.where(ends_cut, at_end[vertex], -1), along.segment])
-    is_tip = np.concatenate([ends_cut, np.zeros(len(along.turn), np.bool_)])
-    sharpness = np.where(is_tip, np.inf, np.concatenate([turn_at_vertex, along.turn]))
+    segment = np.concatenate([np.where(ends_cut, at_end[vertex], -1), segments])
+    is_tip = np.concatenate([ends_cut, np.zeros(len(turns), np.bool_)])
+    sharpness = np.where(is_tip, np.inf, np.concatenate([turn_at_vertex, turns]))
     kept = _spread(place, sharpness, CLOSEST * edge_length)
     return ToolPoints(
         place=np.ascontiguousarray(place[kept]),
@@ -93,18 +92,13 @@ def _corners(tool: Tool, surface: Surface) -> tuple[Ints, Floats, Bools]:
     return pushes, most[pushes], n_cut[pushes] == 1
 
 
-class _Along(NamedTuple):
-    """Points along edges, both ends included."""
+def _along_edges(
+    tool: Tool, surface: Surface, spacing: float
+) -> tuple[Floats, Floats, Floats, Ints, Ints]:
+    """Return points along the edges that cut, and the other convex ones, both ends included.
 
-    place: Floats
-    outward: Floats
-    turn: Floats
-    body: Ints
-    segment: Ints
-
-
-def _along_edges(tool: Tool, surface: Surface, spacing: float) -> _Along:
-    """Return points along the edges that cut, turned the most, and the other convex ones."""
+    Their places, normals, turns, those that cut turned the most, teeth and segments.
+    """
     cut = np.sort(tool.edges, axis=1)
     segment_of = np.full(len(surface.keys), -1)
     segment_of[np.searchsorted(surface.keys, cut[:, 0] * tool.n_vertex + cut[:, 1])] = np.arange(
@@ -125,12 +119,12 @@ def _along_edges(tool: Tool, surface: Surface, spacing: float) -> _Along:
     inner &= ~((share == 1.0) & on_cut[surface.hi[rows]][of] & other)
     of, share = of[inner], share[inner, None]
     normal = unit(surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]])
-    return _Along(
-        place=(1.0 - share) * start[of] + share * end[of],
-        outward=normal[of],
-        turn=turn[rows][of],
-        body=tool.triangle_body[surface.forward[rows]][of],
-        segment=segment_of[rows][of],
+    return (
+        (1.0 - share) * start[of] + share * end[of],
+        normal[of],
+        turn[rows][of],
+        tool.triangle_body[surface.forward[rows]][of],
+        segment_of[rows][of],
     )
 
 

@@ -58,7 +58,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, Vec3
+from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
@@ -219,7 +219,7 @@ class CoulombFriction(ForceTerm):
         self._call.code(pose, before, state.dt, self.coefficient, self._held, self._touch)
         self._rests = quiet
 
-    def stiffness(self, _state: State, counted: HeldBy) -> Held:
+    def stiffness(self, _state: State, counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
         near, penalty = counted[self._pressing.name]
         return near, stiffer_by(self.coefficient) * penalty

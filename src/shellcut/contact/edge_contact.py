@@ -32,7 +32,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy, Ints
+from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
@@ -113,7 +113,7 @@ class EdgeContact(PressTerm):
         assert self._contact.film_edges is not None
         return self._contact.film_edges
 
-    def stiffness(self, state: State, counted: HeldBy) -> Held:
+    def stiffness(self, state: State, counted: StiffnessBy) -> NodeStiffness:
         """Return the ends of edges that may press soon and what they add at most [N/mm].
 
         To the stiffness of the contact of nodes that is counted, which is that of nodes alone.

@@ -273,9 +273,12 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
     )
     node, key = found[:count], key[:count]
     if f.count:
-        node = _one_of_each_place(state)[node]
-        differ = node[:, 0] != node[:, 1]
-        node, key = node[differ], key[differ]
+        one = np.arange(n.count)
+        one[f.node[: f.count]] = f.node[first_at_places(f.nodes[: f.count], f.weight[: f.count])]
+        node = one[node]
+        # At a tip, where the flanks have not parted, there is nothing to touch yet.
+        touched = (node[:, 0] != node[:, 1]) & n.real[node].all(axis=1)
+        node, key = node[touched], key[touched]
     own = n.contact_share[: n.count] * law.of_nodes(n.contact_area[: n.count])
     ending = np.bincount(node.ravel(), minlength=n.count)
     stiffness = 2.0 * (own[node] / ending[node]).min(axis=1)
@@ -289,23 +292,25 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
     )
 
 
-def _one_of_each_place(state: State) -> Ints:
-    """Return for each node the first of those at its place that are tied to the same two nodes."""
-    f, first = state.flank, np.arange(state.node.count)
-    node, weight, tied = f.node[: f.count], f.weight[: f.count], f.nodes[: f.count]
-    used = weight > _SAME
+def first_at_places(nodes: Ints, weight: Floats) -> Ints:
+    """Return for each flank point the first of those at its place, tied to the same two nodes.
+
+    Where a crack crosses a side, the copies of both quads have a point there. A point that is tied
+    to more nodes, or to one, is the only one.
+
+    nodes, weight : (n_point, 4), what they are tied to and the shape functions.
+    """
+    first, used = np.arange(len(nodes)), weight > _SAME
     on_side = np.flatnonzero(used.sum(axis=1) == 2)
-    ends = tied[on_side][used[on_side]].reshape(-1, 2)
+    ends = nodes[on_side][used[on_side]].reshape(-1, 2)
     at = weight[on_side][used[on_side]].reshape(-1, 2)
-    low = np.argmin(ends, axis=1)
-    every = np.arange(on_side.size)
+    low, every = np.argmin(ends, axis=1), np.arange(on_side.size)
     s = np.round(at[every, low], _DIGITS)
     order = np.lexsort((on_side, s, ends[every, 1 - low], ends[every, low]))
     a, b, s = ends[every, low][order], ends[every, 1 - low][order], s[order]
     new = np.ones(order.size, np.bool_)
     new[1:] = (a[1:] != a[:-1]) | (b[1:] != b[:-1]) | (s[1:] != s[:-1])
-    head = order[np.flatnonzero(new)][np.cumsum(new) - 1]
-    first[node[on_side[order]]] = node[on_side[head]]
+    first[on_side[order]] = on_side[order[np.flatnonzero(new)][np.cumsum(new) - 1]]
     return first
 
 

@@ -80,7 +80,9 @@ def see(
         if not looks.within[i]:  # has not come to the surface since
             looks.until[i] = walked + looks.lasts[i] - sqrt(gone)
             return False, triangle, 0.0, p, lies
-        triangle, q = _followed(i, p, tables)
+        # Where its last look-up holds, the closest triangle is the same.
+        surface = tool.grid.surface
+        looks.within[i], q = signed_distance_to(p, looks.closest[i, 0], triangle, surface)
         if not looks.within[i]:
             looks.lasts[i] = looks.flat[i] = 0.0
     else:
@@ -233,14 +235,3 @@ def _under_faces(i: int, p: Vec3, radius: float, looks: Looks) -> tuple[bool, fl
     w = combine(of_n, n, of_other, other)
     length = norm(w)
     return inside, radius - length, scale(1.0 / length, w)
-
-
-@always_inline
-def _followed(i: int, p: Vec3, tables: ContactTables) -> tuple[int, Vec3]:
-    """Return the closest triangle of a carrier whose last look-up holds, and its closest point."""
-    looks = tables.looks
-    triangle = looks.closest[i, 1]
-    looks.within[i], q = signed_distance_to(
-        p, looks.closest[i, 0], triangle, tables.tool.grid.surface
-    )
-    return triangle, q

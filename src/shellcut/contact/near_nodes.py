@@ -1,9 +1,12 @@
-"""List of the nodes near the tool, valid while no other node can have come near.
+"""Lists of what is near, and how long they are complete.
 
-The nodes inside boxes fixed to the tool, each wider by a margin than needed, are listed. The list
-is valid until tool and nodes together may have moved by half the margin; the other half is for the
-nodes outside, whose speed is not tracked. So each step only treats the nodes of the list, and the
-search over all nodes is rare. The list never changes a result: its users check each node again.
+A list is made with a margin: of more than is near enough, so that for many steps nothing else can
+have come near. :class:`ListAge` says how long, of all lists of the contact.
+
+The nodes near a tool are those inside boxes fixed to it, each wider by a margin than needed. The
+list lasts until tool and listed nodes together have moved by half the margin; the other half is for
+the nodes outside, whose motion is not tracked. So each step only treats the nodes of the list, and
+the search over all nodes is rare. The list never changes a result: its users check each node again.
 """
 
 from __future__ import annotations
@@ -16,12 +19,71 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import load
+from shellcut.numerics.vec3 import dot, load, sub
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
 
-# Steps between two checks of how far nodes have moved: they move by hundredths of the margin.
-_LOOK_EVERY = 10
+# Steps between two looks at how far things have moved, by hundredths of a margin; and what they may
+# go until the next one, over what they have gone since the last.
+_LOOK_EVERY, _FASTER = 5, 2.0
+
+
+class ListAge:
+    """Tells when a list of what is near is to be made anew.
+
+    Parameters
+    ----------
+    way : float
+        That film and tool together may go until then [mm].
+    radius : float, optional
+        Of the farthest point of the tool around the body's origin [mm]; without one the tool does
+        not count.
+    """
+
+    def __init__(self, way: float, radius: float | None = None) -> None:
+        self._way, self._radius = way, radius
+        self._known, self._farthest = KnownTopology(), BoundOnce(_farthest)
+        self._x, self._pose = np.zeros((0, 3)), Pose.at_origin()
+        self._gone, self._look_at = 0.0, 0
+
+    def is_over(self, state: State, pose: Pose, tracked: Ints) -> bool:
+        """Return whether some nodes, or the tool, may have gone too far before the next look.
+
+        They may if the film has been cut, too.
+        """
+        if not self._known.is_of(state):
+            return True
+        if 0 < state.step < self._look_at:  # before the run film may be put anywhere
+            return False
+        there = self._pose if self._radius is None else pose
+        gone = self._farthest(
+            tracked, state.node.x, self._x, there, self._pose, self._radius or 0.0
+        )
+        further = max(gone - self._gone, 0.0)
+        self._gone, self._look_at = gone, state.step + _LOOK_EVERY
+        return bool(gone + _FASTER * further > self._way)
+
+    def begin(self, state: State, pose: Pose) -> None:
+        """Begin anew: the list has just been made."""
+        self._known.take(state)
+        self._x, self._pose = state.node.x[: state.n_node].copy(), pose
+        self._gone, self._look_at = 0.0, state.step + _LOOK_EVERY
+
+    def saved(self) -> dict[str, Any]:
+        """Return where all was when the list was made, and the last look."""
+        return {
+            "x": self._x,
+            "pose": self._pose._asdict(),
+            "revision": self._known.revision,
+            "gone": self._gone,
+            "look_at": self._look_at,
+        }
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, of a list for ``state``."""
+        self._x, self._pose = saved["x"].copy(), Pose(**saved["pose"]).copied()
+        self._known.restore(saved["revision"], state)
+        self._gone, self._look_at = saved["gone"], saved["look_at"]
 
 
 class NearNodes:
@@ -39,16 +101,12 @@ class NearNodes:
         self._margin = margin
         self._low, self._high = low - margin, high + margin
         corner = np.maximum(abs(self._low), abs(self._high))
-        self._radius = float(np.linalg.norm(corner, axis=1).max())
-        self._pose = Pose.at_origin()
-        self._time = 0.0
-        self._known = KnownTopology()
-        self._walked = 0.0
+        self._age = ListAge(self.half_margin, float(np.linalg.norm(corner, axis=1).max()))
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
         self.n_search = 0
         """Searches so far."""
-        self._way, self._within = BoundOnce(_moved), BoundOnce(_within)
+        self._within = BoundOnce(_within)
 
     @property
     def half_margin(self) -> float:
@@ -57,39 +115,22 @@ class NearNodes:
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
-        n = state.node
-        if self._known.is_of(state):
-            if state.step % _LOOK_EVERY:
-                return False
-            tool, fastest = self._way(self.ids, n.velocity_half, pose, self._pose, self._radius)
-            self._walked += (state.time - self._time) * fastest
-            self._time = state.time
-            if tool + self._walked < self.half_margin:
-                return False
-        self.ids = self._in_boxes(np.flatnonzero(n.real[: n.count]), state, pose, 0.0)
+        if not self._age.is_over(state, pose, self.ids):
+            return False
+        every = np.flatnonzero(state.node.real[: state.n_node])
+        self.ids = self._in_boxes(every, state, pose, 0.0)
         self.n_search += 1
-        self._pose = pose
-        self._known.take(state)
-        self._time, self._walked = state.time, 0.0
+        self._age.begin(state, pose)
         return True
 
     def saved(self) -> dict[str, Any]:
-        """Return the list, with the time and the pose of its search."""
-        return {
-            "ids": self.ids,
-            "n_search": self.n_search,
-            "pose": self._pose._asdict(),
-            "time": self._time,
-            "walked": self._walked,
-            "revision": self._known.revision,
-        }
+        """Return the list and its age."""
+        return {"ids": self.ids, "n_search": self.n_search, "age": self._age.saved()}
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, a list of the nodes of ``state``."""
         self.ids, self.n_search = saved["ids"].copy(), saved["n_search"]
-        self._pose = Pose(**saved["pose"]).copied()
-        self._time, self._walked = saved["time"], saved["walked"]
-        self._known.restore(saved["revision"], state)
+        self._age.restore(state, saved["age"])
 
     def within(self, state: State, pose: Pose) -> Ints:
         """Return the nodes within half the margin of the boxes.
@@ -105,9 +146,10 @@ class NearNodes:
 
     def rows(self, state: State) -> Ints:
         """Return the quads at listed nodes, ascending."""
-        n = state.node
+        n, listed = state.node, np.zeros(state.n_quad, np.bool_)
         at = np.arange(n.quads.shape[1]) < n.n_quad_at[self.ids, None]
-        return np.unique(n.quads[self.ids][at]).astype(np.int64)
+        listed[n.quads[self.ids][at]] = True
+        return np.flatnonzero(listed)
 
 
 @inline
@@ -138,25 +180,25 @@ def tool_way(pose: Pose, then: Pose, radius: float) -> float:
 
 
 @always_inline
-def largest_speed(ids: Ints, count: int, velocity: Floats) -> float:
-    """Return the largest speed of the first ``count`` of some nodes [mm/s]."""
+def largest_speed(ids: Ints, velocity: Floats) -> float:
+    """Return the largest speed of some nodes [mm/s]."""
     fastest = 0.0
-    for i in range(count):
+    for i in range(ids.shape[0]):
         v = load(velocity, ids[i])
         fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     return sqrt(fastest)
 
 
 @kernel
-def _moved(
-    ids: Ints,
-    velocity: Floats,
-    pose: Pose,
-    then: Pose,
-    radius: float,
-) -> tuple[float, float]:
-    """Return a bound on the motion of the tool within a radius, and the largest nodal speed."""
-    return tool_way(pose, then, radius), largest_speed(ids, ids.shape[0], velocity)
+def _farthest(
+    nodes: Ints, x: Floats, then: Floats, pose: Pose, before: Pose, radius: float
+) -> float:
+    """Return how far some nodes, and the tool within a radius, have moved at most together [mm]."""
+    way = 0.0
+    for i in range(nodes.shape[0]):
+        moved = sub(load(x, nodes[i]), load(then, nodes[i]))
+        way = max(way, dot(moved, moved))
+    return sqrt(way) + tool_way(pose, before, radius)
 
 
 @kernel

@@ -106,27 +106,16 @@ class PairSearch:
         n_box, axis, widest = self._boxes(points.place, rows, quads, n.x, reach, boxes)
         order = np.argsort(low[:n_box, axis], kind="stable")
         boxes = Boxes(row[order], low[order], high[order])
-        room = _ROOM * (points.ids.size + 1)
+        n_point, room = points.ids.size, _ROOM * (points.ids.size + 1)
         while True:
-            found = np.empty((room, 3), np.int64)
-            count = self._find(points, boxes, axis, widest, quads, n.quads, n.n_quad_at, found)
-            if count <= room:
-                return _in_sheets(points.ids, found[:count])
-            room = count
-
-
-def _in_sheets(ids: Ints, found: Ints) -> Pairs:
-    """Return pairs from rows (place of the point, sheet, row), which ascend."""
-    point, sheet, row = found.T
-    new = np.flatnonzero(np.diff(point, prepend=-1) | np.diff(sheet, prepend=-1))
-    at = point[new]
-    first_sheet = np.flatnonzero(np.diff(at, prepend=-1))
-    return Pairs(
-        point=ids[at[first_sheet]],
-        first_sheet=np.append(first_sheet, at.size),
-        first_pair=np.append(new, point.size),
-        row=np.ascontiguousarray(row),
-    )
+            pairs = Pairs(*(np.empty(k, np.int64) for k in (n_point, n_point + 1, room + 1, room)))
+            n_pair, n_sheet, n_met = self._find(
+                points, boxes, axis, widest, quads, n.quads, n.n_quad_at, pairs
+            )
+            if n_pair <= room:
+                ends = (n_met, n_met + 1, n_sheet + 1, n_pair)
+                return Pairs(*(one[:end].copy() for one, end in zip(pairs, ends, strict=True)))
+            room = n_pair
 
 
 @kernel
@@ -207,36 +196,39 @@ def _find(
     quads: SmallIds,
     at: SmallIds,
     n_at: SmallIds,
-    found: Ints,
-) -> int:
-    """Write (place of the point, sheet, row) of every pair to found : (n, 3); return their number.
+    pairs: Pairs,
+) -> tuple[int, int, int]:
+    """Write the pairs; return how many pairs, sheets and points with partners there are.
 
-    They ascend. The number is right also where there is no room for all.  axis, widest : along
-    which the boxes ascend, and their largest width [mm].  at, n_at : rows at every node.
+    The number of pairs is right also where there is no room for all.  axis, widest : along which
+    the boxes ascend, and their largest width [mm].  at, n_at : rows at every node.
     """
     of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row hangs together with
     of_node, owner, ring = np.full(at.shape[0], -1), np.full(at.shape[0], -1), np.empty_like(n_at)
     met_by = np.full(at.shape[0], -1)  # point of the pair, ``owner``, that a node was met by
     leader, partner = np.empty(_MOST, np.int64), np.empty(_MOST, np.int64)
-    count = 0
+    n_pair, n_sheet, n_point = 0, 0, 0
     for i in range(points.ids.shape[0]):
         if points.rings[i] >= 0:
             _mark_rings(i, points, quads, at, n_at, of_row, of_node, ring)
-        p, n_pair = (points.place[i, 0], points.place[i, 1], points.place[i, 2]), 0
+        p, n = (points.place[i, 0], points.place[i, 1], points.place[i, 2]), 0
         for j in range(_first_from(p[axis] - widest, boxes, axis), boxes.row.shape[0]):
             row = boxes.row[j]
             if boxes.low[j, axis] > p[axis]:
                 break
-            if of_row[row] == i or n_pair == _MOST or not in_box(p, boxes.low, boxes.high, j):
+            if of_row[row] == i or n == _MOST or not in_box(p, boxes.low, boxes.high, j):
                 continue
-            k = n_pair
+            k = n
             while k > 0 and partner[k - 1] > row:
                 partner[k] = partner[k - 1]
                 k -= 1
             partner[k] = row
-            n_pair += 1
+            n += 1
+        if n == 0 or n_pair + n > pairs.row.shape[0]:
+            n_pair += n
+            continue
         # Pairs with a common node are of one sheet: the first of them leads it.
-        for k in range(n_pair):
+        for k in range(n):
             leader[k] = k
             for a in range(4):
                 node = quads[partner[k], a]
@@ -244,11 +236,19 @@ def _find(
                     met_by[node], owner[node] = i, k
                 one, two = _leader_of(k, leader), _leader_of(owner[node], leader)
                 leader[max(one, two)] = min(one, two)
-        for k in range(n_pair):
-            if count < found.shape[0]:
-                _insert(found, count, i, _leader_of(k, leader), partner[k])
-            count += 1
-    return count
+        pairs.point[n_point], pairs.first_sheet[n_point] = points.ids[i], n_sheet
+        n_point += 1
+        for k in range(n):
+            if leader[k] != k:
+                continue
+            pairs.first_pair[n_sheet] = n_pair
+            n_sheet += 1
+            for j in range(k, n):
+                if _leader_of(j, leader) == k:
+                    pairs.row[n_pair] = partner[j]
+                    n_pair += 1
+    pairs.first_sheet[n_point], pairs.first_pair[n_sheet] = n_sheet, min(n_pair, pairs.row.shape[0])
+    return n_pair, n_sheet, n_point
 
 
 @inline
@@ -270,14 +270,3 @@ def _leader_of(k: int, leader: Ints) -> int:
     while leader[k] != k:
         k = leader[k]
     return k
-
-
-@inline
-def _insert(found: Ints, count: int, point: int, sheet: int, row: int) -> None:
-    """Put a pair behind the others of its point and sheet; rows come in ascending order."""
-    place = count
-    while place > 0 and found[place - 1, 0] == point and found[place - 1, 1] > sheet:
-        for c in range(3):
-            found[place, c] = found[place - 1, c]
-        place -= 1
-    found[place, 0], found[place, 1], found[place, 2] = point, sheet, row

@@ -35,7 +35,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Held, HeldBy, Ints
+from shellcut.arrays import Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
@@ -153,7 +153,7 @@ class PenaltyContact(PressTerm):
         deepest = self._call.code(pose, before, state.dt, self.tables, self._touch)
         self.deepest = max(self.deepest, deepest)
 
-    def stiffness(self, state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
         near, n = self.near_nodes(state), state.node
         return near, n.contact_share[near] * self.law.steepest(n.contact_area[near])

@@ -202,8 +202,7 @@ def add_press_forces(
     side, edges, clock = memory.side, tables.per_carrier > 1, tables.clock
     if not edges:
         clock.walked[0] += tool_way(pose, before, clock.radius)
-        fastest = largest_speed(clock.node, clock.node.shape[0], tables.nodes.velocity_half)
-        clock.walked[0] += dt * fastest
+        clock.walked[0] += dt * largest_speed(clock.node, tables.nodes.velocity_half)
     walked = clock.walked[0]
     work = stored = absorbed = deepest = 0.0
     n_touching = 0

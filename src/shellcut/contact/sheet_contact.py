@@ -19,9 +19,10 @@ the nodes of the quad the opposite by their shape functions: the gradient of k �
 in the tool.
 
 *Search and waiting.* Pairs of points and quads (:mod:`.pair_search`) are listed until something may
-have moved by half of the margin. A step adds to the way *walked* what points and film may have come
-nearer to each other. Of the points found, it looks only at those that may touch: a look says how
-far the point may go before it does, and until that has been walked it is skipped.
+have moved by half of the margin (:class:`.near_nodes.ListAge`). A step adds to the way *walked*
+what points and film may have come nearer to each other. Of the points found, it looks only at those
+that may touch: a look says how far the point may go before it does, and until that has been walked
+it is skipped.
 
 *History.* A point remembers the side of a sheet that it is on, so that however deep it is pushed in
 it comes out where it went in. What it sees inside at first sight (film that starts so, a tip that
@@ -40,7 +41,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints
+from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
@@ -65,11 +66,11 @@ from .contact_tables import (
     Waits,
 )
 from .film_outline import FilmOutline, Part
-from .near_nodes import tool_way
+from .near_nodes import ListAge
 from .pair_search import Pairs, PairSearch, Points
 from .penalty_contact import PenaltyContact
 from .settings import STEEPEST, Contact, SheetLaw, film_stiffness
-from .sheet_press import add_sheet_forces, closest_of_pairs, farthest
+from .sheet_press import add_sheet_forces, closest_of_pairs
 
 # Sides from a crack within which nodes are looked at.
 _RINGS = 2
@@ -81,11 +82,6 @@ _MARGIN, _SLACK = 0.75, 0.6
 # Distance of a point of the tool from the film beyond which it does not touch it, and way after
 # which one that does not face it is looked at again, over the edge length.
 _CAPTURE, _UNDECIDED = 0.5, 0.02
-
-# Steps between two looks at how far all nodes have moved since the search: at least, at most, and
-# by which factor nodes may become faster where there are more than the least. Film at rest may be
-# hit: in 20 steps of waves through an edge it goes a quarter of one at a thirtieth of their speed.
-_LEAST_STEPS, _MOST_STEPS, _FASTER = 10, 20, 2.0
 
 
 class SheetContact(PressTerm):
@@ -107,10 +103,7 @@ class SheetContact(PressTerm):
     """
 
     kept_tables: ClassVar = {"_pairs": Pairs, "_memory": Memory, "_waits": Waits}
-    kept_values = (
-        *("_met", "_x_then", "_tracked", "_walked", "_walk_to", "_look_at"),
-        *("deepest", "n_looked", "n_search"),
-    )
+    kept_values = "_met", "_tracked", "_walked", "deepest", "n_looked", "n_search"
 
     def __init__(
         self,
@@ -130,14 +123,11 @@ class SheetContact(PressTerm):
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
-        self._x_then: Floats = np.zeros((0, 3))
+        self._age = ListAge(0.5 * margin, self._radius if self._of_tool else None)
         self._pose: Pose | None = None
-        self._pose_then = Pose.at_origin()
-        self._walked = self._walk_to = 0.0
-        self._look_at = 0
-        self._known, self._find, self._hold = KnownTopology(), PairSearch(), Holder()
-        self._call, self._farthest = BoundOnce(add_sheet_forces), BoundOnce(farthest)
-        self._closest = BoundOnce(closest_of_pairs)
+        self._walked = 0.0
+        self._find, self._hold = PairSearch(), Holder()
+        self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
         self.tables: SheetTables | None = None
         """What the kernel takes, anew with each search."""
         self.held: Any = None
@@ -150,7 +140,7 @@ class SheetContact(PressTerm):
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        lost = self._search(state, pose) if self._is_out_of_date(state, pose, before) else 0.0
+        lost = self._search(state, pose) if self._age.is_over(state, pose, self._tracked) else 0.0
         found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
         self._walked, n_looked = found
         self.touch.sums[ABSORBED] += lost
@@ -174,32 +164,9 @@ class SheetContact(PressTerm):
 
     # ---------------------------------------------------------------- search
 
-    def _is_out_of_date(self, state: State, pose: Pose, before: Pose) -> bool:
-        """Whether the pairs may lack one that touches before the next look."""
-        if not self._known.is_of(state):
-            return True
-        waits = self._walked <= self._walk_to  # by nodes that are listed, at each step
-        if waits and 0 < state.step < self._look_at:  # before the run film may be put anywhere
-            return False
-        n, then, radius = state.node, self._pose_then, self._radius
-        way, speed = self._farthest(
-            self._tracked, n.x, self._x_then, n.velocity_half, pose, then, radius
-        )
-        left, step = 0.5 * self._margin - way, state.dt * speed
-        if self._of_tool:
-            step += float(tool_way(pose, before, radius))
-        if left < _LEAST_STEPS * step:
-            return True
-        # The way walked counts motion back and forth, too.
-        self._walk_to = self._walked + left
-        steps = _MOST_STEPS if left > _FASTER * _MOST_STEPS * step else left / (_FASTER * step)
-        self._look_at = state.step + max(int(steps), _LEAST_STEPS)
-        return False
-
     def _search(self, state: State, pose: Pose) -> float:
         """List the pairs anew; return the energy of springs that have gone [N·mm]."""
         was, had, carried, met = self._pairs, self._memory, self.carriers, self._met
-        self._pose_then = pose
         points, rows, self._tracked = self._near(state, pose)
         reach = self._margin + (self.law.capture if self._of_tool else self.law.thickness)
         self._pairs = self._find.find(points, rows, reach, state)
@@ -216,10 +183,8 @@ class SheetContact(PressTerm):
             new[to] = old[of]
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
         self._presses = Presses.with_room(n_sheet, self._presses)
-        self._known.take(state)
-        self._x_then = state.node.x[: state.n_node].copy()
-        self._walked, self._walk_to = 0.0, 0.5 * self._margin
-        self._look_at = state.step + _LEAST_STEPS
+        self._age.begin(state, pose)
+        self._walked = 0.0
         self.n_search += 1
         self._lay_out(state)
         return float(np.maximum(had.work[gone], 0.0).sum())
@@ -296,15 +261,14 @@ class SheetContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return pairs, memory and the last forces."""
-        then = {"revision": self._known.revision, "pose": self._pose_then._asdict()}
-        return super().saved() | then | {"presses": self._presses.saved()}
+        return super().saved() | {"age": self._age.saved(), "presses": self._presses.saved()}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._take(saved)
-        self._pose, self._pose_then = pose, Pose(**saved["pose"]).copied()
+        self._pose = pose
         self._presses = Presses.with_room(self._pairs.n_sheet, Presses(**saved["presses"]))
-        self._known.restore(saved["revision"], state)
+        self._age.restore(state, saved["age"])
         self._lay_out(state)
 
 
@@ -334,7 +298,7 @@ class PointContact(SheetContact):
         """Return the nodes of the quads that a point presses on."""
         return np.unique(self.carriers.node[self.carriers.pressure > 0.0])
 
-    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, _state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that points may press soon and their steepest penalty [N/mm].
 
         A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh a
@@ -398,7 +362,7 @@ class SelfContact(SheetContact):
         self._film, self._ids, self._rings = film, self._tracked, self._tracked
         self._chosen_for = KnownTopology()
 
-    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
+    def stiffness(self, _state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
 
         A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most

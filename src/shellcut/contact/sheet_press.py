@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, add_to, combine, dot, load, scale, store, sub
@@ -50,7 +50,7 @@ def add_sheet_forces(
     wrench[:] = 0.0
     law, pairs, memory, waits = tables.law, tables.pairs, tables.memory, tables.waits
     nodes, presses, carriers, rigid = tables.nodes, tables.presses, tables.carriers, tables.of_tool
-    step = dt * largest_speed(tables.moving, tables.moving.shape[0], nodes.velocity_half)
+    step = dt * largest_speed(tables.moving, nodes.velocity_half)
     step += tool_way(pose, before, tables.radius) if rigid else step
     walked += step
     ahead = _AHEAD * step
@@ -218,19 +218,3 @@ def closest_of_pairs(pose: Pose, tables: SheetTables, found: Floats) -> None:
             found[j, 0], weights = np.sqrt(place.square), weights_at(place.xi, place.eta)
             for a in range(4):
                 found[j, 1 + a] = weights[a]
-
-
-@kernel
-def farthest(
-    nodes: Ints, x: Floats, then: Floats, velocity: Floats, pose: Pose, before: Pose, radius: float
-) -> tuple[float, float]:
-    """Return how far some nodes, and the tool within a radius, have moved at most, and how fast.
-
-    The first is the sum of both [mm], the second is of the nodes [mm/s].
-    """
-    way = 0.0
-    for i in range(nodes.shape[0]):
-        moved = sub(load(x, nodes[i]), load(then, nodes[i]))
-        way = max(way, dot(moved, moved))
-    fastest = largest_speed(nodes, nodes.shape[0], velocity)
-    return np.sqrt(way) + tool_way(pose, before, radius), fastest

@@ -1,7 +1,8 @@
 """Penetration that no contact feels: the tool in quads, edges in the tool.
 
-Nodes feel the faces of the tool, and quads its corners and edges, but for those that cut; what goes
-through a quad without either is measured during a run and reported. At the start any is refused.
+Nodes feel the faces of the tool, and quads its corners and edges, at points
+(:mod:`.contact_points`). What goes through a quad between these, or without them, is measured
+during a run and reported. At the start any is refused.
 
 A rim or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places on
 the edges (:mod:`.edge_contact`), if these touch; what goes deeper than is felt is measured, too.

@@ -111,9 +111,9 @@ class FileList:
         return [name for name in self.names if os.path.lexists(self._folder / name)]
 
     def remove(self, names: Iterable[str]) -> None:
-        """Remove listed files, including partly written ones, and folders left empty."""
+        """Remove those of some files that are listed, also partly written, and empty folders."""
         for name in names:
-            if _leads_away(self._folder, name):
+            if name not in self.names or _leads_away(self._folder, name):
                 continue
             path = self._folder / name
             for one in (path, *unfinished(path)):

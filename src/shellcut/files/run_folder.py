@@ -10,6 +10,8 @@
 ``summary.json``        figures, when it ends, :mod:`shellcut.recording.run_summary`
 ``splits.csv``          every split, when it ends, :mod:`shellcut.results.splits_csv`
 ``torque.png``          or ``force.png``, and ``energy.png``: curves, when it ends
+``used.toml``           of runs of model files: the model with all defaults filled in
+``run.log``             of these too, :mod:`shellcut.recording.run_log`
 ======================  ===========================================================================
 """
 
@@ -24,6 +26,7 @@ CHECKPOINT = "checkpoint.h5"
 SUMMARY = "summary.json"
 SPLITS = "splits.csv"
 ENERGY_PICTURE = "energy.png"
+USED, LOG = "used.toml", "run.log"
 
 _SNAPSHOT = "snapshot_"
 

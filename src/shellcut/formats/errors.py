@@ -31,6 +31,11 @@ def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
     return ", ".join(describe(item) for item in listed[:_NAMED]) + more
 
 
+def counted(n: int, one: str, more: str = "") -> str:
+    """Return a number with its noun; ``more`` is the plural, by default with an s."""
+    return f"{n:,} {one if n == 1 else more or one + 's'}"
+
+
 def point_text(point: Floats) -> str:
     """Return the coordinates of a point."""
     return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"

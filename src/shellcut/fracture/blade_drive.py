@@ -24,7 +24,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.tool.cutting_edge import (
     BACK,
     CUT_DEPTH,
@@ -36,6 +36,7 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.motion import Motion
+from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.pose_of_motion import poses_of
 
 # How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
@@ -198,14 +199,8 @@ def _try_poses(
         if not found.seeking[i]:
             continue
         found.seeking[i] = False
-        R = found.rotation
-        gap = sub(load(x, i), load(found.translation, i))
-        p = (
-            R[i, 0, 0] * gap[0] + R[i, 1, 0] * gap[1] + R[i, 2, 0] * gap[2],
-            R[i, 0, 1] * gap[0] + R[i, 1, 1] * gap[1] + R[i, 2, 1] * gap[2],
-            R[i, 0, 2] * gap[0] + R[i, 1, 2] * gap[1] + R[i, 2, 2] * gap[2],
-        )
-        depth = 0.0
+        pose = Pose(found.rotation[i], found.translation[i])
+        p, depth = to_body(load(x, i), pose), 0.0
         if seek:
             found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
                 p, size[i], edges
@@ -220,12 +215,8 @@ def _try_poses(
         left = reach * size[i] - depth
         if not more or abs(left) <= NEAR * size[i]:
             continue
-        turning = cross(load(found.spin, i), gap)
-        v = load(found.velocity, i)
-        speed = 0.0
-        for a in range(3):
-            back = R[i, a, 0] * k[0] + R[i, a, 1] * k[1] + R[i, a, 2] * k[2]
-            speed += (v[a] + turning[a]) * back
+        turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
+        speed = dot(add(load(found.velocity, i), turning), turn(k, pose))
         if speed < 0.0:
             found.time[i] -= left / speed
             found.seeking[i] = True
@@ -252,9 +243,8 @@ def _direct(
         if found.edge_of[i] < 0:
             continue
         d, e = load(director, i), found.edge_of[i]
-        normal = segment_part(segments, e, NORMAL)
-        turned = load(found.rotation[i], 0), load(found.rotation[i], 1), load(found.rotation[i], 2)
-        b = dot(turned[0], normal), dot(turned[1], normal), dot(turned[2], normal)
+        pose = Pose(found.rotation[i], found.translation[i])
+        b = turn(segment_part(segments, e, NORMAL), pose)
         trace = cross(d, b)
         sign = -1.0 if dot(trace, load(heading, i)) < 0.0 else 1.0
         trace = scale(sign / max(norm(trace), TANGENT), trace)
@@ -262,13 +252,11 @@ def _direct(
         across = scale(1.0 / max(1.0 - sine * sine, LEAST), combine(1.0, b, -dot(b, d), d))
         store(found.lean, i, scale(sine, across))
         aside = scale(found.off[i], across)
-        for turn in range(n_way):
+        for nth in range(n_way):
             way = trace
-            if turn < n_way - 1:
-                way = combine(LOOK_AHEAD[turn] * size[i], trace, -1.0, aside)
-            way = scale(1.0 / max(norm(way), TANGENT), way)
-            for c in range(3):
-                found.ways[i, turn, c] = way[c]
+            if nth < n_way - 1:
+                way = combine(LOOK_AHEAD[nth] * size[i], trace, -1.0, aside)
+            store(found.ways[i], nth, scale(1.0 / max(norm(way), TANGENT), way))
 
 
 @inline

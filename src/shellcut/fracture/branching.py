@@ -66,7 +66,7 @@ class Branching:
     def __init__(self, material: ShellMaterial, law: CohesiveLaw, fracture: Fracture) -> None:
         if material.has_axes:
             raise ValueError(
-                "branching is known of films that are alike in all directions, got one with axes: "
+                "branching works in films that are alike in all directions, got one with axes: "
                 "leave branching out, or take a film without"
             )
         modulus = material.stretching_stiffness / material.thickness
@@ -93,9 +93,9 @@ class Branching:
         if self._check_every * step * self.speed > size:
             enough = max(int(size / (step * self.speed)), 1)
             raise ValueError(
-                f"a crack in this film branches from {self.speed:.4g} mm/s on, and runs no faster "
-                f"than one quad of {size:.3g} mm in check_every = {self._check_every} steps of "
-                f"{step:.3g} s: set check_every to {enough} or less"
+                f"cracks must be able to run at {self.speed:.4g} mm/s to branch, got one quad of "
+                f"{size:.3g} mm in check_every = {self._check_every} steps of {step:.3g} s at "
+                f"most: set check_every to {enough} or less"
             )
 
     def pace_after(self, tip: Tip, time: float, length: float, size: float) -> Pace:

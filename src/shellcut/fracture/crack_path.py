@@ -105,7 +105,11 @@ class CrackPath:
         return rows
 
     def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the same in the order of the mesh, for cracks that no blade drives."""
+        """Return the same in the order of the mesh.
+
+        :mod:`.free_direction` looks from the first of them: from the first of :meth:`rows_ahead`
+        two tears that converge meet too late on some meshes.
+        """
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)
@@ -253,10 +257,6 @@ class CrackPath:
         along = least_squares(product(slopes, film.x[film.quads[quad]]).T, np.array(heading))
         return along, slopes
 
-    def reference_of(self, state: State, tip: Tip) -> Floats:
-        """Return where a tip lies in the reference film [mm], shape (3,)."""
-        return self.at_tip(tip, state.node.X)
-
     def at_tip(self, tip: Tip, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at a tip, shape (k,)."""
         if tip.flank is not None:
@@ -272,8 +272,8 @@ class CrackPath:
 
     def nearest(self, state: State, tip: Tip, others: Sequence[Tip]) -> float:
         """Return how near the nearest other tip is in the reference film [mm], inf if none is."""
-        here = self.reference_of(state, tip)
-        gaps = [self.reference_of(state, one) - here for one in others if one is not tip]
+        here = self.at_tip(tip, state.node.X)
+        gaps = [self.at_tip(one, state.node.X) - here for one in others if one is not tip]
         return min((float(norm(gap)) for gap in gaps), default=np.inf)
 
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:
@@ -299,10 +299,10 @@ class CrackPath:
                 best, direction = ahead, unit(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:
-                    found = Tip((at_end, at_end), 0.0, -1, direction, 0.0)
+                    found = Tip((at_end, at_end), 0.0, -1, direction)
                 else:
                     ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
-                    found = Tip(ends, float(s), -1, direction, 0.0)
+                    found = Tip(ends, float(s), -1, direction)
         return found
 
     def segment_from(
@@ -432,7 +432,7 @@ class CrackPath:
                 return Segment(row, start, stop, k, corner_at(stop), along_side=True)
         return None
 
-    def tip_at(self, end: Segment, heading: Floats, length: float) -> Tip | None:
+    def tip_at(self, end: Segment, heading: Floats) -> Tip | None:
         """Return the tip at the end of a segment that has just been cut; None at a rim.
 
         Where that has come to an earlier crack :meth:`tip_across` finds it.
@@ -440,16 +440,15 @@ class CrackPath:
         ring, quad = self.ring(end.row), self.topology.parent(end.row)
         if end.corner >= 0:
             node = ring[end.corner]
-            tip = Tip((node, node), 0.0, quad, heading, length)
+            tip = Tip((node, node), 0.0, quad, heading)
         else:
-            tip = Tip(*end.on_side_of(ring), quad, heading, length)
+            tip = Tip(*end.on_side_of(ring), quad, heading)
         return tip if self.rows_ahead(tip) else None
 
     def tip_across(self, state: State, end: Segment, heading: Floats) -> Tip | None:
         """Return the tip on the other flank of the crack at which a segment has ended.
 
-        None where there is no film beyond, at a rim. There is no crack behind the new tip: its
-        length is 0.
+        None where there is no film beyond, at a rim.
 
         heading : (3,), direction of the segment in the reference film.
         """
@@ -461,4 +460,4 @@ class CrackPath:
         row, place = ahead
         nodes = nodes_at(state, row, place)
         behind = tuple(other for other, at in touching if nodes_at(state, other, at) != nodes)
-        return Tip((-1, -1), 0.0, self.topology.parent(row), heading, 0.0, place, behind)
+        return Tip((-1, -1), 0.0, self.topology.parent(row), heading, place, behind)

@@ -33,8 +33,8 @@ from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .options import Fracture
-from .pierce import Pierce
-from .puncture import puncture_force
+from .pierce import Begun, Pierce
+from .puncture import bending_length, puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .side_tears import Due, LargestStress, SideTears
@@ -76,8 +76,8 @@ class Cracks:
         motion: Motion | None = None,
         points: PointContact | None = None,
     ) -> None:
-        film, gauss = fracture.anisotropy, fracture.cable_places == "gauss"
-        self.cuts = Cuts(state, shell, law, film, loads=loads, at_gauss_points=gauss)
+        film = fracture.anisotropy
+        self.cuts = Cuts(state, shell, law, film, loads=loads, fibres=fracture.fibres)
         """Carries them out."""
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every
@@ -90,7 +90,7 @@ class Cracks:
         topology = self.cuts.topology
         self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
         self._exactly = fracture.equilibrium_start
-        self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
+        self._trial = TrialCut(topology, shell, loads, law.strength, film)
         self._sums = TrialSums(self._trial)
         self._sides: SideTears | None = None
         self.stress: LargestStress | None = None
@@ -99,6 +99,8 @@ class Cracks:
             self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
             self.stress = self._sides.stress
         self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
+        self.bending_length = bending_length(shell.material, law)
+        """Over which the film bends where its tension is the strength [mm]."""
         self._pierce: Pierce | None = None
         # A blunt tool cuts nothing: it only pushes.
         if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
@@ -107,10 +109,10 @@ class Cracks:
             force = fracture.puncture_force
             if force is None:
                 force = puncture_force(shell.material, law, tool.edge_radius)
-            limits = force, law.strength
-            self._pierce = Pierce(state, self._path, drive, shell, limits, points)
+            limits, self._chain = (force, law.strength), tool.edge_chain
+            self._pierce = Pierce(state, self._path, drive, shell, limits, points, self._chain)
 
-    def cut_due(self, state: State, pose: Pose) -> None:
+    def cut_due(self, state: State, pose: Pose, work: float = 0.0) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.
 
         In every ``check_every``-th step.
@@ -121,6 +123,8 @@ class Cracks:
             Positions at t_{n+1} and the length of the step there, strains and cable forces of t_n.
         pose : Pose
             Of the tool at t_{n+1}.
+        work : float
+            Of the tool up to t_n [N·mm].
         """
         if state.step % self._check_every:
             return
@@ -129,7 +133,7 @@ class Cracks:
             return
         while self._advance_driven(state):
             pass
-        self._begin_cuts(state, pose)
+        self._begin_cuts(state, pose, work)
 
     def _advance_free(self, state: State) -> None:
         """Advance the cracks that no blade drives and that are due, by one quad at most.
@@ -159,7 +163,7 @@ class Cracks:
         segment = next((one for one in found if one is not None), None)
         if segment is None:
             return None
-        return Due(segment, self._sums.of_tear(state, tip, segment))
+        return Due(segment, self._sums.of_tear(state, segment))
 
     def _is_held(self, state: State, segment: Segment) -> bool:
         """Whether moving supports hold the film together through which a segment would go."""
@@ -199,7 +203,7 @@ class Cracks:
             found = self._path.segment_from(state, tip, one, others=self.tips)
             if found is None or self._is_held(state, found):
                 return False
-            if (measure := self._sums.of_tear(state, tip, found)) < 1.0:
+            if (measure := self._sums.of_tear(state, found)) < 1.0:
                 return False
             both.append((found, measure))
         (left, measure), (right, other_measure) = both
@@ -211,7 +215,7 @@ class Cracks:
         if again is not None:
             cut = self._cut(state, again, "criterion", other_measure)
             self._end_at(state, again, cut, 1, tip.heading, branch=True)
-            self.cuts.wake(state)
+            self.cuts.renew(state)
         return True
 
     def notch(self, state: State, points: Floats) -> None:
@@ -228,13 +232,13 @@ class Cracks:
                 break
         if tip is None:
             raise ValueError(
-                f"a notch must begin at the rim of the film or within it: {points[0].tolist()} mm "
-                f"lies outside, and no side of the rim between it and {stop.tolist()} mm is "
-                "nearer to that line than it is long"
+                f"a notch must begin on the film or at its rim, but its line from "
+                f"{points[0].tolist()} to {stop.tolist()} mm crosses no side of the rim: move its "
+                "first point"
             )
         while tip is not None and (ahead := self._path.rows_ahead(tip)):
             at = self._path.place_in(state, *ahead[0])
-            way, lean = line.direction(self._path.reference_of(state, tip), at)
+            way, lean = line.direction(self._path.at_tip(tip, state.node.X), at)
             segment = self._path.segment_from(state, tip, way, lean, self.tips)
             if segment is None and len(state.split_log) == before:
                 raise ValueError(
@@ -245,8 +249,8 @@ class Cracks:
                 return
             cut = self._cut(state, segment, NOTCH, 0.0)
             tip = self._tip_after(state, segment, cut, 1, tip.heading)
-            if tip is not None and line.ends(self._path.reference_of(state, tip), cut.length):
-                self.tips.append(replace(tip, length=0.0))
+            if tip is not None and line.ends(self._path.at_tip(tip, state.node.X), cut.length):
+                self.tips.append(tip)
                 return
 
     def _slit(self, state: State, line: NotchLine) -> Tip | None:
@@ -264,7 +268,7 @@ class Cracks:
             return None
         behind = self._tip_after(state, back, cut, 0, -cut.heading)
         if behind is not None:
-            self.tips.append(replace(behind, length=0.0))
+            self.tips.append(behind)
         return self._tip_after(state, ahead, cut, 1, cut.heading)
 
     def _through(
@@ -335,7 +339,7 @@ class Cracks:
             size = self._path.size(segment.row)
             pace = self._branching.pace_after(tip, state.time, cut.length, size)
         self._end_at(state, segment, cut, 1, tip.heading, pace, branch=branch or tip.branch)
-        self.cuts.wake(state)
+        self.cuts.renew(state)
         if segment.along_side:
             self.cuts.hand_over(state, cut, forces, n_cable, exactly=self._exactly)
 
@@ -370,11 +374,11 @@ class Cracks:
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
-            tip = self._path.tip_at(segment, heading, cut.length)
+            tip = self._path.tip_at(segment, heading)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
         here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self._path.size(segment.row)
-        gaps = [norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
+        gaps = [norm(self._path.at_tip(tip, state.node.X) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
         joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
         if joined is not None and product(joined.heading, came) < ONCOMING:
@@ -390,12 +394,12 @@ class Cracks:
 
         kind : of the cut.
         """
-        here = self._path.reference_of(state, tip)
+        here = self._path.at_tip(tip, state.node.X)
         for other in self.tips:
             between = self._path.between(tip, other)
             if between is None or product(other.heading, tip.heading) > ONCOMING:
                 continue
-            gap = self._path.reference_of(state, other) - here
+            gap = self._path.at_tip(other, state.node.X) - here
             across = norm(gap - product(gap, tip.heading) * tip.heading)
             if across < JOIN * self._path.size(tip.quad):
                 self.cuts.along(state, between, kind, 0.0)
@@ -403,7 +407,7 @@ class Cracks:
                 return True
         return False
 
-    def _begin_cuts(self, state: State, pose: Pose) -> None:
+    def _begin_cuts(self, state: State, pose: Pose, work: float) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
         driven = self._watch.driven_places()
@@ -412,16 +416,30 @@ class Cracks:
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
             if state.node.halved[state.quads[begun.row]].any() or whole != WHOLE:
                 continue
+            pierced = self._pierced(state, begun) if begun.measure else None
             for back, ahead in self._pierce.ways(state, begun, self.tips):
-                kind = "puncture" if begun.measure else "blade"
+                kind = "blade" if pierced is None else "puncture"
                 cut = self._through(state, back, ahead, kind, begun.measure)
                 if cut is not None:
                     break
             else:
                 continue
+            if pierced is not None:
+                state.split_log[-1] = replace(state.split_log[-1], work=work, **pierced)
             self._end_at(state, back, cut, 0, -cut.heading)
             self._end_at(state, ahead, cut, 1, cut.heading)
-            self.cuts.wake(state)
+            self.cuts.renew(state)
+
+    def _pierced(self, state: State, begun: Begun) -> dict[str, Any]:
+        """Return for the record of a cut how whole film is pierced."""
+        at = self._path.place_in(state, begun.row, begun.place)
+        weights = np.array(shape_functions(begun.place))
+        reference = product(weights, state.node.X[state.quads[begun.row]])
+        return {
+            "edge": int(self._chain[begun.segment]),
+            "force": begun.force,
+            "depth": abs(float(product(at.x - reference, at.T))),
+        }
 
     def tip_nodes(self, state: State) -> Ints:
         """Return the nodes where cracks along sides end."""

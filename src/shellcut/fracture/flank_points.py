@@ -16,7 +16,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, product
+from shellcut.arrays import Floats, Ints, product
+from shellcut.contact.film_outline import SLIVER, first_at_places
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
@@ -25,12 +26,6 @@ from shellcut.numerics.vec3 import add_scaled, load, store
 from shellcut.state import KnownTopology, State
 
 from .quad_polygon import UNUSED, Point, shape_functions
-
-# Of a quad: the nodes of a copy that holds less swing by more than it is wide.
-_SLIVER = 0.2
-
-# Of weights: places on a side that agree so far are one; far above round-off.
-_DIGITS = 9
 
 
 class _Tied(NamedTuple):
@@ -85,7 +80,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     """
     n, f = state.node, state.flank
     node, k = n.append_blank(), f.append_blank()
-    f.node[k], f.place[k], f.inward[k] = node, place, inward
+    f.node[k], f.place[k], f.inward[k], f.twin[k] = node, place, inward, k
     f.weight[k] = shape_functions(place)
     n.origin[node] = node
     n.halved[node] = n.real[node] = True
@@ -97,11 +92,12 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     return node
 
 
-def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: Ints) -> None:
+def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     """Tie all flank points to the nodes that their copies have now.
 
-    Of several at one place contact sees the first, and its film is that of the first two: which
-    side of the blade a sliver lies on shows in the copy beyond the side.
+    Contact sees those that have parted from their twins, of several at one place the first. Its
+    film is that of the first two: which side of the blade a sliver lies on shows in the copy beyond
+    the side.
 
     The contact area of one is a quarter of its quad's. It presses with as much of it, and the nodes
     around with as much of theirs, as the film can bear without shortening the step
@@ -117,22 +113,25 @@ def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: I
         Of whole quads [mm²].
     density : float
         rho h [t/mm²].
-    untouched : ndarray of int
-        Those, by their ids among the nodes, that contact does not see.
     """
     f, n = state.flank, state.node
     row, node = f.row[: f.count], f.node[: f.count]
     f.nodes[: f.count] = state.quads[row]
     # Of a sliver elsewhere the film around it is as before.
-    sliver = state.quad.share[row] < _SLIVER
+    sliver = state.quad.share[row] < SLIVER
     near = np.isin(f.nodes[: f.count], state.quads[changed]).any(axis=1)
     anew = near | ~sliver
     n.quads[node[anew], 0], n.n_quad_at[node[anew]] = row[anew], 1
-    touched = np.flatnonzero(~np.isin(node, untouched))
-    seen, (first, other) = _seen_by_contact(f.nodes[touched], f.weight[touched])
+    held = np.sort(np.where(f.weight[: f.count] > UNUSED, f.nodes[: f.count], -1), axis=1)
+    touched = np.flatnonzero((held != held[f.twin[: f.count]]).any(axis=1))
+    at = first_at_places(f.nodes[touched], f.weight[touched])
+    again = np.flatnonzero(at < np.arange(touched.size))
+    seen = (f.weight[touched] > UNUSED).sum(axis=1) > 1  # a corner is a node itself
+    seen[again] = False
     n.real[node] = False
     n.real[node[touched]] = seen
-    first, other = touched[first], touched[other]
+    first, second = np.unique(at[again], return_index=True)
+    first, other = touched[first], touched[again[second]]
     first, other = first[anew[first]], other[anew[first]]
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
     for k in np.flatnonzero(sliver & near).tolist():
@@ -198,30 +197,6 @@ def _share_springs(state: State, node: Ints, density: float) -> None:
     n.contact_share[masters] = own[masters] * part[masters] / n.contact_area[masters]
     least = np.where(weight > UNUSED, part[nodes], 1.0).min(axis=1)
     n.contact_share[node] = area * least / n.contact_area[node]
-
-
-def _seen_by_contact(nodes: Ints, weight: Floats) -> tuple[Bools, tuple[Ints, Ints]]:
-    """Return which flank points contact sees, and pairs of a point and the next at its place.
-
-    Where a crack crosses a side, the copies of both quads have a point at the same place, tied to
-    the same two nodes: the first one is touched for both. A corner is a node itself.
-
-    nodes, weight : (n_point, 4).
-    """
-    used = weight > UNUSED
-    seen = used.sum(axis=1) > 1
-    on_side = np.flatnonzero(used.sum(axis=1) == 2)
-    ends = nodes[on_side][used[on_side]].reshape(-1, 2)
-    at = weight[on_side][used[on_side]].reshape(-1, 2)
-    low = np.argmin(ends, axis=1)
-    every = np.arange(len(ends))
-    a, b, s = ends[every, low], ends[every, 1 - low], at[every, low]
-    order = np.lexsort((on_side, np.round(s, _DIGITS), b, a))
-    a, b, s = a[order], b[order], np.round(s[order], _DIGITS)
-    again = np.flatnonzero((a[1:] == a[:-1]) & (b[1:] == b[:-1]) & (s[1:] == s[:-1])) + 1
-    seen[on_side[order[again]]] = False
-    of_first = seen[on_side[order[again - 1]]]
-    return seen, (on_side[order[again - 1]][of_first], on_side[order[again]][of_first])
 
 
 def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:

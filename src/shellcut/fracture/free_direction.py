@@ -212,7 +212,7 @@ class FreeDirection:
         """
         if tip not in self._behind:
             row, _ = self._path.rows_at_tip(tip)[0]
-            place = self._path.reference_of(state, tip)
+            place = self._path.at_tip(tip, state.node.X)
             self._behind[tip] = self._edges.cables_behind(state, place, self._path.size(row))
         cables, back = self._behind[tip]
         back = back[state.cable.status[cables] != BROKEN]
@@ -222,12 +222,13 @@ class FreeDirection:
 
     def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
-        row, entry = self._path.rows_at_tip(tip)[0]
+        rows = self._path.rows_at_tip(tip)
+        row, entry = rows[0]
         T = self._path.reference_director(row, entry)
         forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])
-        place, size = self._path.reference_of(state, tip), self._path.size(row)
-        others = [self._path.reference_of(state, one) for one in tips if one is not tip]
+        place, size = self._path.at_tip(tip, state.node.X), self._path.size(row)
+        others = [self._path.at_tip(one, state.node.X) for one in tips if one is not tip]
         domain = TipDomain.of(
             state,
             self._shell,
@@ -235,7 +236,7 @@ class FreeDirection:
             place,
             base,
             (zone * size, (zone + FALL) * size),
-            [row for row, _ in self._path.rows_ahead(tip)],
+            [one for one, _ in rows],
             np.array(others).reshape(-1, 3),
         )
         known, force = gives_back(self._shell.material), None

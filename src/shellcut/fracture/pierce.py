@@ -46,7 +46,7 @@ from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .open_edges import boundary_edges
 from .quad_polygon import AWAY, Point, shape_functions
-from .ray_ahead import AT_POINT, Aimed, at, through
+from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
 from .tip import Segment, Tip
 
@@ -69,6 +69,8 @@ class Begun(NamedTuple):
     """Of the cutting edge."""
     measure: float
     """Force or stress over what the film carries on its face, 0 at a rim."""
+    force: float = 0.0
+    """On the cutting edge, where it presses on the face [N]."""
 
 
 class Pierce:
@@ -86,6 +88,8 @@ class Pierce:
         F_p [N] and the strength [MPa].
     points : PointContact, optional
         By which the tool presses on the film.
+    chain : ndarray, shape (n_edge,)
+        To which each segment of the cutting edges belongs.
     """
 
     def __init__(
@@ -96,8 +100,10 @@ class Pierce:
         shell: MITC4Shell,
         limits: tuple[float, float],
         points: PointContact | None,
+        chain: Ints,
     ) -> None:
         self._path, self._drive, self._shell, self._points = path, drive, shell, points
+        self._chain = chain
         self._force, self._strength = limits
         size = float(np.sqrt(shell.area.max()))
         self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
@@ -158,7 +164,9 @@ class Pierce:
             return
         on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
         point = self._points.point_of_sheet()
-        for i in np.flatnonzero((force > 0.0) & (on.segment[point] >= 0)).tolist():
+        pressing = np.flatnonzero((force > 0.0) & (on.segment[point] >= 0))
+        chain = self._chain[on.segment[point[pressing]]]
+        for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             k = int(point[i])
             rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
             if not rows:  # it has been cut since it was pressed
@@ -176,7 +184,8 @@ class Pierce:
             if measure >= 1.0:
                 w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
-                yield Begun(row, place, segment, float(measure))
+                carried = float(force[pressing[chain == edge]].sum())
+                yield Begun(row, place, segment, float(measure), carried)
 
     def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
         """Return the mean membrane stress across an edge in a row [MPa]."""
@@ -229,7 +238,7 @@ class Pierce:
 
         tips : of all cracks.
         """
-        row, place, edge, measure = begun
+        row, place, edge, measure, _ = begun
         way, sides_only = self._way(state, row, place, edge), self._path.sides_only
         if not sides_only:
             ends = (self._towards(state, row, place, edge, tips, end) for end in (-1.0, 1.0))
@@ -353,15 +362,15 @@ def parts_quad(
     together = False
     for side in range(4):
         together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
-    at_corners = chord.way[0, 1] == AT_POINT and chord.way[1, 1] == AT_POINT
-    return not together or (at_corners and chord.way[0, 2] != chord.way[1, 2])
+    at_corners = chord.way[0, KIND] == AT_POINT and chord.way[1, KIND] == AT_POINT
+    return not together or (at_corners and chord.way[0, PLACE] != chord.way[1, PLACE])
 
 
 @inline
 def _is_on(chord: Aimed, i: int, side: int) -> bool:
     """Return whether a ray ends on a side of a whole quad."""
-    end: int = chord.way[i, 2]
-    return end == side or (bool(chord.way[i, 1] == AT_POINT) and end == (side + 1) % 4)
+    end: int = chord.way[i, PLACE]
+    return end == side or (bool(chord.way[i, KIND] == AT_POINT) and end == (side + 1) % 4)
 
 
 @kernel

@@ -61,6 +61,9 @@ AT_POINT, ALONG_SIDE, AT_END, AT_CROSSING, ON_SIDE, ON_FLANK = range(6)
 """Where a segment ends: at a point of the polygon, the same along a side of the mesh, where an
 oncoming crack does, on a crossing of another crack, on a side between crossings, on a flank."""
 
+AHEAD, KIND, PLACE, NTH = range(4)
+"""Columns of :attr:`Aimed.way`."""
+
 
 Ray: TypeAlias = tuple[Vec3, Vec3, Vec3]
 """Where a ray begins, the unit normal to its plane, and its unit direction."""
@@ -70,9 +73,9 @@ class Aimed(NamedTuple):
     """Where the segments from tips lead, written by :func:`leave`."""
 
     way: Annotated[Ints, "(n_tip, 4)"]
-    """Which row ahead, -1 if the tip has none; where it ends (AT_POINT to ON_FLANK); at which point
-    or edge; on which side of the quad at a point or end, else at or after how many crossings of the
-    edge from the last one."""
+    """AHEAD: which row, -1 if the tip has none. KIND: where it ends, AT_POINT to ON_FLANK. PLACE:
+    at which point or edge. NTH: on which side of the quad at a point or end, else at or after how
+    many crossings of the edge from the last one."""
     nodes: Annotated[Ints, "(n_tip, 4)"]
     """Of that row."""
     entry: Annotated[Floats, "(n_tip, 2)"]
@@ -116,18 +119,19 @@ def leave(
     ahead, aimed = borrowed(ahead), borrowed(aimed)
     count = 0
     for i in range(edge_of.shape[0]):
-        aimed.way[i, 0], aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = -1, 0, 0, 0
+        _end_at(aimed, i, 0, 0, 0, 0.0, 0.0)
+        aimed.way[i, AHEAD] = -1
         if edge_of[i] < 0:
             continue
         for turn in range(ways.shape[1]):
             way = ways[i, turn, 0], ways[i, turn, 1], ways[i, turn, 2]
             for joining in (True, False):
                 for k in range(start[i], start[i + 1]):
-                    if aimed.way[i, 0] < 0 and through(
+                    if aimed.way[i, AHEAD] < 0 and through(
                         ahead, k, i, x, t, way, load(lean, i), joining, aimed
                     ):
-                        aimed.way[i, 0] = k
-        k = aimed.way[i, 0]
+                        aimed.way[i, AHEAD] = k
+        k = aimed.way[i, AHEAD]
         if k >= 0:
             for a in range(4):
                 aimed.nodes[i, a] = ahead.nodes[k, a]
@@ -187,14 +191,20 @@ def through(
             continue
         through = ahead.common[k, j] == NO_SIDE
         if through or ahead.breaks[k, j]:
-            aimed.way[i, 1] = AT_POINT if through else ALONG_SIDE
-            aimed.way[i, 2] = j
-            aimed.way[i, 3] = ahead.side[k, hit] if through else ahead.common[k, j]
-            aimed.exit[i, 0], aimed.exit[i, 1] = ahead.point[k, j, 0], ahead.point[k, j, 1]
+            kind = AT_POINT if through else ALONG_SIDE
+            side = ahead.side[k, hit] if through else ahead.common[k, j]
+            _end_at(aimed, i, kind, j, side, ahead.point[k, j, 0], ahead.point[k, j, 1])
             return True
         if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
             return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)
+
+
+@inline
+def _end_at(aimed: Aimed, i: int, kind: int, place: int, nth: int, xi: float, eta: float) -> None:
+    """Write where the segment of tip i ends."""
+    aimed.way[i, KIND], aimed.way[i, PLACE], aimed.way[i, NTH] = kind, place, nth
+    aimed.exit[i, 0], aimed.exit[i, 1] = xi, eta
 
 
 @inline
@@ -209,9 +219,8 @@ def _along_a_side(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: 
         off, far = abs(dot(gap, normal)), dot(gap, way)
         if far > 0.0 and off < least * far:
             least, found = off / far, True
-            aimed.way[i, 1], aimed.way[i, 2] = ALONG_SIDE, j
-            aimed.way[i, 3] = ahead.common[k, j]
-            aimed.exit[i, 0], aimed.exit[i, 1] = ahead.point[k, j, 0], ahead.point[k, j, 1]
+            xi, eta = ahead.point[k, j, 0], ahead.point[k, j, 1]
+            _end_at(aimed, i, ALONG_SIDE, j, ahead.common[k, j], xi, eta)
     return found
 
 
@@ -225,9 +234,8 @@ def _to_an_end(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aim
         off = abs(dot(gap, normal))
         if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
-            aimed.way[i, 1], aimed.way[i, 2] = AT_END, ahead.end_edge[c]
-            aimed.way[i, 3] = ahead.end_side[c]
-            aimed.exit[i, 0], aimed.exit[i, 1] = ahead.end[c, 0], ahead.end[c, 1]
+            xi, eta = ahead.end[c, 0], ahead.end[c, 1]
+            _end_at(aimed, i, AT_END, ahead.end_edge[c], ahead.end_side[c], xi, eta)
     return found
 
 
@@ -258,9 +266,8 @@ def _past_a_corner(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed:
             if ahead.known[c] > own:
                 which = c + 1 - ahead.crossing[k, edge, 0]
         if clear:
-            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = ON_SIDE, edge, which
-            for c in range(2):
-                aimed.exit[i, c] = a[c] + along * (b[c] - a[c])
+            xi, eta = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
+            _end_at(aimed, i, ON_SIDE, edge, which, xi, eta)
             return True
     return False
 
@@ -286,10 +293,9 @@ def _onto_edge(
             elif kind == ON_SIDE and known > own:
                 which = c + 1 - ahead.crossing[k, hit, 0]
         s = (s - s_a) / (s_b - s_a)
-    aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = kind, hit, which
-    for c in range(2):
-        aimed.exit[i, c] = a[c] + s * (b[c] - a[c])
-    return not _on_edge_of_entry(ahead, k, aimed.exit[i, 0], aimed.exit[i, 1])
+    xi, eta = a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])
+    _end_at(aimed, i, kind, hit, which, xi, eta)
+    return not _on_edge_of_entry(ahead, k, xi, eta)
 
 
 @inline
@@ -308,7 +314,7 @@ def _on_edge_of_entry(ahead: RowsAhead, k: int, xi: float, eta: float) -> bool:
 @inline
 def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
     """Return which part of its row lies to the right of the segment of tip i."""
-    k, kind, last = aimed.way[i, 0], aimed.way[i, 1], aimed.way[i, 2]
+    k, kind, last = aimed.way[i, AHEAD], aimed.way[i, KIND], aimed.way[i, PLACE]
     n = ahead.n_point[k]
     if kind == ALONG_SIDE:
         return 1.0

@@ -40,9 +40,8 @@ from shellcut.loads.sliding_loads import SlidingLoads
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mitc4.section import lumped_mass
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.mitc4.sliding_energy import SlidingEnergy, slid
 from shellcut.mitc4.sliding_history import SlidingHistory
-from shellcut.mitc4.sliding_points import SlidingPoints
+from shellcut.mitc4.sliding_points import SlidingPoints, slid
 from shellcut.state import State
 
 from .tip_domain import TipDomain
@@ -89,13 +88,8 @@ class TipForce:
         self._rows: Ints = np.flatnonzero(moves > 0.0)
         self._q = q[self._rows]
         slides = np.einsum("ea,ki->keai", self._q, base)
-        here = X[self._rows], T[self._rows], slides, material
-        self._energy: SlidingEnergy | SlidingPoints
+        self._energy = SlidingPoints(X[self._rows], T[self._rows], slides, material)
         self._history: SlidingHistory | None = None
-        if all(layer.material.law.linear for layer in material.layers):
-            self._energy = SlidingEnergy.of(*here)
-        else:
-            self._energy = SlidingPoints(*here, rule)
         if rule.n_history:
             self._history = SlidingHistory.of(state, shell, self._rows, self._q, base)
         self._share = state.quad.share[self._rows]
@@ -126,11 +120,8 @@ class TipForce:
         nodes = state.quads[self._rows]
         x, t = state.node.x[nodes], state.node.t[nodes]
         moves = np.einsum("ea,ki->keai", self._q, moved)
-        if isinstance(self._energy, SlidingEnergy):
-            changes = self._energy.changes(x, t, moves)
-        else:
-            history = None if self._history is None else self._history.of_state(state)
-            changes = self._energy.changes(x, t, moves, history)
+        history = None if self._history is None else self._history.of_state(state)
+        changes = self._energy.changes(x, t, moves, history)
         force = np.asarray(product(-changes, self._share))
         if self._loads is not None:
             force += self._loads.works(state, moved)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
@@ -18,14 +18,7 @@ from shellcut.arrays import Floats, Ints, Number, product
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
-from shellcut.numerics.lanes import (
-    add_row_columns,
-    clear_rows,
-    put_row_columns,
-    total,
-    vector_at,
-    zero,
-)
+from shellcut.numerics.lanes import add_row_columns, clear_rows, total, vector_at, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
 from shellcut.numerics.vec3 import dot, scale
 from shellcut.state import State
@@ -145,7 +138,7 @@ class LoadSet:
     def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
         self._workers = workers or Workers(0)
         self._cleared = BoundOnce(_clear_forces)
-        self._begun, self._added = (BoundOnce(k) for k in (_begin_with_dead_force, _add_dead_force))
+        self._added = BoundOnce(_add_dead_force)
         self.cut = CutQuads()
         """Which part of its quad each copy holds; whoever cuts a quad writes it down here."""
         self._dead: list[DeadLoad] = []
@@ -182,11 +175,9 @@ class LoadSet:
         n, dt = state.node, state.dt
         now, before = state.time, state.time - state.tick
         work = 0.0
-        if not self._dead:
-            self._clear(state)
+        self._workers.run(self._cleared, n.count, n.force_rows)
         for dead in self._dead:
-            add = self._added if dead is not self._dead[0] else self._begun
-            work += self._dead_force(add, state, dead, float(dead.factor(now)), dead.factor(before))
+            work += self._dead_force(state, dead, float(dead.factor(now)), dead.factor(before))
         for ids, force, factor in self._nodal:
             np.add.at(n.force, ids, factor(now) * force)
             mean = 0.5 * (factor(now) + factor(before)) * force
@@ -207,17 +198,12 @@ class LoadSet:
             work += dt * float(product(n.spin_half[ids], mean).sum())
         return work
 
-    def _clear(self, state: State) -> None:
-        n = state.node
-        self._workers.run(self._cleared, n.count, n.force_rows)
-
-    def _dead_force(
-        self, add: Any, state: State, dead: DeadLoad, now: float, before: float
-    ) -> float:
+    def _dead_force(self, state: State, dead: DeadLoad, now: float, before: float) -> float:
         n = state.node
         dead.follow(state)
         sums = np.zeros(-(-n.count // NODE_CHUNK))
-        self._workers.run(add, n.count, dead.force, now, n.velocity_half, n.force_rows, sums)
+        force = dead.force, now, n.velocity_half, n.force_rows, sums
+        self._workers.run(self._added, n.count, *force)
         return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
 
     def largest(self, state: State) -> float:
@@ -257,6 +243,8 @@ class LoadSet:
         force : ndarray, shape (n, 3)
             Added to.
         """
+        if not self._dead and not self._following:
+            return
         corner = state.quads[quads] == nodes[:, None]
         for dead in self._dead:
             rows = dead.rule.on_rows(state, quads)
@@ -290,54 +278,41 @@ def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:
 def _dead_at(
     n: int,
     lane: int | None,
-    begins: bool,
     dead: Floats,
     factor: float,
     velocity: Floats,
     rows: Floats,
 ) -> Number:
-    """Write factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
+    """Add factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
     force, v = vector_at(dead, n, lane), vector_at(velocity, n, lane)
-    if begins:
-        put_row_columns(rows, n, lane, scale(factor, force))
-    else:
-        add_row_columns(rows, n, lane, scale(factor, force))
+    add_row_columns(rows, n, lane, scale(factor, force))
     return dot(force, v)
 
 
-def _make_dead_kernel(begins: bool) -> Any:
-    @kernel
-    def dead_force(
-        first: int,
-        stride: int,
-        n_node: int,
-        dead: Floats,
-        factor: float,
-        velocity: Floats,
-        rows: Floats,
-        sums: Floats,
-    ) -> None:
-        """Write factor dead : (n_node, 3) to rows : (n_node, 8), in every ``stride``-th chunk.
+@kernel
+def _add_dead_force(
+    first: int,
+    stride: int,
+    n_node: int,
+    dead: Floats,
+    factor: float,
+    velocity: Floats,
+    rows: Floats,
+    sums: Floats,
+) -> None:
+    """Add factor dead : (n_node, 3) to rows : (n_node, 8), in every ``stride``-th chunk.
 
-        Writes the power of ``dead`` to sums : (n_chunk,).
-        """
-        for chunk in range(first, sums.shape[0], stride):
-            start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
-            powers = zero(None)
-            for n in range(start, stop - WIDTH + 1, WIDTH):
-                powers = powers + _dead_at(n, None, begins, dead, factor, velocity, rows)
-            power = total(powers)
-            for n in range(stop - (stop - start) % WIDTH, stop):
-                power += _dead_at(n, 0, begins, dead, factor, velocity, rows)
-            sums[chunk] = power
-
-    return dead_force
-
-
-_begin_with_dead_force = _make_dead_kernel(begins=True)
-"""Overwrite the rows instead of adding to them."""
-_add_dead_force = _make_dead_kernel(begins=False)
-"""Added."""
+    Writes the power of ``dead`` to sums : (n_chunk,).
+    """
+    for chunk in range(first, sums.shape[0], stride):
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        powers = zero(None)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            powers = powers + _dead_at(n, None, dead, factor, velocity, rows)
+        power = total(powers)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            power += _dead_at(n, 0, dead, factor, velocity, rows)
+        sums[chunk] = power
 
 
 @kernel

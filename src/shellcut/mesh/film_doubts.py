@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, angles, norm, product
-from shellcut.formats.errors import named, point_text
+from shellcut.formats.errors import counted, named, point_text
 from shellcut.numerics.connected_parts import connected_parts
 
 from .checks import place
@@ -149,7 +149,7 @@ def _holes(mesh: Mesh, rim: _Rim) -> Iterator[str]:
         elif size < _MOST_LOST + 0.5 and frozenset(members.tolist()) not in known:
             n = max(1, round(size))
             yield (
-                f"a hole of {place} has the size of {_counted(n, 'quad', 'quads')}: "
+                f"a hole of {place} has the size of {counted(n, 'quad', 'quads')}: "
                 f"{'are some' if n > 1 else 'is one'} missing there?"
             )
 
@@ -168,7 +168,7 @@ def _notches(mesh: Mesh, rim: _Rim) -> Iterator[str]:
         told = named(corners.tolist(), lambda k: point_text(mesh.nodes[k].mean(axis=0)) + " mm")
         n = len(corners)
         yield (
-            f"{_counted(n, 'notch', 'notches')} in the rim of the size of one quad, at {told}: is "
+            f"{counted(n, 'notch', 'notches')} in the rim of the size of one quad, at {told}: is "
             "a quad missing there?"
         )
 
@@ -186,7 +186,7 @@ def _off_plane(mesh: Mesh) -> Iterator[str]:
     n = int(away.sum())
     if 0 < n <= min(_FEW, mesh.n_node // _MANY):
         yield (
-            f"all but {_counted(n, 'node', 'nodes')} lie in one plane: "
+            f"all but {counted(n, 'node', 'nodes')} lie in one plane: "
             f"{named(np.flatnonzero(away), lambda k: place(k, mesh.nodes))} mm"
         )
 
@@ -200,7 +200,7 @@ def _out_of_shape(mesh: Mesh) -> Iterator[str]:
     if 0 < len(worse) <= _AROUND_A_NODE and mesh.n_quad >= 5 * _AROUND_A_NODE:
         told = named(worse, lambda e: f"quad {e} at {_centre(mesh, e)} mm, {shape[e]:.2g}")
         yield (
-            f"{_counted(len(worse), 'quad has', 'quads have')} far less shape than all others, "
+            f"{counted(len(worse), 'quad has', 'quads have')} far less shape than all others, "
             f"{usual:.2g} or more: {told}: is a node out of its place?"
         )
 
@@ -237,7 +237,7 @@ def _slips_in_node_sets(mesh: Mesh) -> Iterator[str]:
         alone = ids[n_held[ids] == 0]
         if _looks_like_slips(alone, ids):
             yield (
-                f"of the {len(ids)} nodes of set {name!r} {_counted(len(alone), 'has', 'have')} no "
+                f"of the {len(ids)} nodes of set {name!r} {counted(len(alone), 'has', 'have')} no "
                 f"neighbour in it: {named(alone, lambda k: place(k, mesh.nodes))} mm"
             )
         is_end = held & (n_held == 1)
@@ -271,10 +271,6 @@ def _lone_quads(mesh: Mesh) -> Iterator[str]:
 
 def _looks_like_slips(few: Ints, ids: Ints) -> bool:
     return 0 < len(few) <= _FEW and len(ids) >= _MANY
-
-
-def _counted(n: int, one: str, more: str) -> str:
-    return f"{n} {one if n == 1 else more}"
 
 
 def _centre(mesh: Mesh, quad: int) -> str:

@@ -1,4 +1,4 @@
-"""Closed polygons in the plane: area, which lies within which, and where their sides meet."""
+"""Closed polygons in the plane: area, what lies within them, and where their sides meet."""
 
 from __future__ import annotations
 
@@ -51,18 +51,19 @@ def levels(loops: Sequence[Floats]) -> Ints:
     found = np.zeros(len(loops), np.int64)
     for k, loop in enumerate(loops):
         around = ((low < loop[0]) & (loop[0] < high)).all(axis=1)
-        found[k] = sum(
-            _inside(loop[0], loops[i]) for i in np.flatnonzero(around).tolist() if i != k
-        )
+        others = (i for i in np.flatnonzero(around).tolist() if i != k)
+        found[k] = sum(bool(within(loop[:1], loops[i])[0]) for i in others)
     return found
 
 
-def _inside(point: Floats, polygon: Floats) -> bool:
-    # from the sides crossed by a ray along +x
+def within(points: Floats, polygon: Floats) -> Bools:
+    """Return which points, shape (n, 2), lie in a polygon: odd crossings of a ray along +x."""
+    x, y = points.T[:, :, None]
     (x1, y1), (x2, y2) = polygon.T, np.roll(polygon, -1, axis=0).T
-    spans = (y1 > point[1]) != (y2 > point[1])
-    at = x1[spans] + (point[1] - y1[spans]) / (y2[spans] - y1[spans]) * (x2[spans] - x1[spans])
-    return bool((at > point[0]).sum() % 2)
+    spans = (y1 > y) != (y2 > y)
+    rise = np.where(y1 == y2, 1.0, y2 - y1)
+    crossed = spans & (x < x1 + (y - y1) * (x2 - x1) / rise)
+    return np.asarray(crossed.sum(axis=1) % 2 == 1)
 
 
 def meetings(loops: Sequence[Floats], reach: float = 0.0) -> list[Meeting]:

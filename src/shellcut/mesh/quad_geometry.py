@@ -46,11 +46,12 @@ def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:
 
 
 def quad_vectors(X: Floats, quads: Ints) -> Floats:
-    """Return the vector areas [mm²] of every quad, along the mean normals."""
-    # half the cross product of the diagonals
-    diagonals = X[quads[:, 2]] - X[quads[:, 0]], X[quads[:, 3]] - X[quads[:, 1]]
-    vectors: Floats = 0.5 * np.cross(*diagonals)
-    return vectors
+    """Return the vector areas [mm²] of every quad or polygon, along the mean normals."""
+    x = X[quads]
+    vectors = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])  # from the diagonals
+    for k in range(4, x.shape[1]):  # of polygons with more corners
+        vectors += 0.5 * np.cross(x[:, k - 1] - x[:, 0], x[:, k] - x[:, 0])
+    return np.asarray(vectors)
 
 
 def edge_lengths(X: Floats, quads: Ints) -> Floats:

@@ -21,7 +21,7 @@ from shellcut.numerics.jit import kernel
 from shellcut.numerics.lanes import pick_all, put_all
 
 from .element import N_STRAIN, Sixteen
-from .point_forces import point_resultants
+from .forces import point_resultants
 from .quad_strains import PointQuads, one_quad
 from .thickness_points import PointRule
 

@@ -30,19 +30,18 @@ class PresentQuads:
         """Take the next state afresh: the places are those of another run."""
         self._known = KnownTopology()
         self._present: PointQuads | None = None
-        self._held: Quads | PointQuads
+        self._held: PointQuads
 
     def of(self, state: State) -> PointQuads:
         """Return the quads at the positions and directors of a state."""
         if self._present is None or not self._known.is_of(state):
             self._places.blocks.rewire(state.quads, self._known.changed_quads(state))
             self._present = self.at(state.node.x, state.node.t)
-            points = self._present.points.rule.place.size
-            self._held = self._hold(self._present if points else self._present.quads)
+            self._held = self._hold(self._present)
             self._known.take(state)
         return self._present
 
-    def held(self, state: State) -> Quads | PointQuads:
+    def held(self, state: State) -> PointQuads:
         """Return the quads laid out for the kernels of the forces."""
         self.of(state)
         return self._held

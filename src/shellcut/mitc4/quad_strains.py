@@ -100,33 +100,19 @@ def strain_of(
     tables: LinearTables, flat: bool, b: int, lane: Lane, modes: tuple[Modes, Modes]
 ) -> Sixteen:
     """Return the strains of a block."""
-    xm, tm = modes
+    m = products(*modes)
     if flat:
-        return flat_strain(tables, b, lane, xm, tm)
-    return full_strain(tables, b, lane, xm, tm)
-
-
-@always_inline
-def flat_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
-    """Return the strains of flat quads."""
-    m, ref = products(x, t), pick_all(tables.flat, b, 0, 6, lane)
-    membrane = (
-        m[0] - ref[0],
-        m[1] - ref[1],
-        m[2] - ref[2],
-        m[3] - ref[3],
-        m[4] - ref[4],
-        m[5] - ref[5],
-    )
-    return membrane + m[6:16]
-
-
-@always_inline
-def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
-    """Return the strains of any quads."""
-    return minus(
-        products(x, t), pick_all(tables.full_reference, b - tables.n_flat, 0, N_STRAIN, lane)
-    )
+        ref = pick_all(tables.flat, b, 0, 6, lane)
+        membrane = (
+            m[0] - ref[0],
+            m[1] - ref[1],
+            m[2] - ref[2],
+            m[3] - ref[3],
+            m[4] - ref[4],
+            m[5] - ref[5],
+        )
+        return membrane + m[6:16]
+    return minus(m, pick_all(tables.full_reference, b - tables.n_flat, 0, N_STRAIN, lane))
 
 
 @always_inline

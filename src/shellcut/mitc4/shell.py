@@ -20,15 +20,16 @@ from .centre_stress import CentreStress, FaceStresses
 from .collapsed_quads import LEAST_AREA, smallest_area_ratio
 from .element import N_STRAIN
 from .film_tangents import FilmTangents
-from .forces import add_flat_quads, add_full_quads
-from .frequency import QuadFrequencies
-from .places import Places
-from .point_forces import (
+from .forces import (
     add_flat_point_quads,
+    add_flat_quads,
     add_full_point_quads,
+    add_full_quads,
     write_corner_forces,
     write_point_corner_forces,
 )
+from .frequency import QuadFrequencies
+from .places import Places
 from .point_output import PointOutput
 from .present_quads import PresentQuads
 from .quad_strains import LinearTables, QuadStep
@@ -319,8 +320,8 @@ class MITC4Shell:
         quads : ndarray of int, shape (n,)
             Which quads.
         place : {"mid", "top", "bottom", "nominal"}
-            Height of the stress; ``nominal`` is the mid-surface's second Piola-Kirchhoff stress
-            turned with the surface, without the change of area.
+            Height of the stress; ``nominal`` is the mean of the second Piola-Kirchhoff stress over
+            the thickness, turned with the surface, without the change of area.
 
         Returns
         -------

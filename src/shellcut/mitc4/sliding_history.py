@@ -25,7 +25,7 @@ from shellcut.state import State
 from .element import GAUSS
 from .section import axes_in_frame, frame_components, gauss_geometry, shape_functions
 from .shell import MITC4Shell
-from .sliding_energy import slide_ends
+from .sliding_points import slide_ends
 
 # Of the spread of the places: directions in which they lie closer have no slope.
 _FLAT = 1e-6

@@ -1,38 +1,62 @@
-"""How the energy of quads with thickness points changes as their corners slide along the film.
+"""How the energy of quads changes as their corners slide along the reference film.
 
-The twin of :mod:`.sliding_energy` for laws that are not linear. At each point the energy density is
-psi(e, h), of the Cartesian strain e there and of the history h, with which the law is frozen: what
-has flowed stays. A slide of the reference and a move of the film in space change the energy of a
-quad by the sum over its points of
+The film in space stays where it is while the corners of some quads slide along the reference
+surface: the *inner variation* of the energy, whose sum over a domain around the tip of a crack is
+the force on that tip ([Eshelby1951]; on meshes [MuellerMaugin2002]).
+
+At each point through the thickness the energy density is psi(e, h), of the Cartesian strain e there
+and of the history h, with which the law is frozen: what has flowed stays. A slide of the reference
+and a move of the film in space change the energy of a quad by the sum over its points of
 
     (v psi)' = v' psi + v (S · e' + psi_h · h'),
 
-v being the volume of the point. e = A s with the sixteen strains s of the quad, so that
-e' = A' s + A s'. The history belongs to the film below: where a point slides by q e, it comes to
-film whose history is another, h' = q e · ∇h (:mod:`.sliding_history`). For a film that yields
-psi_h · h' = -T · (q e · ∇) eps_p, with the stress T.
+v being the volume of the point. e = A s with the sixteen strains s of the quad, the present
+products minus those of the reference (:mod:`shellcut.mitc4.element`), so that e' = A' s + A s'; A'
+and v' are differences over ``_STEP``. The history belongs to the film below: where a point slides
+by q e, it comes to film whose history is another, h' = q e · ∇h (:mod:`.sliding_history`). For a
+film that yields psi_h · h' = -T · (q e · ∇) eps_p, with the stress T.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, product
 from shellcut.material.law_dispatch import HistoryStep, PointLaws, point_stress
-from shellcut.material.shell_material import ShellMaterial
+from shellcut.material.shell_material import POINTS_OF_ELASTIC, ShellMaterial
 from shellcut.numerics.jit import kernel
+from shellcut.numerics.small_matrices import inverse
 
 from .element import GAUSS
 from .point_tangent import frozen_rule
 from .section import cartesian_map, gauss_geometry, strain_map, turn_into_axes
-from .sliding_energy import slide_ends
 from .tangent import quad_products
-from .thickness_points import PointRule
+from .thickness_points import PointRule, build_rule
 
 # Of the largest change of the history in a slide by 1 mm: a difference exact to its square.
 _HISTORY_STEP = 1e-6
+
+# Of a quad's size: the central difference is exact to its square, 1e-8; round-off is 1e-12.
+_STEP = 1e-4
+
+# Parametric derivatives of the shape functions at the four corners, shape (4, 2, 4).
+_AT_CORNERS = 0.5 * np.array(
+    [
+        [[-1, 1, 0, 0], [-1, 0, 0, 1]],
+        [[-1, 1, 0, 0], [0, -1, 1, 0]],
+        [[0, 0, 1, -1], [0, -1, 1, 0]],
+        [[0, 0, 1, -1], [-1, 0, 0, 1]],
+    ],
+    float,
+)
+
+
+Ends: TypeAlias = tuple[Floats, Floats]
+"""Reference positions [mm] and directors of quads that have slid, shape (n, 4, 3)."""
 
 
 class _Maps(NamedTuple):
@@ -54,16 +78,16 @@ class SlidingPoints:
     X, T : ndarray, shape (n, 4, 3)
         Reference positions [mm] and directors.
     slides : ndarray, shape (n_slide, n, 4, 3)
-        As of :meth:`.SlidingEnergy.of`.
+        How far each corner slides per mm of the slide: along the quad's own surface, the part
+        across it does not count.
     material : ShellMaterial
-        Of the film.
-    rule : PointRule
-        Its points through the thickness.
+        Of the film; one whose section is integrated once gets points here.
     """
 
-    def __init__(
-        self, X: Floats, T: Floats, slides: Floats, material: ShellMaterial, rule: PointRule
-    ) -> None:
+    def __init__(self, X: Floats, T: Floats, slides: Floats, material: ShellMaterial) -> None:
+        if material.integration_points is None:
+            material = replace(material, points_per_layer=POINTS_OF_ELASTIC[True])
+        rule = build_rule(material)
         rule = frozen_rule(rule) or rule
         self._laws = rule.laws
         self._height = np.tile(np.arange(rule.place.size), len(GAUSS))
@@ -84,8 +108,10 @@ class SlidingPoints:
 
         Parameters
         ----------
-        x, t, moves : ndarray
-            As of :meth:`.SlidingEnergy.changes`.
+        x, t : ndarray, shape (n, 4, 3)
+            Present positions [mm] and directors.
+        moves : ndarray, shape (n_slide, n, 4, 3)
+            How far each corner moves in space with each slide, per mm.
         history : tuple of ndarray, optional
             Of :meth:`.SlidingHistory.of_state`, for laws that keep one.
         """
@@ -128,6 +154,30 @@ class SlidingPoints:
         S, stored = np.empty((*e.shape[:2], 3)), np.empty(e.shape[:2])
         _evaluate(self._laws, self._height, e, history, S, stored)
         return S, stored
+
+
+def slide_ends(X: Floats, T: Floats, slides: Floats) -> Iterator[tuple[Ends, Ends, float]]:
+    """Yield, for each slide, (X, T) a little way along it and before it, and that way [mm].
+
+    Parameters as of :class:`SlidingPoints`.
+    """
+    base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
+    step = _STEP * float(np.sqrt(np.einsum("eapi,eaqi->eapq", base, base)[..., 0, 0].mean()))
+    for dX, dT in zip(*slid(X, T, slides), strict=True):
+        yield (X + step * dX, T + step * dT), (X - step * dX, T - step * dT), 2.0 * step
+
+
+def slid(X: Floats, T: Floats, slides: Floats) -> tuple[Floats, Floats]:
+    """Return how corners and directors change that slide along their quads, (n_slide, n, 4, 3).
+
+    Parameters as of :class:`SlidingPoints`.
+    """
+    base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
+    turn = np.einsum("apb,ebi->eapi", _AT_CORNERS, T)
+    metric = np.einsum("eapi,eaqi->eapq", base, base)
+    covariant = np.einsum("eapi,keai->keap", base, slides)
+    by = np.einsum("eapq,keaq->keap", inverse(metric), covariant)
+    return np.einsum("keap,eapi->keai", by, base), np.einsum("keap,eapi->keai", by, turn)
 
 
 def _maps(X: Floats, T: Floats, material: ShellMaterial, rule: PointRule) -> _Maps:

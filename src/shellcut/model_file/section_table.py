@@ -101,7 +101,7 @@ DISC = Kind(
     sign="radius",
 )
 FILM_FILE = Kind(
-    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, but in free models.",
+    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, except in free models.",
     keys_of(read_film, renamed={"path": "file"}, also={"unit": "scale"}),
     read_film,
     name="file",
@@ -363,7 +363,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         film=HOMOGENEOUS.with_keys(**BAR_FILM),
         law=_law(BAR_LAW),
         contact=CONTACT.with_keys(penalty=BAR_CONTACT.penalty),
-        fracture=_unsteered(BAR_FRACTURE, "cable_places"),
+        fracture=_unsteered(BAR_FRACTURE),
         damping=DAMPING.with_keys(beta=STIFFNESS_DAMPING),
     ),
 }

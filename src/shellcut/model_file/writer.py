@@ -11,13 +11,13 @@ from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
 
-_DIGEST = "# sha256 of all below: "
+_HEAD = "#:schema ./shellcut.schema.json\n# sha256 of all below: "
 _COLUMN = 34
 """Column of the comments, if the value is short enough."""
 
 
 def model_text(model: Model) -> str:
-    """Return a model as TOML text; its first line is the digest of the rest."""
+    """Return a model as TOML text; its second line is the digest of the rest."""
     lines = [
         f"# shellcut {version('shellcut')}, model {model.head.model}: every default filled in.",
         "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
@@ -32,13 +32,16 @@ def model_text(model: Model) -> str:
         lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
         lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
     body = "\n".join(lines) + "\n"
-    return f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
+    return _signed(body)
 
 
 def is_as_written(text: str) -> bool:
     """Whether a text from :func:`model_text` is unchanged."""
-    first, _, body = text.partition("\n")
-    return first == f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}"
+    return text == _signed(text.split("\n", 2)[-1])
+
+
+def _signed(body: str) -> str:
+    return f"{_HEAD}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
 
 
 def _section(section: Section, title: str) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.notch_line import row_at
+from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -20,7 +22,6 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp, Notch, check_length
-from .crack_way import crack_way
 
 _ROUND_OFF = 1e-9
 
@@ -62,7 +63,7 @@ def free_cut(
     -------
     Case
     """
-    fracture = crack_way(mesh, tool, motion, duration, options.pop("fracture", None))
+    fracture = with_path(mesh, tool, motion, duration, options.pop("fracture", None))
     through_quads, film = fracture.path == "free", mesh
     if notch and not through_quads:
         film = mesh.cut(_first_edges(Sweep.of(mesh, tool, motion, duration), notch))
@@ -83,6 +84,21 @@ def free_cut(
         simulation.notch(*([before] if outside else []), *points)
     check_length(simulation, duration)
     return Case("free", simulation, duration)
+
+
+def with_path(
+    mesh: Mesh, tool: Tool, motion: Motion, duration: float, fracture: Fracture | None
+) -> Fracture:
+    """Return the options of the cracks of a ready model with their path, ``"free"`` or ``"edges"``.
+
+    It is along edges where another option asks for them, or where a row of them lies under the
+    whole path of the cutting edges; through the quads everywhere else.
+    """
+    cracks = fracture or Fracture()
+    free = cracks.needed_path is None and tool.n_edge > 0
+    if free and lies_under(Sweep.of(mesh, tool, motion, duration)):
+        return replace(cracks, path="edges")
+    return cracks.decided()
 
 
 def _first_edges(sweep: Sweep, notch: float) -> Ints:

@@ -13,7 +13,6 @@ along the strip and H that along the edge, V + xi H = G h as long as nothing rub
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -22,7 +21,6 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
-from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -34,7 +32,7 @@ from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp, Notch, check_length
-from .crack_way import crack_way
+from .free_cut import with_path
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -125,14 +123,9 @@ def guillotine(
     blade, motion, duration = blade_before(
         strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables
     )
-    fracture, y = options.pop("fracture", None) or Fracture(), _lane_of(blade, strip)
-    line = _line_of(strip, y)
-    if mesh is None and len(line) and fracture.needed_path != "free":
-        fracture = replace(fracture, path="edges")
-    else:
-        fracture = crack_way(strip, blade, motion, duration, fracture)
-    through_quads = fracture.path == "free"
-    film = strip if through_quads or notch <= 0.0 else _notched(strip, line, notch)
+    fracture = with_path(strip, blade, motion, duration, options.pop("fracture", None))
+    y, through_quads = _lane_of(blade, strip), fracture.path == "free"
+    film = strip if through_quads or notch <= 0.0 else _notched(strip, _line_of(strip, y), notch)
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),

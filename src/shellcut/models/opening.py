@@ -21,17 +21,15 @@ from typing import Annotated, Any
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
-from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import OpeningName, opening_disc
-from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Pitch, ScrewMotion
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp, check_length
-from .crack_way import crack_way
+from .case import Case, Clamp
+from .free_cut import free_cut
 
 
 @checked
@@ -75,23 +73,21 @@ def opening_test(
     film = opening_disc(mesh) if isinstance(mesh, str) else mesh
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
-    fracture = crack_way(film, cutter, motion, duration, options.pop("fracture", None))
     contact = options.pop("contact", None) or Contact()
     if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
         contact = replace(contact, film_edges=True)
-    simulation = Simulation(
+    cut = free_cut(
         film,
-        material or ShellMaterial.homogeneous(),
-        supports=[Support.clamped(name) for name in clamp],
         tool=cutter,
         motion=motion,
-        law=law or CohesiveLaw(),
-        fracture=fracture,
+        duration=duration,
+        clamp=clamp,
+        material=material,
+        law=law,
         contact=contact,
         **options,
     )
-    check_length(simulation, duration)
-    return Case("opening", simulation, duration)
+    return replace(cut, name="opening")
 
 
 def steady_work_per_radian(

@@ -12,15 +12,23 @@ from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.checks.finding import Finding
+from shellcut.formats.errors import counted
 from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
+from shellcut.recording.status_line import crack_line, how_long
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
+
+# Memory of the program and of each quad (docs/performance.md) [MB].
+_PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
+
+# Poses on the way of the tool that is drawn.
+_ON_WAY = 60
 
 # Colours of the cutting edges: in the film until the end, leaving it, never in it.
 _STAYS, _LEAVES, _NEVER = "#c1121f", "#9d4edd", "#0077b6"
@@ -63,6 +71,7 @@ def preview(
         Not changed.
     path : path-like
         Picture to write; the ending tells the format.
+    time : float, optional
         End of the run [s]: the tool is also drawn at this time, cutting edges that never meet the
         film or leave it before then get their own colours, and the model is checked.
     check : ModelCheck, optional
@@ -72,8 +81,8 @@ def preview(
     -------
     str
         One line each: parts of the model, sizes of its sets, signs of lost quads or nodes, the
-        first time step and its cause, the quads with the shortest steps, and the findings of the
-        checks.
+        first time step and its cause, what the run will cost, where cracks will go, the quads with
+        the shortest steps, and the findings of the checks.
 
     Raises
     ------
@@ -99,7 +108,8 @@ def preview(
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
     parts = ModelParts(mesh=mesh, held=held, tool=sim.tool, motion=sim.motion, duration=time)
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64))
-    lines = [film, *_film_lines(mesh), *step_lines, *others, *_worst_lines(quality)]
+    lines = [film, *_film_lines(mesh), *step_lines, *([_run_line(sim, time)] if time else [])]
+    lines += [*others, crack_line(sim), *_worst_lines(quality)]
     lines += [said(finding) for finding in check.findings] if check is not None else []
     return "\n".join(lines)
 
@@ -151,8 +161,8 @@ def _draw(
         )
     if tool is not None:
         lines.append(
-            f"tool   {_number(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
-            f"{_number(tool.n_chain, 'cutting edge', 'cutting edges')}"
+            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
+            f"{counted(tool.n_chain, 'cutting edge')}"
         )
     if sweep is not None:
         lines.append(edge_line(sweep))
@@ -167,6 +177,7 @@ def _draw(
             triangles=none.astype(np.int64) if tool is None else np.asarray(tool.triangles),
             edges=[] if tool is None else list(_edge_groups(tool, sweep)),
             way=none if sweep is None else sweep.place,
+            track=_track(parts),
             titles=titles,
         ),
         path,
@@ -192,6 +203,20 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
     return poses, titles
 
 
+def _track(parts: ModelParts) -> Floats:
+    """Return how the lowest end of the first cutting edge moves, shape (n, 3) [mm].
+
+    Of a tool without cutting edges, how its first vertex does.
+    """
+    tool, motion = parts.tool, parts.motion
+    if tool is None or motion is None or not parts.duration:
+        return np.zeros((0, 3))
+    poses = [pose_at(motion, at) for at in np.linspace(0.0, parts.duration, _ON_WAY)]
+    ids = np.unique(tool.edges[tool.edge_chain == 0]) if tool.n_edge else np.zeros(1, np.int64)
+    lowest = tool.vertices[[ids[np.argmin(poses[0].to_space(tool.vertices[ids])[:, 2])]]]
+    return np.concatenate([pose.to_space(lowest) for pose in poses])
+
+
 def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
     """Yield the cutting edges grouped by whether they stay in the film."""
     if sweep is None:
@@ -205,7 +230,7 @@ def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
     for what, color, chains in groups:
         if chains:
             mine = np.isin(tool.edge_chain, chains)
-            label = f"{len(chains)} cutting edge{'s' if len(chains) > 1 else ''}: {what}"
+            label = f"{counted(len(chains), 'cutting edge')}: {what}"
             yield EdgeGroup(label, np.asarray(tool.edges[mine]), color, dashed=color != _STAYS)
 
 
@@ -221,10 +246,6 @@ def _film_lines(mesh: Mesh) -> Iterator[str]:
             yield f"sets   of {kind}: {', '.join(counts)}"
     for doubt in film_doubts(mesh):
         yield f"doubt  {doubt}"
-
-
-def _number(n: int, one: str, many: str) -> str:
-    return f"{n:,} {one if n == 1 else many}"
 
 
 def _extent(ids: Ints, joined: Ints, n: int) -> str:
@@ -245,6 +266,16 @@ def _worst_lines(quality: MeshQuality) -> Iterator[str]:
             f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) mm: step {quality.step[e]:.3g} s, "
             f"{quality.step[e] / quality.median_step:.2f} of the median"
         )
+
+
+def _run_line(sim: Simulation, time: float) -> str:
+    """Say how many steps the run takes, how long, and in how much memory."""
+    steps = float(f"{time / sim.dt:.2g}")
+    megabytes = _PROGRAM_MB + sim.mesh.n_quad * _QUAD_MB
+    return (
+        f"run    at least {steps:,.0f} steps to {1e3 * time:.4g} ms, {how_long(sim, time)}; "
+        f"{megabytes:.0f} MB"
+    )
 
 
 def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:

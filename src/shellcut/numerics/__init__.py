@@ -1,5 +1,5 @@
 """Numerical tools independent of shells: compiled kernels, three-vectors, lanes, threads.
 
-May import :mod:`shellcut.arrays` only. Only ``jit`` calls ``numba.njit``; ``lanes`` computes on
-eight doubles at once; ``threads`` runs kernels in parallel.
+May import ``arrays``, ``arguments`` and ``files``. Only ``jit`` calls ``numba.njit``; ``lanes``
+computes on eight doubles at once; ``threads`` runs kernels in parallel.
 """

@@ -273,8 +273,9 @@ def load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
     return returns(rows, types.intp), generate
 
 
-def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
-    """Return an intrinsic that writes columns, padded with zeros, to eight rows or adds them."""
+@intrinsic
+def add_to_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
+    """Add columns, padded with zeros, to eight rows."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         given = cgutils.unpack_tuple(builder, args[2], columns.count)
@@ -282,23 +283,10 @@ def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
         for lane, row in enumerate(_transpose(builder, [*given, *nothing])):
             index = builder.add(args[1], ir.Constant(I64, lane))
             where = _row_address(context, builder, rows, args[0], index)
-            written = builder.fadd(builder.load(where, align=8), row) if adding else row
-            builder.store(written, where, align=8)
+            builder.store(builder.fadd(builder.load(where, align=8), row), where, align=8)
         return context.get_dummy_value()
 
     return types.void(rows, types.intp, columns), generate
-
-
-@intrinsic
-def add_to_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
-    """Add columns to eight rows."""
-    return _to_rows(rows, columns, adding=True)
-
-
-@intrinsic
-def put_into_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
-    """Write columns to eight rows."""
-    return _to_rows(rows, columns, adding=False)
 
 
 @intrinsic

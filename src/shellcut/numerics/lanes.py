@@ -2,7 +2,7 @@
 
 The compiler does not vectorise a loop over quads written with plain floats, because of the gathers
 at its start and the scatters at its end. Lanes are explicit vectors. The mechanics are functions of
-*numbers* (:data:`shellcut.numerics.jit.Number`); given floats they treat one quad, given lanes all
+*numbers* (:data:`shellcut.arrays.Number`); given floats they treat one quad, given lanes all
 quads of a block.
 
 Only loads and stores differ, and the functions here hide that. Their argument ``lane`` selects
@@ -19,7 +19,6 @@ quads of a block: an integer takes one, as a float; ``None`` takes all eight:
 :func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
 :func:`row_columns`                    read the first six columns of consecutive force rows
 :func:`add_row_columns`                add to the first three
-:func:`put_row_columns`                set the first three, the others to zero
 :func:`clear_rows`                     set the rows to zero
 :func:`zero`, :func:`total`            zero, and the sum over the lanes in order
 :func:`multiply_add`                   a b + c, one instruction if available
@@ -59,7 +58,6 @@ from .lane_instructions import (
     load_row_columns,
     no_lanes,
     numbers_loader,
-    put_into_rows,
     scatter_add_rows,
     store_lanes,
     store_numbers,
@@ -272,26 +270,6 @@ def _add_row_columns(rows, n, lane, columns):
             rows[n, c] += columns[c]
 
     return add
-
-
-def put_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
-    """Set rows : (m, 8) at node ``n``, or the eight from ``n``: three columns, the others zero."""
-    clear_rows(rows, n, lane)
-    add_row_columns(rows, n, lane, columns)
-
-
-@overload(put_row_columns, jit_options=OVERLOAD_OPTIONS)
-def _put_row_columns(rows, n, lane, columns):
-    if takes_all(lane):
-        return lambda rows, n, lane, columns: put_into_rows(rows, n, columns)
-
-    def put_one(rows, n, lane, columns):
-        for c in range(3):
-            rows[n, c] = columns[c]
-        for c in range(3, 8):
-            rows[n, c] = 0.0
-
-    return put_one
 
 
 def clear_rows(rows: Floats, n: int, lane: int | None) -> None:

@@ -1,10 +1,9 @@
-"""Processor features for kernels: stack alignment, subnormals, prefetch.
+"""Processor features for kernels: stack alignment, subnormals, branches.
 
 =============================  ==================================================================
 :func:`align_stack`            the first line of a kernel with more lanes than registers
 :func:`flush_subnormals`,      subnormal numbers are flushed to zero in a kernel,
 :func:`set_rounding`           and the setting is restored after it
-:func:`make_prefetch`          a function that prefetches a block of a table
 :func:`not_inlined`            the first line of a function that kernels call, :func:`.jit.apart`
 :func:`seldom`                 marks a branch as one that is seldom taken
 =============================  ==================================================================
@@ -15,7 +14,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -23,11 +21,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-from shellcut.arrays import Floats
-
-from .lane_instructions import CACHE_LINE, I8, I32, I64, OVERLOAD_OPTIONS, vector_address
-
-_ZERO = ir.Constant(I64, 0)
+from .lane_instructions import CACHE_LINE, I8, I32, OVERLOAD_OPTIONS
 
 FLUSH = 0x8040  # bits of x86's MXCSR: flush results to zero, treat operands as zero
 
@@ -174,38 +168,3 @@ def set_rounding(setting: int) -> None:
 @overload(set_rounding, jit_options=OVERLOAD_OPTIONS)
 def _restore_rounding(setting):
     return lambda setting: set_mxcsr(setting)
-
-
-def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
-    """Return a function that prefetches the ``lines`` cache lines of block ``b`` of a table.
-
-    The hardware prefetches only a few streams; a quad has more tables. Asking for the block after
-    the last one is harmless.
-    """
-
-    @intrinsic
-    def ask(typing_context: Any, table: Any, b: Any) -> Any:
-        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            index = [args[1], _ZERO, _ZERO]
-            first = vector_address(context, builder, table, args[0], index, I8)
-            function = cgutils.get_or_insert_function(
-                builder.module,
-                ir.FunctionType(ir.VoidType(), [first.type, I32, I32, I32]),
-                "llvm.prefetch.p0",
-            )
-            read, keep_near, data = I32(0), I32(3), I32(1)
-            for line in range(lines):
-                where = builder.gep(first, [ir.Constant(I64, line * CACHE_LINE)])
-                builder.call(function, [where, read, keep_near, data])
-            return context.get_dummy_value()
-
-        return types.void(table, types.intp), generate
-
-    def prefetch(table: Floats, b: int) -> None:
-        pass
-
-    @overload(prefetch, jit_options=OVERLOAD_OPTIONS)
-    def _prefetch(table, b):
-        return lambda table, b: ask(table, b)
-
-    return prefetch

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
 
 from shellcut.files.run_folder import (
     ENERGY_PICTURE,
@@ -21,6 +20,7 @@ from shellcut.files.run_folder import (
 from shellcut.files.taken_folder import TakenFolder
 from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import HistoryWriter
+from shellcut.results.vtkhdf import VtkHdfWriter
 
 
 class FolderLost(OSError):
@@ -90,7 +90,7 @@ class RunFiles:
         always, later = self._planned(n_snapshot)
         self._taken.begin(always, later, replace=replace)
         try:
-            self._open("w", None, None)
+            self._open(None, None)
         except BaseException:
             self._taken.clear()
             raise
@@ -124,8 +124,8 @@ class RunFiles:
         own = [snapshot(self.folder, k).name for k in range(n_picture)]
         self._taken.resume([*self._planned(0)[0], *own])
         later = [path.name for path in snapshots(self.folder, first=n_picture)]
-        self._taken.remove([*self._last_names(drawn=True), *later])
-        self._open("a", row_time, frame_time)
+        self._taken.files.remove([*self._last_names(drawn=True), *later])
+        self._open(row_time, frame_time)
 
     def are_summed_up(self, drawn: bool) -> bool:
         """Whether all files written at the end of a run exist, drawings included if asked for."""
@@ -134,7 +134,7 @@ class RunFiles:
     def new_picture(self, number: int) -> Path:
         """Return the path of the next snapshot."""
         path = snapshot(self.folder, number)
-        self._taken.add(path)
+        self._taken.files.add(path.name)
         return path
 
     def look(self) -> None:
@@ -156,7 +156,7 @@ class RunFiles:
                 f"{self.folder} has been removed, moved or emptied while {self._name} was written "
                 "there; if it was moved, the run can be resumed where it is now"
             )
-        self._taken.hold()
+        self._taken.lock.hold()
         self.lost = False
 
     def close(self) -> None:
@@ -177,7 +177,7 @@ class RunFiles:
 
     def release(self) -> None:
         """Let others write in the folder; a second call does nothing."""
-        self._taken.close()
+        self._taken.lock.close()
 
     def _last_names(self, drawn: bool) -> list[str]:
         curves = [resistance_picture(self.folder, self._curve).name, ENERGY_PICTURE]
@@ -187,14 +187,11 @@ class RunFiles:
         always, later = planned_names(self._name, self._curve, n_snapshot=n_snapshot)
         return [*always, *self._also], later
 
-    def _open(
-        self, mode: Literal["w", "a"], row_time: float | None, frame_time: float | None
-    ) -> None:
-        self.history = HistoryWriter(
-            self.folder / HISTORY, self._columns, mode=mode, until=row_time
-        )
+    def _open(self, row_time: float | None, frame_time: float | None) -> None:
+        self.history = HistoryWriter(self.folder / HISTORY, self._columns, until=row_time)
         try:
-            self.frames = FrameOutput(self.folder, self._name, mode=mode, until=frame_time)
+            result = VtkHdfWriter(result_file(self.folder, self._name), until=frame_time)
         except BaseException:
             self.history.close()
             raise
+        self.frames = FrameOutput(result)

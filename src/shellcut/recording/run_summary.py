@@ -76,7 +76,7 @@ def run_summary(
         if isfinite(value)
     }
     coordinate = r.coordinate_name, r.coordinate_unit
-    finite |= run_figures(history, coordinate, r.columns[0], end)
+    finite |= run_figures(history, coordinate, r.columns[0], end, s.splits)
     if sim.cracks is not None:
         finite["crack_path"] = sim.fracture.path
     if sim.between_steps:

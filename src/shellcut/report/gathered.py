@@ -12,18 +12,18 @@ import numpy.typing as npt
 
 from shellcut.arrays import Bools, Floats
 from shellcut.files.regular_file import read_regular
-from shellcut.files.run_folder import HISTORY, SUMMARY
+from shellcut.files.run_folder import HISTORY, SUMMARY, USED
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
 from shellcut.results.energy_account import trusted_rows
+from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_error_bars
 from shellcut.results.history import read_history
 from shellcut.results.run_figures import run_figures
 from shellcut.results.run_results import Results, read
 
 T = TypeVar("T")
 
-_MODEL = "used.toml"
-_SIGNS = (HISTORY, SUMMARY, _MODEL)
+_SIGNS = (HISTORY, SUMMARY, USED)
 
 
 @dataclass
@@ -92,6 +92,17 @@ class Gathered:
         return run_figures(h, self.coordinate, self.resistance)
 
     @property
+    def error_bars(self) -> ErrorBars | None:
+        """Those of this model: of a study in its folder, or around it; None if there are none."""
+        inside, around = self.folder / CONVERGED, self.folder.resolve().parent.parent
+        if (inside / ERROR_BARS).exists():
+            return read_error_bars(inside / ERROR_BARS)
+        if not (around / ERROR_BARS).exists():
+            return None
+        found = read_error_bars(around / ERROR_BARS)
+        return found if found.key == self.folder.resolve().name else None
+
+    @property
     def last_frame(self) -> Frame | None:
         """The last frame, None without frames."""
         if self.results is None or not self.results.n_frame:
@@ -141,8 +152,8 @@ def gather(folder: Path) -> Gathered:
             "history.csv has fewer than two rows, or three columns: there are no curves."
         )
         run.history, run.units = {}, {}
-    if (folder / _MODEL).exists():
-        run.model = read_regular(folder / _MODEL).decode(errors="replace")
+    if (folder / USED).exists():
+        run.model = read_regular(folder / USED).decode(errors="replace")
     if not (folder / SUMMARY).exists():
         run.problems.append(
             "summary.json is missing: the run has not ended, or it was killed. The report shows "

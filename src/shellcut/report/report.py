@@ -14,6 +14,7 @@ from shellcut.scene_page import scene_scripts, scene_style
 from shellcut.unit import after
 
 from . import curves, pictures, scene, words
+from .error_bars import error_bars
 from .gathered import Gathered, gather, run_or_say
 from .markup import section
 from .page import page_of
@@ -96,6 +97,7 @@ def _body(run: Gathered) -> str:
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         "Key figures": lambda: words.figures(run),
+        "Error bars": lambda: error_bars(run.error_bars),
         resistance: lambda: curves.resistance(run),
         "Measured curve": lambda: curves.measured(run),
         "The cut": lambda: pictures.film_strip(run),

@@ -11,6 +11,7 @@ peak                the value of largest magnitude on [a, b]; of s among all its
 peak error          (peak of s - peak of m) / abs(peak of m)
 place of the peak   where the peak is first reached
 work                exact integral of the piecewise linear curve from a to b; angles in radians
+at first piercing   both curves where a cutting edge first goes through whole film
 mean                over the part of [a, b] in which the run cuts steadily
                     (:mod:`shellcut.results.steady_window`)
 work error          (work of s - work of m) / abs(work of m)
@@ -114,6 +115,12 @@ class Comparison:
     """[y_unit]."""
     mean_error: float
     """[-]."""
+    pierced_at: float
+    """Where a cutting edge first pierces whole film, nan outside the common range [x_unit]."""
+    pierced_measured: float
+    """[y_unit]."""
+    pierced_simulated: float
+    """[y_unit]."""
     notes: tuple[str, ...]
     """Notes for the reader, such as ranges that overlap only partly."""
 
@@ -147,6 +154,9 @@ class Comparison:
             "mean_measured": (self.mean_measured, y),
             "mean_simulated": (self.mean_simulated, y),
             "mean_error": (self.mean_error, "-"),
+            "pierced_at": (self.pierced_at, x),
+            "pierced_measured": (self.pierced_measured, y),
+            "pierced_simulated": (self.pierced_simulated, y),
         }
         content: dict[str, Any] = {
             "run": self.name,
@@ -293,6 +303,8 @@ def _compared(
     steady, why_not = _steady_range(results, x, a, b)
     means = [line.integral(*steady) / (steady[1] - steady[0]) for line in (m, s)] if steady else []
     mean_m, mean_s = means or (float("nan"), float("nan"))
+    pierced = _first_piercing(results, x, a, b)
+    pierced_m, pierced_s = (line.at(pierced).item() for line in (m, s))
     return Comparison(
         name=results.name,
         x_name=x,
@@ -321,6 +333,9 @@ def _compared(
         mean_measured=mean_m,
         mean_simulated=mean_s,
         mean_error=_over(mean_s - mean_m, mean_m),
+        pierced_at=pierced.item(),
+        pierced_measured=pierced_m,
+        pierced_simulated=pierced_s,
         notes=(*_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0), *why_not),
     )
 
@@ -361,6 +376,16 @@ def _steady_range(
         steadily = window.text(results.units[x])
         return None, [f"no mean: the steady window, {steadily}, lies outside the common range"]
     return (low, high), []
+
+
+def _first_piercing(results: Results, x: str, a: float, b: float) -> Floats:
+    """Return where whole film was first pierced, nan if not from a to b, shape (1,)."""
+    edge = results.splits.get("edge", np.zeros(0))
+    if not edge.any():
+        return np.array([np.nan])
+    then = results.splits["time"][edge > 0][:1]
+    at = np.interp(then, results.history["time"], results.history[x])
+    return np.where((at >= a) & (at <= b), at, np.nan)
 
 
 def _in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> BrokenLine:

@@ -34,6 +34,10 @@ def rows_of(found: Comparison) -> list[Row]:
         low, high = c.steady_range
         name = f"mean over {low:.3g}-{high:.3g}{_shown(x)}"
         both.insert(2, (name, y, c.mean_measured, c.mean_simulated, _percent(c.mean_error)))
+    if np.isfinite(c.pierced_at):
+        name = f"at first piercing, {c.pierced_at:.3g}{_shown(x)}"
+        change = f"{c.pierced_simulated - c.pierced_measured:+.4g}"
+        both.append((name, y, c.pierced_measured, c.pierced_simulated, change))
     correlation = f"{c.correlation:.4f}" if np.isfinite(c.correlation) else "-"
     return [
         *(Row(name, unit, f"{m:.4g}", f"{s:.4g}", off) for name, unit, m, s, off in both),

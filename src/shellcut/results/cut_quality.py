@@ -43,6 +43,8 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.frame import Frame, is_corner
+from shellcut.mesh.loops import within
+from shellcut.mesh.quad_geometry import quad_vectors
 from shellcut.numerics.connected_parts import connected_parts
 
 UNITS = {
@@ -363,8 +365,8 @@ class _Surface:
         own = is_corner(frame.quads)
         corners = frame.reference[frame.quads] * own[..., None]
         self.centre = corners.sum(axis=1) / own.sum(axis=1)[:, None]
-        self.before = _area_vectors(frame.reference, frame.quads)
-        self.now = _area_vectors(frame.points, frame.quads)
+        self.before = quad_vectors(frame.reference, frame.quads)
+        self.now = quad_vectors(frame.points, frame.quads)
         self.area = np.linalg.norm(self.before, axis=1)
 
     def part(self, line: Floats) -> Part | None:
@@ -373,7 +375,7 @@ class _Surface:
         _, size, axes = np.linalg.svd(line - middle, full_matrices=False)
         if len(line) < 3 or size[1] ** 2 <= _LEAST_FLAP * size[0] ** 2:
             return None
-        inside = _inside((self.centre - middle) @ axes[:2].T, (line - middle) @ axes[:2].T)
+        inside = within((self.centre - middle) @ axes[:2].T, (line - middle) @ axes[:2].T)
         # Other film may lie above and below the line's plane, such as the far side of a tube.
         near = np.abs((self.centre - middle) @ axes[2]) <= size[0]
         quads = np.flatnonzero(inside & near)
@@ -404,21 +406,3 @@ def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
     if found and not frame.held.any():
         found[0] = Piece(found[0].quads, found[0].area, loose=False)
     return found
-
-
-def _area_vectors(points: Floats, quads: Ints) -> Floats:
-    x = points[quads]
-    whole = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
-    for k in range(4, x.shape[1]):  # of polygons with more corners
-        whole += 0.5 * np.cross(x[:, k - 1] - x[:, 0], x[:, k] - x[:, 0])
-    return np.asarray(whole)
-
-
-def _inside(points: Floats, polygon: Floats) -> Bools:
-    """Return which points (n, 2) lie inside a closed polygon (m, 2): odd crossings to the right."""
-    x, y = points.T[:, :, None]
-    (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
-    spans = (y0 > y) != (y1 > y)
-    rise = np.where(y1 == y0, 1.0, y1 - y0)
-    right = x < x0 + (y - y0) * (x1 - x0) / rise
-    return np.asarray((spans & right).sum(axis=1) % 2 == 1)

@@ -9,42 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from pathlib import Path
-from typing import Literal
 
-from shellcut.files.run_folder import result_file
 from shellcut.frame import Frame
 
 from .vtkhdf import VtkHdfWriter
 
 
 class FrameOutput:
-    """Write frames to ``NAME.vtkhdf``.
+    """Write frames to a result file, which it closes.
 
     Parameters
     ----------
-    folder : Path
-        Output folder.
-    name : str
-        NAME.
-    mode, until
-        As in :class:`AppendableFile`, ``until`` in s.
-
-    Raises
-    ------
-    ValueError
-        If the existing file was not written by :class:`VtkHdfWriter`.
+    file : VtkHdfWriter
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        name: str,
-        *,
-        mode: Literal["w", "a"] = "w",
-        until: float | None = None,
-    ) -> None:
-        self._result = VtkHdfWriter(result_file(folder, name), mode=mode, until=until)
+    def __init__(self, file: VtkHdfWriter) -> None:
+        self._file = file
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._writing: Future[None] | None = None
         self.failed = False
@@ -53,7 +33,7 @@ class FrameOutput:
     def append(self, make: Callable[[], Frame]) -> None:
         """Start to make and write a frame; raises the error of the previous frame, if any."""
         self.settle()
-        self._writing = self._thread.submit(lambda: self._write(make()))
+        self._writing = self._thread.submit(lambda: self._file.append(make()))
 
     def settle(self) -> None:
         """Wait until all frames are in the file; raises the error of the last frame, if any."""
@@ -74,7 +54,7 @@ class FrameOutput:
             If that fails.
         """
         self.settle()
-        self._result.sync()
+        self._file.sync()
 
     def check(self) -> None:
         """Raise the error of the last frame, if any, without waiting for a pending one."""
@@ -87,7 +67,4 @@ class FrameOutput:
             self.settle()
         finally:
             self._thread.shutdown()
-            self._result.close()
-
-    def _write(self, frame: Frame) -> None:
-        self._result.append(frame)
+            self._file.close()

@@ -11,12 +11,11 @@ import os
 from collections.abc import Mapping, Sequence
 from itertools import chain
 from pathlib import Path
-from typing import BinaryIO, Literal
+from typing import BinaryIO
 
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.files.appendable_file import AppendableFile
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import opened, write_all
 
@@ -41,7 +40,7 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
     return columns
 
 
-class HistoryWriter(AppendableFile):
+class HistoryWriter:
     """Write rows of named numbers to a CSV file, e.g. ``time [s],angle [deg],torque [N*mm]``.
 
     Parameters
@@ -50,14 +49,14 @@ class HistoryWriter(AppendableFile):
         The file.
     columns : sequence of (name, unit)
         Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
-    mode, until
-        As in :class:`AppendableFile`; an unfinished last line is dropped, and with ``until`` the
-        rows whose first column exceeds it, in its unit.
+    until : float, optional
+        Appends to the file of an interrupted run: an unfinished last line is dropped, and the rows
+        whose first column exceeds this, in its unit. Without it a file that is there is replaced.
 
     Raises
     ------
     ValueError
-        If a name or unit is invalid in the header, or the file of mode ``"a"`` has other columns.
+        If a name or unit is invalid in the header, or the file to append to has other columns.
     """
 
     def __init__(
@@ -65,22 +64,27 @@ class HistoryWriter(AppendableFile):
         path: str | os.PathLike[str],
         columns: Sequence[tuple[str, str]],
         *,
-        mode: Literal["w", "a"] = "w",
         until: float | None = None,
     ) -> None:
-        super().__init__(path, mode=mode, until=until)
+        self.path = Path(path)
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
         self._names = tuple(name for name, _ in self.columns)
         self._check_columns()
-        if self.appending:
+        if until is None:
+            self._file: BinaryIO = opened(self.path, "w")
+            write_all(self._file, (_header(self.columns) + "\n").encode())
+        else:
             kept = self._kept_bytes(until)
-            self._file: BinaryIO = opened(self.path, "r+")
+            self._file = opened(self.path, "r+")
             self._file.truncate(kept)
             self._file.seek(kept)
-        else:
-            self._file = opened(self.path, "w")
-            write_all(self._file, (_header(self.columns) + "\n").encode())
         self._can_be_told = self._is_the_one_there()
+
+    def __enter__(self) -> HistoryWriter:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def append(self, row: Mapping[str, float]) -> None:
         """Write one row; its keys must be exactly the names of the columns.
@@ -139,7 +143,7 @@ class HistoryWriter(AppendableFile):
                     f"without any of {_FORBIDDEN!r}, got {text!r}"
                 )
 
-    def _kept_bytes(self, until: float | None) -> int:
+    def _kept_bytes(self, until: float) -> int:
         lines = read_regular(self.path).splitlines(keepends=True)
         if lines and not lines[-1].endswith(b"\n"):
             lines.pop()
@@ -147,11 +151,10 @@ class HistoryWriter(AppendableFile):
         if found != _header(self.columns):
             raise ValueError(
                 f"{self.path} has other columns than this run: {found[:_SHOWN_BYTES]!r}; "
-                f"move it away or start anew with mode 'w'"
+                "move it away or start anew"
             )
-        if until is not None:
-            while len(lines) > 1 and float(lines[-1].split(b",", 1)[0]) > until:
-                lines.pop()
+        while len(lines) > 1 and float(lines[-1].split(b",", 1)[0]) > until:
+            lines.pop()
         return sum(map(len, lines))
 
 

@@ -16,6 +16,7 @@ _REMEDIES: dict[str, tuple[str, Callable[[Mapping[str, Any]], bool]]] = {
     "finer": ("a finer film near the tool", lambda _: True),
     "damping": ("less damping", lambda _: True),
     "penalty": ("a larger Contact.penalty", lambda _: True),
+    "imperfection": ("imperfection = 1", lambda o: not o["n_imperfection"]),
     "film edges": ("Contact.film_edges = True", lambda o: not o["film_edges"]),
     "shorter edges": (
         "edges shorter than half of opening_u",

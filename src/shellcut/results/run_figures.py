@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from shellcut.arrays import Floats
 
 from .energy_account import energy_figures, largest_shares, trusted_rows
 from .steady_window import steady_figures
+
+if TYPE_CHECKING:
+    from shellcut.state import SplitRecord
 
 _OF_CABLES = "cohesive_work", "cohesive_dissipated", "cohesive_stored"
 
@@ -20,6 +24,7 @@ def run_figures(
     coordinate: tuple[str, str],
     resistance: tuple[str, str],
     end: Mapping[str, float] | None = None,
+    splits: Iterable[SplitRecord] = (),
 ) -> dict[str, float | str]:
     """Return the figures by their names in ``summary.json``; those not finite are left out.
 
@@ -30,6 +35,8 @@ def run_figures(
         Name and unit.
     end : mapping of str to float, optional
         The history's columns at the end of the run, by default its last row.
+    splits : iterable of SplitRecord
+        In order.
     """
     end = end or {name: float(column[-1]) for name, column in history.items()}
     x, x_unit = coordinate
@@ -40,6 +47,7 @@ def run_figures(
         **largest_shares(history, trusted_rows(history)),
         "crack_length_mm": end["crack_length"],
         **_peak(history, coordinate, resistance),
+        **_piercing(splits),
     }
     counts = {
         f"n_cable_{what}": int(end[f"cables_{what}"])
@@ -48,6 +56,20 @@ def run_figures(
     }
     finite = {name: value for name, value in figures.items() if isfinite(value)}
     return {**finite, **counts, **steady_figures(history, coordinate, resistance)}
+
+
+def _piercing(splits: Iterable[SplitRecord]) -> dict[str, float]:
+    """Return force, depth and work of the tool as each cutting edge first pierces whole film."""
+    first: dict[int, SplitRecord] = {}
+    for record in splits:
+        if record.edge >= 0:
+            first.setdefault(record.edge + 1, record)
+    figures = (("force", "N"), ("depth", "mm"), ("work", "Nmm"))
+    return {
+        f"piercing_{what}_{edge}_{unit}": getattr(record, what)
+        for edge, record in sorted(first.items())
+        for what, unit in figures
+    }
 
 
 def _peak(

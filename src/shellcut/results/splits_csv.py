@@ -24,8 +24,13 @@ _COLUMNS: dict[str, tuple[str, type]] = {
     "measure": ("-", float),
     "force_jump": ("N", float),
     **dict.fromkeys(("x", "y", "z", "X", "Y", "Z"), ("mm", float)),
+    "edge": ("-", int),
+    "force": ("N", float),
+    "depth": ("mm", float),
+    "work": ("N*mm", float),
 }
-"""Unit and type of every column; x, y, z at the split, X, Y, Z in the reference."""
+"""Unit and type of every column; x, y, z at the split, X, Y, Z in the reference. The last four are
+those of a puncture: cutting edge from 1, 0 for none, and :class:`~shellcut.state.SplitRecord`."""
 
 
 def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
@@ -35,7 +40,8 @@ def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
         table.writerow([f"{name} [{unit}]" for name, (unit, _) in _COLUMNS.items()])
         for s in splits:
             row = (s.time, s.node, s.twin, s.kind, s.measure, s.force_jump)
-            table.writerow([*row, *s.place, *s.reference])
+            pierced = (s.edge + 1, s.force, s.depth, s.work)
+            table.writerow([*row, *s.place, *s.reference, *pierced])
 
 
 def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:

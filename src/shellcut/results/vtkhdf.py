@@ -22,12 +22,12 @@ from __future__ import annotations
 
 import os
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any, Literal
 
 import h5py
 import numpy as np
 
-from shellcut.files.appendable_file import AppendableFile
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 
@@ -49,7 +49,7 @@ _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 
 
-class VtkHdfWriter(AppendableFile):
+class VtkHdfWriter:
     """Append frames to one VTKHDF file.
 
     Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
@@ -59,27 +59,21 @@ class VtkHdfWriter(AppendableFile):
     ----------
     path : str or Path
         The file, usually ``*.vtkhdf``.
-    mode, until
-        As in :class:`AppendableFile`, ``until`` in s; an unfinished frame of a killed run is
-        dropped.
+    until : float, optional
+        Appends to the file of an interrupted run: frames later than this are dropped [s], and an
+        unfinished one. Without it a file that is there is replaced.
 
     Raises
     ------
     ValueError
-        If the file of mode ``"a"`` was not written by this class.
+        If the file to append to was not written by this class.
     OSError
         If the file cannot be opened or written.
     """
 
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        mode: Literal["w", "a"] = "w",
-        until: float | None = None,
-    ) -> None:
-        super().__init__(path, mode=mode, until=until)
-        how: Literal["r+", "w"] = "r+" if self.appending else "w"
+    def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
+        self.path = Path(path)
+        how: Literal["r+", "w"] = "w" if until is None else "r+"
         self._target = HdfTarget(self.path, how)
         try:
             self._file = h5py.File(self._target, how)
@@ -95,15 +89,21 @@ class VtkHdfWriter(AppendableFile):
         self._n_frame = 0
         self._is_sound = False
         try:
-            if self.appending:
-                self._open_old()
-                self._drop_after(np.inf if until is None else until)
-            else:
+            if until is None:
                 self._create_new()
+            else:
+                self._open_old()
+                self._drop_after(until)
             self._is_sound = True
         except BaseException:
             self.close()
             raise
+
+    def __enter__(self) -> VtkHdfWriter:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     @property
     def n_frame(self) -> int:
@@ -148,7 +148,7 @@ class VtkHdfWriter(AppendableFile):
         written = dict(self._cells_written)
         point = self._columns.end("Points")
         entry["PointOffsets"] = point
-        written["Points"] = self._columns.write("Points", point, grid.points, noise=True)
+        written["Points"] = self._columns.write("Points", point, grid.points)
         for name, rows in grid.point_arrays.items():
             written[name] = self._columns.write(f"PointData/{name}", point, rows)
         cell = self._columns.end("CellData/part")
@@ -302,7 +302,7 @@ class VtkHdfWriter(AppendableFile):
         if not is_ours(self._file) or not _has_all_arrays(self._file["VTKHDF"]):
             raise ValueError(
                 f"{self.path} was not written by shellcut, or by an older version; move it away or "
-                "start anew with mode 'w'"
+                "start anew"
             )
         self._root = self._file["VTKHDF"]
         self._columns = Columns(self._root)
@@ -314,7 +314,7 @@ class VtkHdfWriter(AppendableFile):
         n_frame = int(self._root["Steps"].attrs["NSteps"])  # a killed run may have begun another
         n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
         if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:
-            raise ValueError(f"{self.path} is damaged; start anew with mode 'w'")
+            raise ValueError(f"{self.path} is damaged; start anew")
         self._file[BESIDE].attrs.modify(ENDED, np.int64(NOT_ENDED))
         # Frames may share cells but never return to older ones: the last frame kept marks the end.
         n_part = n_point = n_cell = n_id = n_cell_row = 0

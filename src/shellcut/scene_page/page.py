@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from shellcut.files.whole_file import write_text
+from shellcut.formats.errors import counted
 from shellcut.results.run_results import Results, read
 from shellcut.view.fields import chosen_fields
 
@@ -46,7 +47,7 @@ class ScenePage:
     def __str__(self) -> str:
         n = len(self.fields)
         said = f"{self.path} ({_size(self.n_byte)}), {len(self.frames)} of {self.n_frame} frames, "
-        said += f"{n} field" if n == 1 else f"{n} fields"
+        said += counted(n, "field")
         return f"{said}; {self.dropped}" if self.dropped else said
 
 

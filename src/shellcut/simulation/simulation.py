@@ -237,7 +237,7 @@ class Simulation:
         s.time += s.tick
         self._place_tool()
         if self.cracks is not None:
-            self.cracks.cut_due(s, self.pose)  # 3 topology
+            self.cracks.cut_due(s, self.pose, self.ledger.tool_work)  # 3 topology
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}

@@ -19,10 +19,10 @@ On squares the bound omega_e is some 12 % above the exact frequency of the assem
 omega_e is a bound that grows with the change of shape since a quad was last evaluated
 (:mod:`shellcut.mitc4.frequency`). At intervals the bounds of all quads are brought up to date, and
 the quads that limit the step are evaluated: worst first, until no other could shorten it by more
-than 1 %. What contact and cables hold is looked at again in the same way at a split, and when a
+than 1 %. What contact and cables add is looked at again in the same way at a split, and when a
 contact has searched for what is near the tool: a tool that moves far between two evaluations comes
-to nodes that were not near at the last one. A term that searches holds until then what it held.
-A film that is stretched fast is looked at sooner (:mod:`shellcut.mitc4.stretch_since`).
+to nodes that were not near at the last one. Until then the stiffness of a term that searches is
+good. A film that is stretched fast is looked at sooner (:mod:`shellcut.mitc4.stretch_since`).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, SmallIds
+from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, SmallIds, StiffnessBy
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.stretch_since import StretchSince
@@ -51,6 +51,11 @@ _TIGHT = 0.99
 # if it has been so long at every look of a whole interval: dt changes seldom, and does not stay
 # short for the rest of a run after one moment in which it had to be.
 _AT_ONCE, _AFTER_ALL = 1.08, 1.01
+
+# Largest factor between two steps: a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of
+# energy for every force f out of balance, and at a cut, where the step may grow, such forces are
+# large. They have died down before a growth by a tenth is complete.
+_GROWTH = 1.002
 
 # Steps after which it is asked whether stretch has taken up what safety leaves: often enough for a
 # strip drawn out by a fifth in between. A growth of omega² below the second factor is not worth a
@@ -78,10 +83,10 @@ class Stepping:
 
     safety: Annotated[
         float,
-        Option("", "factor on the safe step, for what changes to the next look", above=0, most=1),
+        Option("", "factor on the safe step, until it is computed again", above=0, most=1),
     ] = 0.95
     evaluate_every: Annotated[
-        int, Option("", "steps between two looks at the quads; splits come on top", least=1)
+        int, Option("", "steps until it is computed again; each split does so, too", least=1)
     ] = 500
     fixed: Annotated[
         float | None, Option("s", "a step of your own", above=0, unset="the safe step")
@@ -102,13 +107,13 @@ class StableStep:
         self._terms = tuple(terms)
         self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
         self._stretch = StretchSince(shell.frequencies.by_stretch)
-        # How often each term had searched at the last look, and what it held then.
+        # How often each term had searched at the last look, and its stiffness then.
         self._searched = [0 for _ in self._terms]
         nothing = np.zeros(0, np.int64), np.zeros(0)
-        self._held: dict[str, Held] = {term.name: nothing for term in self._terms}
+        self._stiffness: dict[str, NodeStiffness] = {term.name: nothing for term in self._terms}
         self._next = 0
         self._topology = KnownTopology()
-        self._dt = 0.0
+        self._dt = self._step = 0.0
         # Bound of the quads alone at the last look at all, and the least safe step since then.
         self._free, self._least = math.inf, math.inf
         # Quads evaluated since the last look at all.
@@ -121,9 +126,10 @@ class StableStep:
         due = state.step >= self._next or self._is_stretched(state)
         searched = [term.n_search for term in self._terms]
         if due or searched != self._searched or not self._topology.is_of(state):
-            bound = self._look_at_all(state) if due else self._look_at_held(state)
+            bound = self._look_at_all(state) if due else self._look_at_stiffness(state)
             self._take(self.stepping.safety * bound, due)
-        return self._dt
+        self._step = min(self._dt, _GROWTH * self._step or self._dt)
+        return self._step
 
     def _is_stretched(self, state: State) -> bool:
         """Whether the bound, grown by stretch since the last look at all quads, is exceeded.
@@ -195,7 +201,7 @@ class StableStep:
     def forget(self) -> None:
         """Look afresh at the next call: the state has been moved from outside."""
         self._next = 0
-        self._dt, self._least = 0.0, math.inf
+        self._dt, self._step, self._least = 0.0, 0.0, math.inf
 
     def saved(self) -> dict[str, Any]:
         """Return when it looked last and what it found; the frequencies are the shell's."""
@@ -203,14 +209,15 @@ class StableStep:
             "next": self._next,
             "revision": self._topology.revision,
             "dt": self._dt,
+            "step": self._step,
             "free": self._free,
             "least": self._least,
             "known": self._known,
             "stretch": self._stretch.saved(),
             "searched": np.array(self._searched, np.int64),
-            "held": {
+            "terms": {
                 name: {"node": node, "stiffness": stiffness}
-                for name, (node, stiffness) in self._held.items()
+                for name, (node, stiffness) in self._stiffness.items()
             },
         }
 
@@ -218,22 +225,23 @@ class StableStep:
         """Take over :meth:`saved`."""
         self._next = saved["next"]
         self._topology.restore(saved["revision"])
-        self._dt, self._free, self._least = saved["dt"], saved["free"], saved["least"]
+        self._dt, self._step = saved["dt"], saved["step"]
+        self._free, self._least = saved["free"], saved["least"]
         self._known, self._searched = saved["known"].copy(), saved["searched"].tolist()
         self._stretch.restore(saved["stretch"])
-        held = {term.name: saved["held"][term.name] for term in self._terms}
-        self._held = {name: (rows["node"], rows["stiffness"]) for name, rows in held.items()}
+        terms = {term.name: saved["terms"][term.name] for term in self._terms}
+        self._stiffness = {name: (rows["node"], rows["stiffness"]) for name, rows in terms.items()}
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
-        holding: dict[str, Held] = {}
+        counted: dict[str, NodeStiffness] = {}
         for term in self._terms:
-            holding[term.name] = term.stiffness(state, holding)
-        held, omega_c2 = self._held_quads(state, holding)
-        return min(self._free_step(), *self._steps(held, omega_c2, np.empty(held.size)))
+            counted[term.name] = term.stiffness(state, counted)
+        quads, omega_c2 = self._stiffened(state, counted)
+        return min(self._free_step(), *self._steps(quads, omega_c2, np.empty(quads.size)))
 
     def _free_step(self) -> float:
-        """Return the safe step of all quads if nothing held them [s]."""
+        """Return the safe step of all quads without contact and cables [s]."""
         every = np.arange(self._shell.frequencies.squared.size)
         return float(np.minimum(*self._steps(every, np.zeros(every.size), np.empty(every.size))))
 
@@ -243,26 +251,26 @@ class StableStep:
         frequencies.follow(n.x, n.t, state.quads)
         self._known = np.zeros(state.n_quad, np.bool_)
         omega_c2 = np.zeros(state.n_quad)
-        held, of_held = self._held_quads(state, self._ask(state, again=True))
-        omega_c2[held] = of_held
+        quads, of_terms = self._stiffened(state, self._ask(state, again=True))
+        omega_c2[quads] = of_terms
         bound = self._settle(state, np.arange(omega_c2.size), omega_c2)
         self._free = self._free_step()
         self._stretch.take(state, frequencies.squared + omega_c2)
         return bound
 
-    def _look_at_held(self, state: State) -> float:
+    def _look_at_stiffness(self, state: State) -> float:
         copies = state.n_quad - self._known.size
         self._known = np.append(self._known, np.zeros(copies, np.bool_))
         again = not self._topology.is_of(state)
-        held, of_held = self._held_quads(state, self._ask(state, again=again))
-        bound = min(self._free, self._settle(state, held, of_held))
+        quads, of_terms = self._stiffened(state, self._ask(state, again=again))
+        bound = min(self._free, self._settle(state, quads, of_terms))
         omega2 = self._shell.frequencies.squared.copy()
-        omega2[held] += of_held
+        omega2[quads] += of_terms
         self._stretch.follow(state, omega2)
         return bound
 
-    def _ask(self, state: State, *, again: bool) -> dict[str, Held]:
-        """Return what each term holds; of those that search some are asked, or all again.
+    def _ask(self, state: State, *, again: bool) -> dict[str, NodeStiffness]:
+        """Return the stiffness of each term; of those that search some are asked, or all again.
 
         In their order: what one adds to another that is evaluated before it may be less than its
         own stiffness.
@@ -270,10 +278,10 @@ class StableStep:
         searched = [term.n_search for term in self._terms]
         for term, now, then in zip(self._terms, searched, self._searched, strict=True):
             if again or now != then or now < 0:
-                self._held[term.name] = term.stiffness(state, self._held)
+                self._stiffness[term.name] = term.stiffness(state, self._stiffness)
         self._searched = searched
         self._topology.take(state)
-        return self._held
+        return self._stiffness
 
     def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
         """Return the safe step of some quads [s], those that limit it being evaluated."""
@@ -304,14 +312,11 @@ class StableStep:
             steps,
         )
 
-    def _held_quads(self, state: State, held: HeldBy) -> tuple[Ints, Floats]:
-        """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²].
-
-        held : nodes that each term holds, and its stiffness on them.
-        """
+    def _stiffened(self, state: State, terms: StiffnessBy) -> tuple[Ints, Floats]:
+        """Return the quads at nodes of the terms, ascending, and omega_c² of each [1/s²]."""
         n = state.node
-        nodes = np.concatenate([ids for ids, _ in held.values()])
-        stiffness = np.concatenate([of_nodes for _, of_nodes in held.values()])
+        nodes = np.concatenate([ids for ids, _ in terms.values()])
+        stiffness = np.concatenate([of_nodes for _, of_nodes in terms.values()])
         if state.flank.count:
             nodes, stiffness = hand_on_stiffness(state, nodes, stiffness)
         quads, largest = np.empty(state.n_quad, np.int64), np.empty(state.n_quad)

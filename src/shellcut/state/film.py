@@ -40,6 +40,14 @@ class SplitRecord:
     """Magnitude of the difference between the node's load and the new cable's force [N]."""
     rows: tuple[int, ...] = ()
     """Quads or copies to the right and left of it, of a split those of each side; -1 for none."""
+    edge: int = -1
+    """Chain of the cutting edge that has pierced whole film, -1 for none."""
+    force: float = 0.0
+    """With which the film pressed on it [N]."""
+    depth: float = 0.0
+    """How far it had pressed the film in there [mm]."""
+    work: float = 0.0
+    """Of the tool until then [N·mm]."""
 
 
 @dataclass

@@ -17,7 +17,7 @@ from typing import Any, Literal
 from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.regular_file import read_regular
-from shellcut.files.run_folder import CHECKPOINT, SUMMARY
+from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
 from shellcut.files.whole_file import write_text
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
@@ -28,8 +28,8 @@ from shellcut.recording.run_log import RunLog
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
 
-USED, LOG, OUTCOME = "used.toml", "run.log", "outcome.json"
-"""Files of a run besides those of the recorder; the last one says that it is done."""
+OUTCOME = "outcome.json"
+"""Says that a run is done, beside its other files."""
 
 STOP = "stop"
 """A file of this name in the study's folder stops all runs after their step."""

@@ -273,33 +273,6 @@ def _grown(rows: Numbers, n: int, size: int) -> Numbers:
     return more
 
 
-@kernel
-def _sort_cells(cell_start: Ints, cell_triangles: Ints, cell_distance: Floats) -> None:
-    """Sort the entries of each cell by distance, in place; equal distances by triangle.
-
-    Insertion over shrinking gaps (Shell 1959): cells deep in a finely triangulated tool have
-    thousands of entries, and plain insertion takes quadratic time.
-    """
-    for cell in range(cell_start.size - 1):
-        first, last = cell_start[cell], cell_start[cell + 1]
-        gap = 1
-        while gap < (last - first) // 3:
-            gap = 3 * gap + 1
-        while gap > 0:
-            for m in range(first + gap, last):
-                t, d = cell_triangles[m], cell_distance[m]
-                n = m - gap
-                while n >= first and (
-                    cell_distance[n] > d or (cell_distance[n] == d and cell_triangles[n] > t)
-                ):
-                    cell_triangles[n + gap] = cell_triangles[n]
-                    cell_distance[n + gap] = cell_distance[n]
-                    n -= gap
-                cell_triangles[n + gap] = t
-                cell_distance[n + gap] = d
-            gap //= 3
-
-
 def _cells_around(tool: Tool, reach: float, size: float) -> GridCells:
     """Return cells of this size [mm] around a tool and its reach, enlarged until few enough."""
     low, high = tool.bounding_box()
@@ -329,8 +302,9 @@ def _fill(finest: GridCells, surface: TriangleSurface, reach: float) -> CellList
         cells = GridCells(lower=finest.lower, size=finest.size * width, shape=some)
         lists = CellLists(*_refine(cells, lists, parents, shift, reach, surface))
         parents, shift = some, 1
-    _sort_cells(lists.start, lists.triangle, lists.distance)
-    return lists
+    cell = np.repeat(np.arange(lists.start.size - 1), np.diff(lists.start))
+    order = np.lexsort((lists.distance, cell))  # stable: equal distances stay by triangle
+    return lists._replace(triangle=lists.triangle[order], distance=lists.distance[order])
 
 
 def _cells(extent: Floats, size: float) -> Cells3:

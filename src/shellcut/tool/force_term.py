@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.arrays import Held, HeldBy
+from shellcut.arrays import NodeStiffness, StiffnessBy
 
 from .pose import Pose
 from .touch import Booking, Touch
@@ -48,7 +48,7 @@ class ForceTerm:
     booked: Sequence[Booking] = ()
     """What goes from there into the ledger at every step."""
     n_search: int = 0
-    """How often it has searched for what it may hold: the time step then looks at it anew. -1 if
+    """How often it has searched for what it may act on: the time step then looks at it anew. -1 if
     that changes from step to step; the time step then asks it at every look."""
 
     def add_forces(self, state: State, pose: Pose) -> None:
@@ -58,12 +58,12 @@ class ForceTerm:
         """
         raise NotImplementedError
 
-    def stiffness(self, state: State, counted: HeldBy) -> Held:
-        """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
+    def stiffness(self, state: State, counted: StiffnessBy) -> NodeStiffness:
+        """Return the nodes that it acts on and a bound of its stiffness on each [N/mm].
 
         It is good until the next search, if it searches, or cut. A node may come more than once:
-        its stiffnesses add up. ``counted`` holds what the terms before it hold, by their names: it
-        may tell only what it adds to that.
+        its stiffnesses add up. ``counted`` has those of the terms before it, by their names: it
+        may tell only what it adds to them.
         """
         return np.zeros(0, np.int64), np.zeros(0)
 

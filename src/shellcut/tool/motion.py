@@ -242,16 +242,9 @@ _POSE_OF_SCREW = BoundOnce(_pose_of_screw)
 def _turn(axis: Vec3, angle: float) -> tuple[Vec3, Vec3, Vec3]:
     """Return the rows of the rotation about a unit axis."""
     # 1 - cos from the half angle, without cancellation
-    a0, a1, a2 = axis
-    s = sin(angle)
     half = sin(0.5 * angle)
     k = 2.0 * half * half
-    c = 1.0 - k
-    return (
-        (c + k * a0 * a0, k * a0 * a1 - s * a2, k * a0 * a2 + s * a1),
-        (k * a0 * a1 + s * a2, c + k * a1 * a1, k * a1 * a2 - s * a0),
-        (k * a0 * a2 - s * a1, k * a1 * a2 + s * a0, c + k * a2 * a2),
-    )
+    return rotation_rows(axis, sin(angle), k, 1.0 - k)
 
 
 def _triple(name: str, values: Sequence[float]) -> Vec3:
@@ -268,6 +261,17 @@ def _unit(name: str, values: Sequence[float]) -> Vec3:
     if length == 0.0:
         raise ValueError(f"{name} must not be zero: it is a direction")
     return a0 / length, a1 / length, a2 / length
+
+
+@inline_or_plain
+def rotation_rows(a: Vec3, s: float, k: float, c: float) -> tuple[Vec3, Vec3, Vec3]:
+    """Return the rows of the rotation c 1 + s a~ + k a a^T."""
+    a0, a1, a2 = a
+    return (
+        (c + k * a0 * a0, k * a0 * a1 - s * a2, k * a0 * a2 + s * a1),
+        (k * a0 * a1 + s * a2, c + k * a1 * a1, k * a1 * a2 - s * a0),
+        (k * a0 * a2 - s * a1, k * a1 * a2 + s * a0, c + k * a2 * a2),
+    )
 
 
 @inline_or_plain

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import scipy
 
 from shellcut.arrays import Floats, Ints, SmallInts, angles, norm, product, unit
-from shellcut.formats.errors import point_text
+from shellcut.formats.errors import counted, point_text
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 MERGE_TOLERANCE = 1e-7
@@ -90,31 +90,34 @@ class Surface:
         flat = np.flatnonzero(self.height < DEGENERATE_HEIGHT)
         if flat.size:
             places = self._at(self.vertices[self.triangles[flat]].mean(axis=1))
-            found.append(f"{counted(flat, 'degenerate triangle')} (no area), centred at {places}")
+            found.append(
+                f"{counted(len(flat), 'degenerate triangle')} (no area), centred at {places}"
+            )
         holes = np.flatnonzero(self.uses == 1)
         if holes.size:
             found.append(
-                f"{counted(holes, 'open edge')}: the surface has {self._holes(holes)}; close it in "
-                "the program that made it"
+                f"{counted(len(holes), 'open edge')}: the surface has {self._holes(holes)}; close "
+                "it in the program that made it"
             )
         crowded = np.flatnonzero(self.uses > 2)
         if crowded.size:
             found.append(
-                f"{counted(crowded, 'non-manifold edge')} (more than two triangles meet): "
+                f"{counted(len(crowded), 'non-manifold edge')} (more than two triangles meet): "
                 f"{self._segments(crowded)}"
             )
         twisted = np.flatnonzero(self.twisted)
         if twisted.size:
             found.append(
-                f"{counted(twisted, 'edge')} between triangles of opposite orientation: "
+                f"{counted(len(twisted), 'edge')} between triangles of opposite orientation: "
                 f"{self._segments(twisted)}; reverse one of the two: triangles[i] = "
                 "triangles[i, ::-1]"
             )
         pinched = self._pinched_vertices()
         if pinched.size:
             found.append(
-                f"{counted(pinched, 'non-manifold vertex', 'non-manifold vertices')} (parts of the "
-                f"surface touch in a point), move them apart: {self._at(self.vertices[pinched])}"
+                f"{counted(len(pinched), 'non-manifold vertex', 'non-manifold vertices')} "
+                f"(parts of the surface touch in a point), move them apart: "
+                f"{self._at(self.vertices[pinched])}"
             )
         unsound = np.zeros(self.body.max() + 1, dtype=bool)
         bad_edges = ~self.manifold
@@ -173,14 +176,14 @@ class Surface:
         if not present.all():
             lost = np.flatnonzero(~present)
             problems.append(
-                f"{counted(lost, 'given cutting edge')} not an edge of the surface: "
+                f"{counted(len(lost), 'given cutting edge')} not an edge of the surface: "
                 + self._pairs(segments[lost])
             )
         flat = np.flatnonzero(present & self.manifold[row] & (self.turn[row] < FLAT_TURN))
         if flat.size:
             problems.append(
-                f"{counted(flat, 'given cutting edge')} flat or concave, without a wedge behind: "
-                + self._pairs(segments[flat])
+                f"{counted(len(flat), 'given cutting edge')} flat or concave, "
+                "without a wedge behind: " + self._pairs(segments[flat])
             )
         key = product(np.sort(segments, axis=1), np.array([self.vertices.shape[0], 1]))
         if np.unique(key).size < key.size:
@@ -315,8 +318,3 @@ def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
 def _next_corner(half_edges: Ints) -> Ints:
     corners: Ints = half_edges + 1 - 3 * (half_edges % 3 == 2)
     return corners
-
-
-def counted(ids: Ints, singular: str, plural: str | None = None) -> str:
-    """Return a count with its noun."""
-    return f"{ids.size} {singular if ids.size == 1 else plural or singular + 's'}"

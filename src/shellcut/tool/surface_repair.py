@@ -12,13 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.formats.errors import point_text
+from shellcut.formats.errors import counted, point_text
 from shellcut.numerics.consistent_winding import common_winding
 
 from .surface import (
     DEGENERATE_HEIGHT,
     Surface,
-    counted,
     merge_vertices,
     normals_and_heights,
 )
@@ -131,8 +130,8 @@ def _turn(done: Repaired) -> None:
     if len(winding.one_sided):
         at = done.vertices[done.triangles[winding.one_sided]].mean(axis=(0, 1))
         done.problems.append(
-            f"{counted(winding.one_sided, 'triangle')} around {point_text(at)} form a surface with "
-            "one side only, like a Möbius strip: it has no inside"
+            f"{counted(len(winding.one_sided), 'triangle')} around {point_text(at)} form a "
+            "surface with one side only, like a Möbius strip: it has no inside"
         )
         return
     done.triangles[winding.turned] = done.triangles[winding.turned][:, ::-1]

@@ -23,7 +23,7 @@ from shellcut.formats.errors import FileError
 from shellcut.formats.motion_csv import read_motion_csv
 from shellcut.numerics.small_matrices import inverse
 
-from .motion import turned
+from .motion import rotation_rows, turned
 from .pose import Pose
 
 LARGEST_TABLE_TURN = 0.75 * pi
@@ -146,16 +146,9 @@ class TableMotion:
     def pose(self, time: float) -> Pose:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
         i, dt = self._locate(time)
-        a3, a2, a1, a0, b3, b2, b1, b0, c3, c2, c1, c0 = self._translation[i]
-        origin = np.array(
-            (
-                ((a3 * dt + a2) * dt + a1) * dt + a0,
-                ((b3 * dt + b2) * dt + b1) * dt + b0,
-                ((c3 * dt + c2) * dt + c1) * dt + c0,
-            )
-        )
+        origin, _ = _cubic(self._translation[i], dt)
         phi, _ = _cubic(self._rotation[i], dt)
-        return Pose(_product(self._start[i], _exponential(phi)), origin)
+        return Pose(_product(self._start[i], _exponential(phi)), np.array(origin))
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each.
@@ -165,20 +158,13 @@ class TableMotion:
         if time < self._knots[0] or time > self._knots[-1]:
             return np.zeros(3), np.zeros(3)
         i, dt = self._locate(time)
-        return np.array(self._angular_velocity(i, dt)), np.array(self._velocity(i, dt))
+        _, velocity = _cubic(self._translation[i], dt)
+        return np.array(self._angular_velocity(i, dt)), np.array(velocity)
 
     def _locate(self, time: float) -> tuple[int, float]:
         knots = self._knots
         i = min(max(bisect_right(knots, time) - 1, 0), len(knots) - 2)
         return i, min(max(time, knots[0]), knots[-1]) - knots[i]
-
-    def _velocity(self, i: int, dt: float) -> Vec3:
-        a3, a2, a1, _, b3, b2, b1, _, c3, c2, c1, _ = self._translation[i]
-        return (
-            (3.0 * a3 * dt + 2.0 * a2) * dt + a1,
-            (3.0 * b3 * dt + 2.0 * b2) * dt + b1,
-            (3.0 * c3 * dt + 2.0 * c2) * dt + c1,
-        )
 
     def _angular_velocity(self, i: int, dt: float) -> Vec3:
         # R = R_i exp(phi), hence w = R_i J(phi) dphi/dt with the left Jacobian
@@ -203,10 +189,12 @@ class TableMotion:
     def _sum_travel(self) -> list[list[tuple[float, float]]]:
         # (travel, speed) at the ends of the pieces of each interval, by 5-point Gauss per piece
         nodes, weights = np.polynomial.legendre.leggauss(5)
-        speed_vector = self._angular_velocity if self._turns else self._velocity
 
         def speed(i: int, dt: float) -> float:
-            v0, v1, v2 = speed_vector(i, dt)
+            if self._turns:
+                v0, v1, v2 = self._angular_velocity(i, dt)
+            else:
+                _, (v0, v1, v2) = _cubic(self._translation[i], dt)
             return sqrt(v0 * v0 + v1 * v1 + v2 * v2)
 
         travel = 0.0
@@ -224,20 +212,14 @@ class TableMotion:
 
 def _exponential(phi: Vec3) -> tuple[Vec3, Vec3, Vec3]:
     # rows of the rotation by the vector phi
-    p0, p1, p2 = phi
-    squared = p0 * p0 + p1 * p1 + p2 * p2
+    squared = phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2]
     angle = sqrt(squared)
     if angle < SMALL_ANGLE:
         s, k = 1.0 - squared / 6.0, 0.5 - squared / 24.0
     else:
         half = sin(0.5 * angle) / angle
         s, k = sin(angle) / angle, 2.0 * half * half
-    c = 1.0 - k * squared
-    return (
-        (c + k * p0 * p0, k * p0 * p1 - s * p2, k * p0 * p2 + s * p1),
-        (k * p0 * p1 + s * p2, c + k * p1 * p1, k * p1 * p2 - s * p0),
-        (k * p0 * p2 - s * p1, k * p1 * p2 + s * p0, c + k * p2 * p2),
-    )
+    return rotation_rows(phi, s, k, 1.0 - k * squared)
 
 
 def _product(a: tuple[Vec3, Vec3, Vec3], b: tuple[Vec3, Vec3, Vec3]) -> Floats:
@@ -255,13 +237,13 @@ def _cross(a: Vec3, b: Vec3) -> Vec3:
 
 
 def _cubic(coefficients: list[float], dt: float) -> tuple[Vec3, Vec3]:
-    # value and rate of the rotation vector within its interval: no constant term
-    a3, a2, a1, b3, b2, b1, c3, c2, c1 = coefficients
+    # value and rate within an interval
+    a3, a2, a1, a0, b3, b2, b1, b0, c3, c2, c1, c0 = coefficients
     return (
         (
-            ((a3 * dt + a2) * dt + a1) * dt,
-            ((b3 * dt + b2) * dt + b1) * dt,
-            ((c3 * dt + c2) * dt + c1) * dt,
+            ((a3 * dt + a2) * dt + a1) * dt + a0,
+            ((b3 * dt + b2) * dt + b1) * dt + b0,
+            ((c3 * dt + c2) * dt + c1) * dt + c0,
         ),
         (
             (3.0 * a3 * dt + 2.0 * a2) * dt + a1,
@@ -272,8 +254,8 @@ def _cubic(coefficients: list[float], dt: float) -> tuple[Vec3, Vec3]:
 
 
 def _rotation_cubics(times: Floats, start: scipy.spatial.transform.Rotation) -> Floats:
-    # RotationSpline is R_i exp(cubic in t - t_i): the cubics, shape (n_time - 1, 9), from its
-    # values at thirds of the intervals (no spline of scipy is called during a run)
+    # RotationSpline is R_i exp(cubic in t - t_i), 0 at t_i: the cubics, shape (n_time - 1, 12),
+    # from its values at thirds of the intervals (no spline of scipy is called during a run)
     spline = scipy.spatial.transform.RotationSpline(times, start)
     step = np.diff(times)
     thirds = np.array([1.0, 2.0, 3.0]) / 3.0
@@ -285,8 +267,9 @@ def _rotation_cubics(times: Floats, start: scipy.spatial.transform.Rotation) -> 
     fit = inverse(np.column_stack([thirds * thirds * thirds, thirds * thirds, thirds]))
     scaled = np.einsum("kj,ijc->ick", fit, phi)
     powers = np.stack([step * step * step, step * step, step], axis=1)
-    cubics: Floats = (scaled / powers[:, None, :]).reshape(-1, 9)
-    return cubics
+    cubics = np.zeros((len(step), 3, 4))
+    cubics[..., :3] = scaled / powers[:, None, :]
+    return cubics.reshape(-1, 12)
 
 
 def _cast_table(

@@ -27,11 +27,11 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, SmallInts, angles, product
-from shellcut.formats.errors import point_text
+from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
 from .edge_chains import chains_facing_back, chains_of, reverse_chains
-from .surface import Surface, counted, merge_vertices, six_volumes
+from .surface import Surface, merge_vertices, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
@@ -394,7 +394,7 @@ def _cast(
         problems.append(f"vertices must have shape (n_vertex, 3), got {coordinates.shape}")
     elif not np.isfinite(coordinates).all():
         bad = np.flatnonzero(~np.isfinite(coordinates).all(axis=1))
-        problems.append(f"{counted(bad, 'vertex', 'vertices')} not finite, first id {bad[0]}")
+        problems.append(f"{counted(len(bad), 'vertex', 'vertices')} not finite, first id {bad[0]}")
     n_vertex = coordinates.shape[0] if coordinates.ndim else 0
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
     given = None

@@ -41,7 +41,7 @@ class Touch(NamedTuple):
 
 @always_inline
 def react(f: Vec3, x: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
-    """Add minus a force f on the film at x [N, mm] to the wrench on a tooth."""
+    """Add minus a force f on film or cable at x [N, mm] to the wrench on a tooth."""
     r = pose.translation
     moment = cross(sub(x, (r[0], r[1], r[2])), f)
     for c in range(3):

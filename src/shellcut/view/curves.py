@@ -42,6 +42,7 @@ STYLES: dict[str, dict[str, Any]] = {
     **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
     **{f"law{k}": {"color": color, "width": 2.4} for k, color in enumerate(PALETTE)},
     **{f"a{k}": {"color": color, "width": 1.6} for k, color in enumerate(_AREAS)},
+    **{f"p{k}": {"color": c, "width": 0.0, "marker": "o"} for k, c in enumerate(PALETTE)},
 }
 """How lines look, by name."""
 
@@ -78,6 +79,8 @@ class Diagram:
     title : str
     height : float
         Relative to the other diagrams of a picture.
+    zero : bool
+        Whether the axis of the values reaches 0.
     """
 
     x: npt.ArrayLike
@@ -88,6 +91,7 @@ class Diagram:
     unit: str
     title: str = ""
     height: float = 1.0
+    zero: bool = True
 
 
 def draw_curves(
@@ -146,19 +150,21 @@ def _draw(axes: Any, diagram: Diagram) -> None:
                 f"{values.shape}"
             )
         look = STYLES[curve.style]
-        label = {} if curve.name in named else {"label": curve.name}
+        label: dict[str, Any] = {} if curve.name in named else {"label": curve.name}
         if curve.area:
             top = floor + values
             axes.fill_between(places, floor, top, color=look["color"], alpha=0.85, lw=0.0, **label)
             floor = top
         else:
             line = _DASHES.get(look.get("dash", ""), "-")
-            axes.plot(places, values, color=look["color"], lw=look["width"], ls=line, **label)
+            label |= {"marker": look.get("marker"), "color": look["color"], "lw": look["width"]}
+            axes.plot(places, values, ls=line, **label)
         named.add(curve.name)
-    axes.axhline(0.0, color="0.6", lw=0.8)
+    if diagram.zero:
+        axes.axhline(0.0, color="0.6", lw=0.8)
     axes.set_xlabel(in_unit(diagram.x_name, diagram.x_unit))
     axes.set_ylabel(in_unit(diagram.name, diagram.unit))
-    axes.margins(x=0.0)
+    axes.margins(x=0.0 if diagram.zero else 0.05)
     axes.grid(color="0.9", lw=0.8)
     axes.set_axisbelow(True)
     for side in ("top", "right"):

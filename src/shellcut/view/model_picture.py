@@ -18,6 +18,7 @@ _HELD_COLOR = "#1d3557"
 _WORST_COLOR = "#f4a259"
 _TOOL_COLOR = "#a8b0ba"
 _WAY_COLOR = "#2a9d8f"
+_TRACK_COLOR = "#3d3d3d"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,8 @@ class ModelView:
     """Points where they pass through the film, shape (n, 3)."""
     titles: Sequence[str]
     """Title of each pose."""
+    track: Floats
+    """How a point of the tool moves from the start to the end, shape (n, 3)."""
 
 
 def draw_model(
@@ -90,7 +93,7 @@ def draw_model(
     # A refused model may lack its film.
     extent = np.ptp(model.nodes if len(model.nodes) else model.tool[0], axis=0)
     across = np.argsort(-extent, kind="stable")
-    n_pose = len(model.titles)
+    n_pose, drawn = len(model.titles), None
     for k in range(n_pose):
         left, width = 0.06 + 0.94 / n_pose * k, 0.94 / n_pose - 0.07
         for axes_ids, bottom, height in (
@@ -106,10 +109,15 @@ def draw_model(
             axes.tick_params(labelsize=8)
             if bottom > 0.3:
                 axes.set_title(model.titles[k], fontsize=10)
-                drawn = axes.get_legend_handles_labels()
-    # The same in every pose: one legend, where it hides nothing.
+                drawn = drawn or axes.get_legend_handles_labels()
+    # All of it is in the first pose: one legend, where it hides nothing.
     figure.legend(
-        *drawn, loc="center", bbox_to_anchor=(0.5, 0.945), fontsize=8, ncols=6, frameon=False
+        *(drawn or ()),
+        loc="center",
+        bbox_to_anchor=(0.5, 0.945),
+        fontsize=8,
+        ncols=6,
+        frameon=False,
     )
     save(figure, path)
 
@@ -144,4 +152,12 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
         label = "path of the edges through the film"
         axes.plot(  # type: ignore[attr-defined]
             *model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label
+        )
+    if pose == 0 and len(model.track):
+        track, color = model.track[:, [i, j]], _TRACK_COLOR
+        axes.plot(  # type: ignore[attr-defined]
+            *track.T, color=color, lw=1.2, zorder=4, label="way of an end of the tool's edge"
+        )
+        axes.annotate(  # type: ignore[attr-defined]
+            "", track[-1], track[-2], arrowprops={"arrowstyle": "-|>", "color": color}, zorder=4
         )

@@ -15,7 +15,7 @@ from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
 from ._figure import inches_of, new_figure, save
-from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_of
+from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_parts
 from .fields import STRESSES
 from .panels import Panel, Panels
 
@@ -186,7 +186,6 @@ class SnapshotSeries:
         bar = (0.04, 0.075, 0.30, 0.02)
         add_color_bar(self._figure, self._panels.scale, values, bar, label=f"{stress} stress [MPa]")
         add_legend(self._figure, seen, bbox_to_anchor=(0.995, 0.025))
-        self._empty: Any = None  # the figure without the parts of a frame
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
@@ -199,7 +198,7 @@ class SnapshotSeries:
 
     def figure(self, frame: Frame) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
-        self._title.set_text(title_of(frame))
+        self._title.set_text("      ".join(title_parts(frame)))
         _put(self._left, self._panels.whole(frame))
         close = None
         if self._right is not None:
@@ -214,20 +213,8 @@ class SnapshotSeries:
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:
         """Return the picture of a frame, shape (height, width, 3)."""
-        figure = self.figure(frame)
-        canvas = figure.canvas
-        moving = [part for part in (self._left, self._right, self._title) if part is not None]
-        if self._empty is None:  # scale and legend take as long to draw as the rest
-            shown = [part.get_visible() for part in moving]
-            for part in moving:
-                part.set_visible(False)
-            canvas.draw()
-            self._empty = canvas.copy_from_bbox(figure.bbox)
-            for part, visible in zip(moving, shown, strict=True):
-                part.set_visible(visible)
-        canvas.restore_region(self._empty)
-        for part in moving:
-            figure.draw_artist(part)
+        canvas = self.figure(frame).canvas
+        canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 

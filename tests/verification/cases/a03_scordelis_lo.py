@@ -10,7 +10,7 @@ shear factor is 1 as in the source.
 
 import numpy as np
 
-from cases.patches import cylinder_patch
+from cases.patches import cylinder_patch, same_element
 from harness import Check
 from shellcut import Gravity, Mesh, ShellMaterial, Support
 from shellcut.statics.statics import Statics
@@ -47,22 +47,4 @@ def deflection(mesh: Mesh) -> float:
 
 
 def checks() -> list[Check]:
-    ours = {n: deflection(patch(n)) for n in CROSS_CHECK}
-    rows = [
-        Check(f"w / 0.3024, N = {n}, published MITC4", PUBLISHED[n], ours[n], 2e-3, "same element")
-        for n in PUBLISHED
-    ]
-    rows += [
-        Check(f"w / 0.3024, N = {n}, cross-check MITC4", value, ours[n], 2e-3, "same element")
-        for n, value in CROSS_CHECK.items()
-    ]
-    rows.append(
-        Check(
-            "w / 0.3024, N = 16, directors left to the mesh",
-            PUBLISHED[16],
-            deflection(patch(16, exact=False)),
-            2e-3,
-            "same element, mean normals",
-        )
-    )
-    return rows
+    return same_element("w / 0.3024", deflection, patch, CROSS_CHECK, PUBLISHED)

@@ -9,7 +9,7 @@ factor is 1 as in the source.
 
 import numpy as np
 
-from cases.patches import cylinder_patch
+from cases.patches import cylinder_patch, same_element
 from harness import Check
 from shellcut import Mesh, NodalForce, ShellMaterial, Support
 from shellcut.statics.statics import Statics
@@ -44,24 +44,4 @@ def deflection(mesh: Mesh) -> float:
 
 
 def checks() -> list[Check]:
-    ours = {n: deflection(patch(n)) for n in CROSS_CHECK}
-    rows = [
-        Check(
-            f"w / 1.8248e-5, N = {n}, published MITC4", PUBLISHED[n], ours[n], 2e-3, "same element"
-        )
-        for n in PUBLISHED
-    ]
-    rows += [
-        Check(f"w / 1.8248e-5, N = {n}, cross-check MITC4", value, ours[n], 2e-3, "same element")
-        for n, value in CROSS_CHECK.items()
-    ]
-    rows.append(
-        Check(
-            "w / 1.8248e-5, N = 16, directors left to the mesh",
-            PUBLISHED[16],
-            deflection(patch(16, exact=False)),
-            2e-3,
-            "same element, mean normals",
-        )
-    )
-    return rows
+    return same_element("w / 1.8248e-5", deflection, patch, CROSS_CHECK, PUBLISHED)

@@ -12,6 +12,7 @@ Bands: to the order of the discretisation: (s / R)², s the mean edge of the qua
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.mesh.structured import disc
@@ -64,10 +65,10 @@ def checks() -> list[Check]:
             for n, (w, size) in zip(MESHES, found, strict=True):
                 name = f"w D / q R⁴, {edge}, h/R = {thickness}, n_side = {n}"
                 rows.append(Check(name, reference, w, size**2, "discretisation, (s/R)²"))
-            CURVES[f"w D / q R⁴ over s / R, {edge}, h/R = {thickness}"] = {
-                "x": [size for _, size in found],
-                "y": [w for w, _ in found],
-                "x_ref": [0.0, found[0][1]],
-                "y_ref": [reference, reference],
-            }
+            CURVES[f"w D / q R⁴ over s / R, {edge}, h/R = {thickness}"] = curve(
+                [size for _, size in found],
+                [w for w, _ in found],
+                [0.0, found[0][1]],
+                [reference, reference],
+            )
     return rows

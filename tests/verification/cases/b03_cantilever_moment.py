@@ -13,7 +13,7 @@ of the quad's size, as the rows of the finer meshes show; from 32 x 1 on all poi
 import numpy as np
 
 from cases.cantilever import cantilever
-from cases.paths import ONE_PERCENT, curve, table_checks
+from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
 from harness import Check
 from shellcut.loads.loads import NodalMoment
 
@@ -21,29 +21,13 @@ ID, TITLE, FAST = "B03", "Cantilever, end moment, roll-up", True
 CURVES: dict[str, dict[str, list[float]]] = {}
 
 # M / Mmax, -U, W
-TABLE = np.array(
-    [
-        [0.05, 0.196, 1.87],
-        [0.1, 0.774, 3.648],
-        [0.15, 1.699, 5.248],
-        [0.2, 2.918, 6.598],
-        [0.25, 4.361, 7.639],
-        [0.3, 5.945, 8.333],
-        [0.35, 7.585, 8.664],
-        [0.4, 9.194, 8.637],
-        [0.45, 10.688, 8.281],
-        [0.5, 12.0, 7.639],
-        [0.55, 13.073, 6.775],
-        [0.6, 13.871, 5.758],
-        [0.65, 14.377, 4.665],
-        [0.7, 14.595, 3.571],
-        [0.75, 14.546, 2.546],
-        [0.8, 14.27, 1.65],
-        [0.85, 13.818, 0.926],
-        [0.9, 13.247, 0.405],
-        [0.95, 12.621, 0.098],
-        [1.0, 12.0, 0.0],
-    ]
+TABLE = rows_of(
+    """
+    0.05 0.196 1.87; 0.1 0.774 3.648; 0.15 1.699 5.248; 0.2 2.918 6.598; 0.25 4.361 7.639;
+    0.3 5.945 8.333; 0.35 7.585 8.664; 0.4 9.194 8.637; 0.45 10.688 8.281; 0.5 12.0 7.639;
+    0.55 13.073 6.775; 0.6 13.871 5.758; 0.65 14.377 4.665; 0.7 14.595 3.571; 0.75 14.546 2.546;
+    0.8 14.27 1.65; 0.85 13.818 0.926; 0.9 13.247 0.405; 0.95 12.621 0.098; 1.0 12.0 0.0
+    """
 )
 LENGTH, MOMENT = 12.0, 50.0 * np.pi / 3.0
 MESHES = (16, 32, 64, 128)

@@ -10,7 +10,7 @@ Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 3 (Abaq
 import numpy as np
 
 from cases.patches import mapped_patch
-from cases.paths import ONE_PERCENT, curve, table_checks
+from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
 from harness import Check
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Support
 from shellcut.statics.statics import Statics
@@ -19,32 +19,14 @@ ID, TITLE, FAST = "B04", "Slit annular plate, lifted lip", False
 CURVES: dict[str, dict[str, list[float]]] = {}
 
 # P / Pmax, W at A, W at B
-TABLE = np.array(
-    [
-        [0.025, 1.305, 1.789],
-        [0.05, 2.455, 3.37],
-        [0.075, 3.435, 4.72],
-        [0.1, 4.277, 5.876],
-        [0.125, 5.007, 6.872],
-        [0.15, 5.649, 7.736],
-        [0.2, 6.725, 9.16],
-        [0.25, 7.602, 10.288],
-        [0.3, 8.34, 11.213],
-        [0.35, 8.974, 11.992],
-        [0.4, 9.529, 12.661],
-        [0.45, 10.023, 13.247],
-        [0.5, 10.468, 13.768],
-        [0.55, 10.876, 14.24],
-        [0.6, 11.257, 14.674],
-        [0.65, 11.62, 15.081],
-        [0.7, 11.97, 15.469],
-        [0.75, 12.31, 15.842],
-        [0.8, 12.642, 16.202],
-        [0.85, 12.966, 16.55],
-        [0.9, 13.282, 16.886],
-        [0.95, 13.59, 17.212],
-        [1.0, 13.891, 17.528],
-    ]
+TABLE = rows_of(
+    """
+    0.025 1.305 1.789; 0.05 2.455 3.37; 0.075 3.435 4.72; 0.1 4.277 5.876; 0.125 5.007 6.872;
+    0.15 5.649 7.736; 0.2 6.725 9.16; 0.25 7.602 10.288; 0.3 8.34 11.213; 0.35 8.974 11.992;
+    0.4 9.529 12.661; 0.45 10.023 13.247; 0.5 10.468 13.768; 0.55 10.876 14.24; 0.6 11.257 14.674;
+    0.65 11.62 15.081; 0.7 11.97 15.469; 0.75 12.31 15.842; 0.8 12.642 16.202; 0.85 12.966 16.55;
+    0.9 13.282 16.886; 0.95 13.59 17.212; 1.0 13.891 17.528
+    """
 )
 COARSE = "MITC4 on 10 x 80 is stiffer than S4R in the fully lifted state: see the finer mesh"
 

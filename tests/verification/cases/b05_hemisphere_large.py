@@ -13,7 +13,7 @@ are; the deformed quads are warped, and on 16 x 16 their membrane locks by 5 % a
 import numpy as np
 
 from cases.patches import mapped_patch
-from cases.paths import ONE_PERCENT, curve, table_checks
+from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
 from harness import Check
 from shellcut import Mesh, NodalForce, ShellMaterial, Support
 from shellcut.statics.statics import Statics
@@ -22,29 +22,13 @@ ID, TITLE, FAST = "B05", "Pinched hemisphere with hole, large displacement", Fal
 CURVES: dict[str, dict[str, list[float]]] = {}
 
 # P / Pmax, outward at A, inward at B
-TABLE = np.array(
-    [
-        [0.05, 0.855, 0.955],
-        [0.1, 1.499, 1.84],
-        [0.15, 1.969, 2.604],
-        [0.2, 2.321, 3.261],
-        [0.25, 2.596, 3.833],
-        [0.3, 2.819, 4.339],
-        [0.35, 3.002, 4.79],
-        [0.4, 3.158, 5.196],
-        [0.45, 3.291, 5.565],
-        [0.5, 3.406, 5.902],
-        [0.55, 3.508, 6.212],
-        [0.6, 3.598, 6.497],
-        [0.65, 3.678, 6.761],
-        [0.7, 3.75, 7.006],
-        [0.75, 3.816, 7.234],
-        [0.8, 3.875, 7.448],
-        [0.85, 3.929, 7.647],
-        [0.9, 3.979, 7.835],
-        [0.95, 4.025, 8.011],
-        [1.0, 4.067, 8.178],
-    ]
+TABLE = rows_of(
+    """
+    0.05 0.855 0.955; 0.1 1.499 1.84; 0.15 1.969 2.604; 0.2 2.321 3.261; 0.25 2.596 3.833;
+    0.3 2.819 4.339; 0.35 3.002 4.79; 0.4 3.158 5.196; 0.45 3.291 5.565; 0.5 3.406 5.902;
+    0.55 3.508 6.212; 0.6 3.598 6.497; 0.65 3.678 6.761; 0.7 3.75 7.006; 0.75 3.816 7.234;
+    0.8 3.875 7.448; 0.85 3.929 7.647; 0.9 3.979 7.835; 0.95 4.025 8.011; 1.0 4.067 8.178
+    """
 )
 COARSE = "membrane locking of plain MITC4 on warped quads: see the finer meshes"
 

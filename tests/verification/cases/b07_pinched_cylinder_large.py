@@ -22,7 +22,7 @@ load on A differs by the same 1.2 of length, a dimple, while B agrees.
 import numpy as np
 
 from cases.patches import cylinder_patch
-from cases.paths import at_factors, curve, distance_to_curve, table_checks
+from cases.paths import at_factors, curve, distance_to_curve, rows_of, table_checks
 from harness import Check
 from shellcut import NodalForce, ShellMaterial, Support
 from shellcut.statics.statics import Statics
@@ -31,32 +31,15 @@ ID, TITLE, FAST = "B07", "Pinched cylinder, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}
 
 # P / Pmax, -W at A, U at B
-TABLE = np.array(
-    [
-        [0.05, 9.561, -0.233],
-        [0.075, 15.648, -0.922],
-        [0.1, 23.164, -2.391],
-        [0.125, 29.375, -3.872],
-        [0.15, 36.208, -2.154],
-        [0.175, 51.499, 6.792],
-        [0.2, 56.373, 10.448],
-        [0.25, 61.877, 14.905],
-        [0.3, 65.498, 17.979],
-        [0.35, 68.229, 20.365],
-        [0.4, 70.424, 22.321],
-        [0.45, 72.204, 23.916],
-        [0.5, 73.79, 25.381],
-        [0.55, 75.139, 26.631],
-        [0.6, 76.331, 27.735],
-        [0.65, 77.472, 28.843],
-        [0.7, 78.451, 29.772],
-        [0.75, 79.339, 30.604],
-        [0.8, 80.218, 31.471],
-        [0.85, 81.045, 32.299],
-        [0.9, 81.766, 32.989],
-        [0.95, 82.435, 33.619],
-        [1.0, 83.102, 34.272],
-    ]
+TABLE = rows_of(
+    """
+    0.05 9.561 -0.233; 0.075 15.648 -0.922; 0.1 23.164 -2.391; 0.125 29.375 -3.872;
+    0.15 36.208 -2.154; 0.175 51.499 6.792; 0.2 56.373 10.448; 0.25 61.877 14.905;
+    0.3 65.498 17.979; 0.35 68.229 20.365; 0.4 70.424 22.321; 0.45 72.204 23.916; 0.5 73.79 25.381;
+    0.55 75.139 26.631; 0.6 76.331 27.735; 0.65 77.472 28.843; 0.7 78.451 29.772;
+    0.75 79.339 30.604; 0.8 80.218 31.471; 0.85 81.045 32.299; 0.9 81.766 32.989;
+    0.95 82.435 33.619; 1.0 83.102 34.272
+    """
 )
 
 

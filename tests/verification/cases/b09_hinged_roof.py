@@ -13,54 +13,25 @@ gives its arc-length points, not the limit points themselves.
 import numpy as np
 
 from cases.patches import cylinder_patch
-from cases.paths import curve, distance_to_curve, spline
+from cases.paths import curve, distance_to_curve, rows_of, spline
 from harness import Check
 from shellcut import NodalForce, ShellMaterial, Support
 from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "B09", "Hinged cylindrical roof, snap-through", True
+ONE_PERCENT = "1 % of the largest deflection"
 CURVES: dict[str, dict[str, list[float]]] = {}
 
 # P / Pmax, -W at the centre
-TABLE = np.array(
-    [
-        [0.0877, 0.693],
-        [0.198, 1.638],
-        [0.3473, 3.087],
-        [0.4686, 4.477],
-        [0.5647, 5.802],
-        [0.6381, 7.057],
-        [0.6908, 8.237],
-        [0.7246, 9.339],
-        [0.7412, 10.358],
-        [0.7421, 11.293],
-        [0.7286, 12.141],
-        [0.7023, 12.903],
-        [0.6649, 13.583],
-        [0.6182, 14.188],
-        [0.5643, 14.728],
-        [0.5055, 15.217],
-        [0.4442, 15.676],
-        [0.383, 16.125],
-        [0.3245, 16.59],
-        [0.2717, 17.094],
-        [0.2272, 17.657],
-        [0.194, 18.299],
-        [0.175, 19.028],
-        [0.1729, 19.852],
-        [0.1905, 20.771],
-        [0.2303, 21.78],
-        [0.295, 22.875],
-        [0.3871, 24.049],
-        [0.4443, 24.663],
-        [0.5093, 25.293],
-        [0.5826, 25.94],
-        [0.6644, 26.601],
-        [0.7551, 27.276],
-        [0.8549, 27.964],
-        [0.9643, 28.663],
-        [1.0835, 29.374],
-    ]
+TABLE = rows_of(
+    """
+    0.0877 0.693; 0.198 1.638; 0.3473 3.087; 0.4686 4.477; 0.5647 5.802; 0.6381 7.057;
+    0.6908 8.237; 0.7246 9.339; 0.7412 10.358; 0.7421 11.293; 0.7286 12.141; 0.7023 12.903;
+    0.6649 13.583; 0.6182 14.188; 0.5643 14.728; 0.5055 15.217; 0.4442 15.676; 0.383 16.125;
+    0.3245 16.59; 0.2717 17.094; 0.2272 17.657; 0.194 18.299; 0.175 19.028; 0.1729 19.852;
+    0.1905 20.771; 0.2303 21.78; 0.295 22.875; 0.3871 24.049; 0.4443 24.663; 0.5093 25.293;
+    0.5826 25.94; 0.6644 26.601; 0.7551 27.276; 0.8549 27.964; 0.9643 28.663; 1.0835 29.374
+    """
 )
 
 
@@ -93,39 +64,18 @@ def checks() -> list[Check]:
         CURVES[f"-W at the centre, {n} x {n}"] = curve(
             fine[::40, 1], fine[::40, 0], TABLE[:, 1], TABLE[:, 0]
         )
-        rows += [
-            Check(
-                f"distance to the curve, {n} x {n}, worst of {len(TABLE)}",
-                0.0,
-                distance_to_curve(path, TABLE),
-                0.01,
-                "1 % of the largest deflection",
-                absolute=True,
-            ),
-            Check(
-                f"upper limit load / Pmax, {n} x {n}",
-                TABLE[:, 0][TABLE[:, 1] < 15.0].max(),
-                fine[rising, 0].max(),
-                0.01,
-                "largest of the table's points, 1 %",
-            ),
-            Check(
-                f"lower limit load / Pmax, {n} x {n}",
-                TABLE[8:, 0].min(),
-                fine[~rising, 0].min(),
-                0.01,
-                "least of the table's points, 1 % of Pmax",
-                absolute=True,
-            ),
-        ]
-    rows.append(
-        Check(
-            "distance to the curve, 16 x 16, directors left to the mesh",
-            0.0,
-            distance_to_curve(snap_path(16, exact=False), TABLE),
-            0.01,
-            "1 % of the largest deflection",
-            absolute=True,
+        off, upper = distance_to_curve(path, TABLE), TABLE[:, 0][TABLE[:, 1] < 15.0].max()
+        highest, lowest = fine[rising, 0].max(), fine[~rising, 0].min()
+        what, why = f"distance to the curve, {n} x {n}, worst of {len(TABLE)}", ONE_PERCENT
+        rows.append(Check(what, 0.0, off, 0.01, why, absolute=True))
+        what, why = f"upper limit load / Pmax, {n} x {n}", "largest of the table's points, 1 %"
+        rows.append(Check(what, upper, highest, 0.01, why))
+        what, why = (
+            f"lower limit load / Pmax, {n} x {n}",
+            "least of the table's points, 1 % of Pmax",
         )
-    )
+        rows.append(Check(what, TABLE[8:, 0].min(), lowest, 0.01, why, absolute=True))
+    off = distance_to_curve(snap_path(16, exact=False), TABLE)
+    what = "distance to the curve, 16 x 16, directors left to the mesh"
+    rows.append(Check(what, 0.0, off, 0.01, ONE_PERCENT, absolute=True))
     return rows

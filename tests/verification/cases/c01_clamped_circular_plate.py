@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import iv, jv
 
 from cases.c04_square_plate_ssss import MATERIAL, mesh_band, observed_order, unit
+from cases.paths import order_curve
 from harness import Check
 from shellcut import Mesh, Support
 from shellcut.mesh.structured import disc
@@ -66,12 +67,7 @@ def checks() -> list[Check]:
             rows.append(Check(name, value, one, band, "mesh, (k s)²/8"))
         error.append(ours[0, 0] / EXACT[0][0] - 1.0)
         sizes.append(size / RADIUS)
-    CURVES["error of the first frequency over s / a"] = {
-        "x": sizes,
-        "y": [abs(e) for e in error],
-        "x_ref": sizes,
-        "y_ref": [abs(error[0]), abs(error[0]) * (sizes[1] / sizes[0]) ** 2],
-    }
+    CURVES["error of the first frequency over s / a"] = order_curve(sizes, error)
     order = observed_order(error) / np.log2(sizes[0] / sizes[1])
     rows.append(Check("order, mode 1, n_side = 16 to 32", 2.0, order, 0.3, "order", absolute=True))
     return rows

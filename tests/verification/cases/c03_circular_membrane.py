@@ -14,6 +14,7 @@ from scipy.special import jv
 
 from cases.c01_clamped_circular_plate import likest, spacing
 from cases.c04_square_plate_ssss import mesh_band, observed_order
+from cases.paths import order_curve
 from harness import Check
 from shellcut import ShellMaterial, Support
 from shellcut.mesh.structured import disc
@@ -65,12 +66,7 @@ def checks() -> list[Check]:
             rows.append(Check(name, k, one, band, "mesh, (k s)²/8"))
         error.append(ours[0, 0] / EXACT[0][0] - 1.0)
         sizes.append(size / RADIUS)
-    CURVES["error of the first frequency over s / a"] = {
-        "x": sizes,
-        "y": [abs(e) for e in error],
-        "x_ref": sizes,
-        "y_ref": [abs(error[0]), abs(error[0]) * (sizes[1] / sizes[0]) ** 2],
-    }
+    CURVES["error of the first frequency over s / a"] = order_curve(sizes, error)
     order = observed_order(error) / np.log2(sizes[0] / sizes[1])
     rows.append(Check("order, mode 1, n_side = 16 to 32", 2.0, order, 0.3, "order", absolute=True))
     return rows

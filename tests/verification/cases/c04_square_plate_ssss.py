@@ -14,6 +14,7 @@ and what shear and rotary inertia take at a / h = 1000. The observed order must 
 import numpy as np
 
 from cases.patches import mapped_patch
+from cases.paths import order_curve
 from harness import Check
 from shellcut import Mesh, ShellMaterial, Support
 from shellcut.statics.statics import Statics
@@ -83,12 +84,7 @@ def checks() -> list[Check]:
     rows = square_checks(EXACT, HARD)
     sizes = (8, 16, 32, 64)
     error = [plate_parameters(n, HARD, 1)[0] / EXACT[0] - 1.0 for n in sizes]
-    CURVES["error of the first frequency over s / a"] = {
-        "x": [1.0 / n for n in sizes],
-        "y": [abs(e) for e in error],
-        "x_ref": [1.0 / sizes[0], 1.0 / sizes[-1]],
-        "y_ref": [abs(error[0]), abs(error[0]) * (sizes[0] / sizes[-1]) ** 2],
-    }
+    CURVES["error of the first frequency over s / a"] = order_curve([1.0 / n for n in sizes], error)
     order = observed_order(error[:-1])
     rows.append(Check("order, mode 1, N = 16 to 32", 2.0, order, 0.1, "order", absolute=True))
     return rows

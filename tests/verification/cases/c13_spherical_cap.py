@@ -22,6 +22,7 @@ goes from 0.0871 in at 8.8e-4 s to 0.0867 at 8.55e-4, the axisymmetric shell has
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import Mesh, Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc
@@ -186,12 +187,7 @@ def checks() -> list[Check]:
             what = f"{NAMES[k]}, {name}, axisymmetric"
             rows.append(Check(f"w {what}, in", theirs[k][1], mine[k][1], 0.02, "mesh"))
             rows.append(Check(f"t {what}, s", theirs[k][0], mine[k][0], 0.02, "mesh"))
-        CURVES[f"deflection, {name}, axisymmetric shell"] = {
-            "x": time.tolist(),
-            "y": w.tolist(),
-            "x_ref": exact_time.tolist(),
-            "y_ref": exact.tolist(),
-        }
+        CURVES[f"deflection, {name}, axisymmetric shell"] = curve(time, w, exact_time, exact)
     for n_side in MESHES[:-1]:
         one = extremes(*runs[n_side])[2][1]
         name = f"w {NAMES[2]}, n_side = {n_side} on ours of {MESHES[-1]}"
@@ -200,16 +196,8 @@ def checks() -> list[Check]:
         ("deflection, non-linear", finest, OPENSEES),
         ("deflection, linear", linear, OPENSEES_LINEAR),
     ):
-        CURVES[name] = {
-            "x": time.tolist(),
-            "y": w.tolist(),
-            "x_ref": [t for t, _ in table],
-            "y_ref": [w for _, w in table],
-        }
-    CURVES["deflection, Belytschko-Lin-Tsay"] = {
-        "x": finest[0].tolist(),
-        "y": finest[1].tolist(),
-        "x_ref": [t for t, _ in BELYTSCHKO],
-        "y_ref": [w for _, w in BELYTSCHKO],
-    }
+        CURVES[name] = curve(time, w, [t for t, _ in table], [w for _, w in table])
+    CURVES["deflection, Belytschko-Lin-Tsay"] = curve(
+        finest[0], finest[1], [t for t, _ in BELYTSCHKO], [w for _, w in BELYTSCHKO]
+    )
     return rows

@@ -14,6 +14,7 @@ Flat and slack, the disc has no stiffness to the load: Newton's iteration starts
 
 import numpy as np
 
+from cases.paths import order_curve
 from harness import Check
 from shellcut import Mesh, Pressure, ShellMaterial, Support
 from shellcut.mesh.structured import disc
@@ -74,17 +75,14 @@ def coefficients(n_side: int) -> dict[str, float]:
 
 
 def checks() -> list[Check]:
-    rows = []
-    for name in EXACT:
-        CURVES[f"error of {name} over 1 / n"] = {"x": [], "y": [], "x_ref": [], "y_ref": []}
-    for n_side in MESHES:
-        band = 2.0 / n_side**2 + (2.0 * DEFLECTION) ** 2
-        for name, one in coefficients(n_side).items():
-            curve = CURVES[f"error of {name} over 1 / n"]
-            curve["x"].append(1.0 / n_side)
-            curve["y"].append(abs(one / EXACT[name] - 1.0))
-            curve["x_ref"].append(1.0 / n_side)
-            curve["y_ref"].append(curve["y"][0] * (MESHES[0] / n_side) ** 2)
-            what = f"{name}, n_side = {n_side}"
-            rows.append(Check(what, EXACT[name], one, band, "mesh, 2 / n²; model, slope²"))
+    rows, found = [], [coefficients(n) for n in MESHES]
+    for name, exact in EXACT.items():
+        error = [one[name] / exact - 1.0 for one in found]
+        CURVES[f"error of {name} over 1 / n"] = order_curve([1.0 / n for n in MESHES], error)
+    for n_side, one in zip(MESHES, found, strict=True):
+        band, why = 2.0 / n_side**2 + (2.0 * DEFLECTION) ** 2, "mesh, 2 / n²; model, slope²"
+        rows += [
+            Check(f"{name}, n_side = {n_side}", EXACT[name], value, band, why)
+            for name, value in one.items()
+        ]
     return rows

@@ -16,6 +16,7 @@ square of its size over that length.
 import numpy as np
 
 from cases.d01_hencky_membrane import at_the_rim, in_the_middle, radial_stress
+from cases.paths import curve
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.mesh.structured import disc
@@ -76,12 +77,7 @@ def checks() -> list[Check]:
     ours = path()
     reference = np.array(list(EXACT.values()))
     for k, name in enumerate(NAMES):
-        CURVES[f"{name} over Q"] = {
-            "x": list(map(float, EXACT)),
-            "y": ours[:, k].tolist(),
-            "x_ref": list(map(float, EXACT)),
-            "y_ref": reference[:, k].tolist(),
-        }
+        CURVES[f"{name} over Q"] = curve(EXACT, ours[:, k], EXACT, reference[:, k])
     rows = []
     layer_size = RADIUS / N_SIDE / 2.0
     for i, Q in enumerate(EXACT):

@@ -12,6 +12,7 @@ closes to the second order of the step.
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import guillotine
 from steady_cut_works import steady_works
@@ -28,12 +29,12 @@ def checks() -> list[Check]:
     case = guillotine(SIZE, length=20.0)
     means, worst, (path, work, _) = steady_works(case, SIZE, 8.0, "tool_work", "cohesive_work")
     n = int((path[-1] - 8.0) / SIZE)
-    CURVES["work of the blade over its path, N mm"] = {
-        "x": path.tolist(),
-        "y": work.tolist(),
-        "x_ref": [8.0, float(path[-1])],
-        "y_ref": [float(np.interp(8.0, path, work)) + EXACT * d for d in (0.0, path[-1] - 8.0)],
-    }
+    CURVES["work of the blade over its path, N mm"] = curve(
+        path,
+        work,
+        [8.0, float(path[-1])],
+        [float(np.interp(8.0, path, work)) + EXACT * d for d in (0.0, path[-1] - 8.0)],
+    )
     return [
         Check(f"mean force over {n} periods, N", EXACT, means[0], 0.02, "mesh, damping, waves"),
         Check(f"cables' part over {n} periods, N", EXACT, means[1], 0.02, "mesh"),

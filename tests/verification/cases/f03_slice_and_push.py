@@ -17,6 +17,7 @@ at xi = 2, 0.4 mm half of it, because a cable begins across the blade and not al
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import CohesiveLaw, ShellMaterial, guillotine
 from shellcut.tool.shapes import straight_blade
@@ -111,10 +112,7 @@ def checks() -> list[Check]:
         for name, ours, sign in (("V", pushes, 0), ("H", slides, 1)):
             limit = {"adhesion": np.inf, "free": 0.0, "slip": 0.5 * np.pi * FRICTION}[joint]
             rho = np.minimum(np.array(RATIOS[1:]), limit)
-            CURVES[f"{name} / G h over xi, {joint}"] = {
-                "x": list(RATIOS[1:]),
-                "y": ours,
-                "x_ref": list(RATIOS[1:]),
-                "y_ref": (rho**sign / (1.0 + rho**2)).tolist(),
-            }
+            CURVES[f"{name} / G h over xi, {joint}"] = curve(
+                RATIOS[1:], ours, RATIOS[1:], (rho**sign / (1.0 + rho**2))
+            )
     return found

@@ -19,6 +19,7 @@ slide to and fro.
 from itertools import pairwise
 
 from blunt_edge import FRICTION, RADII, on_the_blade, table
+from cases.paths import curve
 from harness import Check
 
 ID, TITLE, FAST = "F04", "Blunt edge", False
@@ -65,16 +66,13 @@ def checks() -> list[Check]:
     worst = max(row["imbalance"] for row in rows)
     found.append(Check("largest imbalance / work", 0.0, worst, 5e-3, "time step", absolute=True))
     ratio = [row["r_over_h"] for row in rubbed]
-    CURVES["F / G h over r / h, mu = 0.3"] = {
-        "x": ratio,
-        "y": [row["F_over_Gh"] for row in rubbed],
-        "x_ref": ratio,
-        "y_ref": [1.0 + on_the_blade(row["edge_radius_mm"], FRICTION) for row in rubbed],
-    }
-    CURVES["F / G h over r / h, no friction"] = {
-        "x": ratio,
-        "y": [row["F_over_Gh"] for row in free],
-        "x_ref": [ratio[0], ratio[-1]],
-        "y_ref": [1.0, 1.0],
-    }
+    CURVES["F / G h over r / h, mu = 0.3"] = curve(
+        ratio,
+        [row["F_over_Gh"] for row in rubbed],
+        ratio,
+        [1.0 + on_the_blade(row["edge_radius_mm"], FRICTION) for row in rubbed],
+    )
+    CURVES["F / G h over r / h, no friction"] = curve(
+        ratio, [row["F_over_Gh"] for row in free], [ratio[0], ratio[-1]], [1.0, 1.0]
+    )
     return found

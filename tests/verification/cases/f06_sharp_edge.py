@@ -21,6 +21,7 @@ from itertools import pairwise
 import numpy as np
 
 from blunt_edge import cut
+from cases.paths import curve
 from harness import Check
 from shellcut import CohesiveLaw, ShellMaterial, guillotine, opening_test
 from shellcut.models.opening import steady_work_per_radian
@@ -131,10 +132,5 @@ def checks() -> list[Check]:
     found.append(
         Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
     )
-    CURVES["cables / h, N/mm, over r, mm"] = {
-        "x": list(ROW),
-        "y": ours,
-        "x_ref": list(ROW),
-        "y_ref": exact,
-    }
+    CURVES["cables / h, N/mm, over r, mm"] = curve(ROW, ours, ROW, exact)
     return found

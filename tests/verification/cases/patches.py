@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from harness import Check
 from shellcut import Mesh
 
 Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -47,3 +48,26 @@ def cylinder_patch(
 ) -> Mesh:
     """Return a patch of :func:`cylinder_place`."""
     return mapped_patch(n_arc, n_along, cylinder_place(radius, length, arc_deg), exact=exact)
+
+
+def same_element(
+    name: str,
+    deflection: Callable[[Mesh], float],
+    patch: Callable[..., Mesh],
+    cross_check: dict[int, float],
+    published: dict[int, float] | None = None,
+) -> list[Check]:
+    """Return deflections on n x n quads beside those of others' MITC4, whose directors are exact.
+
+    And one on 16 x 16 quads with directors left to the mesh.
+    """
+    ours = {n: deflection(patch(n)) for n in cross_check}
+    of, same = published or {}, "same element"
+    rows = [
+        Check(f"{name}, N = {n}, {source} MITC4", value, ours[n], 2e-3, same)
+        for source, table in (("published", of), ("cross-check", cross_check))
+        for n, value in table.items()
+    ]
+    left, reference = deflection(patch(16, exact=False)), {**cross_check, **of}[16]
+    what = f"{name}, N = 16, directors left to the mesh"
+    return [*rows, Check(what, reference, left, 2e-3, "same element, mean normals")]

@@ -8,6 +8,11 @@ from harness import Check
 ONE_PERCENT = "1 % of the column's largest deflection, at every point of the table"
 
 
+def rows_of(text: str) -> np.ndarray:
+    """Return the table of a text, whose rows are separated by semicolons."""
+    return np.array([row.split() for row in text.split(";")], float)
+
+
 def table_checks(
     names: tuple[str, ...],
     ours: np.ndarray,
@@ -62,10 +67,13 @@ def distance_to_curve(path: np.ndarray, table: np.ndarray) -> float:
     return max(float(np.linalg.norm(fine - point, axis=1).min()) for point in points)
 
 
-def curve(deflection, factor, deflection_ref, factor_ref) -> dict[str, list[float]]:
-    """Return a curve for the plots: deflection along x, load factor along y."""
-    x, y, x_ref, y_ref = (
-        np.asarray(values, float).tolist()
-        for values in (deflection, factor, deflection_ref, factor_ref)
-    )
-    return {"x": x, "y": y, "x_ref": x_ref, "y_ref": y_ref}
+def order_curve(sizes, error) -> dict[str, list[float]]:
+    """Return errors over sizes beside those of order two, from the first size to the last."""
+    ends, first = np.array([sizes[0], sizes[-1]]), abs(error[0])
+    return curve(sizes, np.abs(error), ends, first * (ends / ends[0]) ** 2)
+
+
+def curve(x, y, x_ref, y_ref) -> dict[str, list[float]]:
+    """Return a curve for the plots, with the reference's points."""
+    columns = {"x": x, "y": y, "x_ref": x_ref, "y_ref": y_ref}
+    return {name: [float(v) for v in values] for name, values in columns.items()}

@@ -16,6 +16,7 @@ import numpy as np
 
 from cases.a08_square_plate import EDGES, POISSON, SYMMETRY, YOUNG, flat, stiffness
 from cases.patches import mapped_patch
+from cases.paths import order_curve
 from harness import Check
 from shellcut import EdgeTraction, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.mesh.structured import disc
@@ -128,10 +129,5 @@ def checks() -> list[Check]:
         rows.append(
             Check(f"order, {name}", 2.0, float(slope), 0.15, "order of the element", absolute=True)
         )
-        CURVES[f"error over quad size, {name}"] = {
-            "x": list(size),
-            "y": list(error),
-            "x_ref": [size[0], size[-1]],
-            "y_ref": [error[0], error[0] * (size[-1] / size[0]) ** 2],
-        }
+        CURVES[f"error over quad size, {name}"] = order_curve(size, error)
     return rows

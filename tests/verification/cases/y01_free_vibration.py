@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from cases.paths import curve
 from harness import Check
 from shellcut import Mesh, ShellMaterial, Simulation, Stepping, Support
 from shellcut.mesh.structured import cylinder, disc, rectangle
@@ -97,12 +98,9 @@ def frequencies(name: str, number: int) -> tuple[float, float]:
     exact = 2.0 / dt * np.arcsin(0.5 * omega * dt)
     if number == 0:
         first = time < 3.0 * 2.0 * np.pi / omega
-        CURVES[f"{name}, first three periods"] = {
-            "x": time[first].tolist(),
-            "y": value[first].tolist(),
-            "x_ref": time[first].tolist(),
-            "y_ref": np.sin(exact * time[first]).tolist(),
-        }
+        CURVES[f"{name}, first three periods"] = curve(
+            time[first], value[first], time[first], np.sin(exact * time[first])
+        )
     return exact, best_frequency(time, value, exact)
 
 

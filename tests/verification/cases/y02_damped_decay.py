@@ -16,6 +16,7 @@ the part of beta. That holds to the order of the step: two runs with dt and dt /
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import ShellMaterial, Simulation, Stepping, Support
 from shellcut.mesh.structured import rectangle
@@ -57,12 +58,12 @@ def swing(share: float, alpha: float, beta: float) -> tuple[float, float, float,
     q = np.array(q)
     A, B = np.linalg.lstsq(np.stack([q[1:-1], q[:-2]], axis=1), q[2:], rcond=None)[0]
     z = np.roots([1.0, -A, -B])[0]
-    CURVES[f"end, alpha {alpha:g} omega, beta {beta:g} / omega"] = {
-        "x": (omega * dt * np.arange(q.size)).tolist(),
-        "y": (q / np.abs(q).max()).tolist(),
-        "x_ref": (omega * dt * np.arange(q.size)).tolist(),
-        "y_ref": np.exp(-0.5 * (alpha + beta) * omega * dt * np.arange(q.size)).tolist(),
-    }
+    CURVES[f"end, alpha {alpha:g} omega, beta {beta:g} / omega"] = curve(
+        (omega * dt * np.arange(q.size)),
+        (q / np.abs(q).max()),
+        (omega * dt * np.arange(q.size)),
+        np.exp(-0.5 * (alpha + beta) * omega * dt * np.arange(q.size)),
+    )
     return dt, omega, -np.log(abs(z)) / dt, abs(np.angle(z)) / dt
 
 

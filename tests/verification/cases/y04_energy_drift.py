@@ -18,6 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc, rectangle
@@ -76,12 +77,9 @@ def drift_rows(name: str, history: np.ndarray, *, gate: bool) -> list[Check]:
     step, imbalance, put_in, height = history
     peak = np.abs(put_in).max()
     means = imbalance.reshape(100, -1).mean(axis=1) / peak
-    CURVES[f"{name}: mean imbalance over peak energy, over steps"] = {
-        "x": step.reshape(100, -1).mean(axis=1).tolist(),
-        "y": means.tolist(),
-        "x_ref": [0.0, float(step[-1])],
-        "y_ref": [0.0, 0.0],
-    }
+    CURVES[f"{name}: mean imbalance over peak energy, over steps"] = curve(
+        step.reshape(100, -1).mean(axis=1), means, [0.0, float(step[-1])], [0.0, 0.0]
+    )
     first = means[:10].mean()
     tenth = step.size // 10
     numbers = (

@@ -15,6 +15,7 @@ beside.
 
 import numpy as np
 
+from cases.paths import curve
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc
@@ -74,10 +75,10 @@ def checks() -> list[Check]:
     early = time < 20e-6
     off = float(np.abs(z[early] / flight[early] - 1.0).max())
     rows.append(Check("free flight to 20 us", 0.0, off, 1e-5, "mesh", absolute=True))
-    CURVES["height of the middle, mm"] = {
-        "x": time.tolist(),
-        "y": z.tolist(),
-        "x_ref": [when for _, mesh, _, when, gate in PEERS if gate],
-        "y_ref": [height for _, mesh, height, _, gate in PEERS if gate],
-    }
+    CURVES["height of the middle, mm"] = curve(
+        time,
+        z,
+        [when for _, mesh, _, when, gate in PEERS if gate],
+        [height for _, mesh, height, _, gate in PEERS if gate],
+    )
     return rows

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from shellcut.files.file_list import target
 from shellcut.files.whole_file import write_text
+from shellcut.report.error_bars import error_bars
 from shellcut.report.markup import section
 from shellcut.report.page import page_of
 from shellcut.report.words import versions
+from shellcut.results.error_bars import ERROR_BARS, read_error_bars
 
 from . import curves, effects, sensitivities, surfaces, words
 from .analysis import analysed
@@ -74,16 +76,24 @@ def _part(name: str) -> str:
 
 
 def _body(study: Study, out: Path) -> str:
-    found = [analysed(study, figure) for figure in study.figures] if study.done.any() else []
+    bars = study.folder / ERROR_BARS
+    converged = {"Error bars": error_bars(read_error_bars(bars))} if bars.exists() else None
     made = {
         "Study": words.state(study),
         "Runs": words.runs(study, out),
         "Curves": curves.curves(study),
-        "Main effects": effects.main_effects(study, found),
-        "Pairs of figures": effects.pairs(study, found),
-        "Response surfaces": surfaces.surfaces(study, found),
-        "Sensitivities": sensitivities.sensitivities(found),
+        **(converged or _analyses(study)),
         "What was run": words.what_was_run(study),
         "Versions": versions("scikit-learn"),
     }
     return "".join(section(title, body) for title, body in made.items())
+
+
+def _analyses(study: Study) -> dict[str, str]:
+    found = [analysed(study, figure) for figure in study.figures] if study.done.any() else []
+    return {
+        "Main effects": effects.main_effects(study, found),
+        "Pairs of figures": effects.pairs(study, found),
+        "Response surfaces": surfaces.surfaces(study, found),
+        "Sensitivities": sensitivities.sensitivities(found),
+    }

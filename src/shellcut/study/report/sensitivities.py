@@ -31,13 +31,12 @@ def sensitivities(analyses: Sequence[Analysed]) -> str:
 
 def _meaning() -> str:
     said = (
-        "The first-order index of a factor is the share of the figure's variance that would go if "
-        "the factor were known. The total index adds its share of what it does together with "
-        "others; where both are the same, it acts by itself. Factors vary independently and evenly "
-        "over their ranges, each name of a list as often. The intervals hold 95 % of the surfaces "
-        "that the runs also allow, and the sampling of the indices. They hold only as far as the "
-        "surface does: see its error. They take how fast it bends along each factor as known, so "
-        "an interval from 0 to 0 only says that no influence was seen."
+        "How much of a figure's scatter comes from which factor. The first-order index is the "
+        "share of the variance that would go if this factor did not vary. The total index adds "
+        "what the factor does together with others; where both are the same, it acts alone. All "
+        "factors are taken to vary independently and evenly over their ranges. The interval holds "
+        "95 % of the surfaces that fit the runs as well. The indices are only as good as the "
+        "surface: see its error. An interval from 0 to 0 says that no influence was seen."
     )
     return f"<p>{escape(said)}</p>"
 
@@ -48,8 +47,8 @@ def _of_figure(one: Analysed) -> str:
         return title + missing(f"No sensitivities: {one.why}.")
     if len(one.factors) == 1:
         return title + missing(
-            f"One factor only, {one.factors[0].name}: what the figure varies by is due to it, or "
-            "is noise; see the main effect."
+            f"One factor only, {one.factors[0].name}: it makes all of the scatter that is no "
+            "noise; see the main effect."
         )
     if one.indices is None:
         return title + missing(

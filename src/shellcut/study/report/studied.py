@@ -158,7 +158,7 @@ def read_folder(folder: Path) -> Study:
     columns = {name: tuple(row[k] for row in rows) for k, name in enumerate(head)}
     first = head.index("status")
     figures = {name: _numbers(columns[name]) for name in head[first + 1 : -2]}
-    chosen, lacking = _of_interest(file.figures, figures)
+    chosen, lacking = of_interest(file.figures, figures)
     planned, _ = factors_of(file.factors)
     inputs = _inputs(planned, {key: columns[key] for key in head[1:first]})
     return Study(
@@ -176,9 +176,10 @@ def read_folder(folder: Path) -> Study:
     )
 
 
-def _of_interest(
-    chosen: Sequence[str], there: Mapping[str, Floats]
+def of_interest(
+    chosen: Sequence[str], there: Mapping[str, object]
 ) -> tuple[list[str], tuple[str, ...]]:
+    """Return the chosen figures that are there, or the usual ones, and those that are not."""
     if chosen:
         lacking = tuple(name for name in chosen if name not in there)
         return [name for name in chosen if name in there], lacking

@@ -52,9 +52,9 @@ def _how(analyses: Sequence[Analysed]) -> str:
     if all(one.surface is None for one in analyses):
         return ""
     said = (
-        "A surface, a Gaussian process, gives the figure as a function of the factors. Its error "
-        "is measured on runs that it has not seen: they are left out, one by one or a tenth at a "
-        "time, and predicted from the others."
+        "A surface estimates a figure between the runs, by a Gaussian process. Its error is "
+        "measured: runs are left out, one by one or a tenth at a time, and predicted from the "
+        "others."
     )
     return f"<p>{escape(said)}</p>"
 
@@ -94,24 +94,24 @@ def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
         share = 100.0 * surface.explained
         if not one.predicts:
             text = (
-                f"the surface predicts unseen runs no better than their mean (error {error}, of "
-                f"the mean {of_mean}). No map, no main effect and no sensitivity of it would mean "
-                "anything; more runs may help, or the figure is noise here."
+                f"the surface is of no use: it misses unseen runs by {error}, their mean by "
+                f"{of_mean}. So there is no map, main effect or sensitivity. More runs may help, "
+                "or the figure is noise here."
             )
             lines.append(("doubt", "nothing", f"{name}: {text}"))
             continue
         if surface.explained < _POOR:
-            text = f"explains {share:.0f} % of the variance of unseen runs: take it as a tendency."
-            lines.append(("doubt", "poor", f"{name}: the surface {text}"))
+            text = f"it explains {share:.0f} % of the variance of unseen runs."
+            lines.append(("doubt", "poor", f"{name}: take the surface as a tendency, {text}"))
         elif surface.explained > _GOOD:
-            text = f"predicts unseen runs to {error} (rms), their mean to {of_mean}."
+            text = f"misses unseen runs by {error} (rms), their mean by {of_mean}."
             lines.append(("good", "holds", f"{name}: the surface {text}"))
         for factor, low, high in one.unseen:
             guessed[f"{factor.name} from {low:.4g} to {high:.4g}{after(factor.unit)}"] = None
     if guessed:
         text = (
-            f"No run with figures has {', or '.join(guessed)}. There the surfaces are a guess, and "
-            "so is that part of the main effects and the sensitivities."
+            f"There is no run with {', or '.join(guessed)}: there surfaces, main effects and "
+            "sensitivities are a guess."
         )
         lines.append(("doubt", "unseen", text))
     return lines

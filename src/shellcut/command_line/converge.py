@@ -1,0 +1,73 @@
+"""``shellcut converge``: the figures of a model with error bars."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from .exit_code import DONE, FAILED, refuse
+from .shared_arguments import (
+    add_engine_to,
+    add_settings_to,
+    engine_given,
+    named,
+    settings_of,
+)
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser."""
+    parser = commands.add_parser(
+        "converge",
+        help="error bars: run a model on other meshes, slower, and from other small shapes",
+        description="How fine, how slow, how sure: run a model with its companions, on a coarser "
+        "and a finer mesh, with nodes elsewhere under the path, at half the speed and from two "
+        "other small shapes of the film, ten times its time in all, and print its figures with "
+        "error bars. Runs that are done are found and not repeated, interrupted ones go on.",
+        epilog="example: shellcut converge opening --set mesh=quick -o bars",
+    )
+    parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a run's folder")
+    parser.add_argument(
+        "-o", "--out", metavar="OUT", type=named, help="folder [of a run: RUN/converge]"
+    )
+    parser.add_argument(
+        "--figures", metavar="NAMES", default="", help="names in summary.json, with commas"
+    )
+    add_settings_to(parser)
+    add_engine_to(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run what is not done, print the table."""
+    from shellcut.files.folder_lock import FolderInUse
+    from shellcut.results.error_bars import CONVERGED, ERROR_BARS
+    from shellcut.study.converge import converge
+
+    model, out = Path(arguments.model), arguments.out
+    if model.is_dir():
+        model, out = model / "used.toml", out or model / CONVERGED
+    if out is None:
+        return refuse("give a folder for the runs: -o OUT")
+    try:
+        with engine_given(arguments) as executor:
+            found = converge(
+                model,
+                out,
+                figures=[name.strip() for name in arguments.figures.split(",") if name.strip()],
+                settings=settings_of(arguments),
+                executor=executor,
+            )
+    except KeyboardInterrupt:
+        print("interrupted; to continue, call it again", file=sys.stderr)
+        raise
+    except (FolderInUse, OSError, ImportError, ValueError) as problem:
+        return refuse(problem)
+    except RuntimeError as problem:
+        refuse(problem)
+        return FAILED
+    print(found)
+    print(f"in {out}: {ERROR_BARS}; shellcut report {out} shows it")
+    return DONE

@@ -1,0 +1,53 @@
+"""Section of the error bars: the table, and each figure over the size of the mesh."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from shellcut.results.error_bars import COLOURS, PARTS, SIZE, ErrorBars
+from shellcut.results.summary_figures import with_unit
+from shellcut.unit import in_unit
+from shellcut.view.curves import PALETTE
+
+from .chart import Axis, panel
+from .markup import legend, sentences, table
+
+
+def error_bars(found: ErrorBars | None) -> str:
+    """Return figures with error bars, their runs, and what is said about them; "" without any."""
+    if found is None:
+        return ""
+    head = ("figure", "value", "±", *(f"± {part}" for part in PARTS), "as given")
+    rows = [
+        (in_unit(bar.name, bar.unit), *found.cells(bar), f"{bar.values[0]:.5g}")
+        for bar in found.bars
+    ]
+    pictures = []
+    for bar in found.bars:
+        had = [(run, v) for run, v in zip(found.runs, bar.values, strict=True) if v is not None]
+        band = found.diagram(bar).curves[0]
+        pictures.append(
+            panel(
+                Axis(SIZE, "", np.array([run.size for run, _ in had])),
+                Axis(bar.name, bar.unit, np.array([v for _, v in had])),
+                [f"{run.name}: {with_unit(bar.figure, v)}" for run, v in had],
+                colors=[PALETTE[COLOURS[run.part]] for run, _ in had],
+                lines=[(np.asarray(band.x, float), np.asarray(band.values, float), band.style)],
+            )
+        )
+    named = [(part or "as given", PALETTE[colour]) for part, colour in COLOURS.items()]
+    return (
+        table(rows, head)
+        + legend(named)
+        + f'<div class="panels">{"".join(pictures)}</div>'
+        + sentences(("note", "note", text) for text in found.said())
+        + f'<p class="caption">{escape(_HOW)}</p>'
+    )
+
+
+_HOW = (
+    "95 % of fine answers lie within ±, which is mesh, speed and chance as a root of squares; each "
+    "point is a run, the bar at 0 is what an infinitely fine mesh would give."
+)

@@ -1,0 +1,261 @@
+r"""Error bars of a model's figures, from companion runs on other meshes, slower, and by chance.
+
+With f of the model as given, f_q on a mesh finer by the ratio q = h / h_0 < 1, f_v of a slower
+motion, and n runs that differ from it by chance only (other small shapes of the film, other nodes
+under the path), with their standard deviation s,
+
+    value = f_q + (f_v - f),
+    mesh = q / (1 - q) |f_q - f|,   speed = |f_v - f|,   chance = t s,
+
+t of Student for 95 % and n - 1 degrees of freedom. An error that goes with the edge length leaves
+``mesh`` between f_q and an infinitely fine mesh, one that goes with the speed leaves ``speed``
+between half of it and rest; errors of higher order leave less [Roache1994]. Without a finer mesh a
+coarser one takes its place, q > 1: the value is that of f, mesh = |f_q - f| / (q - 1). A crack
+advances by whole edges, so its length is known to half an edge of the finest mesh at best. The
+half-width is the root of the sum of the squares; how often it covers the fine answer is counted in
+docs/error-bars.md.
+
+The order with which a figure converges is that of f + a h^p through three meshes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+
+from shellcut.files.regular_file import read_regular
+from shellcut.files.whole_file import write_text
+from shellcut.view.curves import Curve, Diagram
+
+from .summary_figures import label_of, unit_of
+
+ERROR_BARS, PICTURE = "error_bars.json", "error_bars.png"
+CONVERGED = "converge"
+"""Folder of the companion runs in that of a run."""
+
+GIVEN, MESH, SPEED, CHANCE = "", "mesh", "speed", "chance"
+PARTS = (MESH, SPEED, CHANCE)
+SIZE = "edges over those of the model"
+
+COLOURS = {MESH: 0, SPEED: 4, CHANCE: 2, GIVEN: 6}
+"""Of the points of each part, in the palette."""
+_CAP = 0.03
+
+_LEVEL = 0.95
+_FEWEST = 3  # meshes that show an order
+_HALVED = {
+    MESH: "edges half as long",
+    SPEED: "half the speed",
+    CHANCE: "the mean of four times as many runs",
+}
+"""What halves a part."""
+_IN_EDGES = "crack_length_mm"
+_ORDERS = (0.3, 6.0)
+"""Outside which three meshes show no order: differences that hardly shrink, or that vanish."""
+
+
+@dataclass(frozen=True)
+class ErrorBar:
+    """A figure with its error bar.
+
+    Attributes
+    ----------
+    figure : str
+        Its name in ``summary.json``, with the unit.
+    value : float
+        The best estimate of the fine answer.
+    half_width : float
+        95 % of fine answers lie within it.
+    parts : mapping from str to float
+        Half-widths of mesh, speed and chance, as far as there are runs for them.
+    order : float or None
+        With which it converges over three meshes.
+    values : tuple of float or None
+        Of all runs, in their order, that as given first.
+    """
+
+    figure: str
+    value: float
+    half_width: float
+    parts: Mapping[str, float]
+    order: float | None
+    values: tuple[float | None, ...]
+
+    @property
+    def name(self) -> str:
+        """Label of the figure."""
+        return label_of(self.figure, "the steady window")
+
+    @property
+    def unit(self) -> str:
+        """Unit of all numbers."""
+        return unit_of(self.figure)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A companion run: its name, the part of the error bar it is for, edges over the model's."""
+
+    name: str
+    part: str
+    size: float
+
+
+@dataclass(frozen=True)
+class ErrorBars:
+    """The figures of a model with their error bars.
+
+    Attributes
+    ----------
+    key : str
+        Name of the folder of the run as given.
+    runs : tuple of Run
+    bars : tuple of ErrorBar
+    missing : mapping from str to list of str
+        Why a part is missing or weak.
+
+    Examples
+    --------
+    >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
+    >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
+    >>> print(ErrorBars("1f3c", runs, (bar,), {}))
+    figure                                              value        ±      mesh     speed    chance
+    force, peak [N]                                      3.10     0.10       0.1         -         -
+    force, peak: an order takes 3 meshes; mostly mesh, edges half as long would leave ± 0.05 N
+    """
+
+    key: str
+    runs: tuple[Run, ...]
+    bars: tuple[ErrorBar, ...]
+    missing: Mapping[str, list[str]]
+
+    def __str__(self) -> str:
+        """Return the table and what is said about it."""
+        lines = [f"{'figure':<46}{'value':>11}{'±':>9}" + "".join(f"{p:>10}" for p in PARTS)]
+        for bar in self.bars:
+            value, width, *parts = self.cells(bar)
+            unit = f" [{bar.unit}]" if bar.unit else ""
+            head = f"{bar.name + unit:<46}{value:>11}{width:>9}"
+            lines.append(head + "".join(f"{part:>10}" for part in parts))
+        return "\n".join([*lines, *self.said()])
+
+    def cells(self, bar: ErrorBar) -> list[str]:
+        """Return value, half-width and parts as texts, "-" for a part without runs."""
+        digits = 1 - math.floor(math.log10(bar.half_width)) if bar.half_width > 0.0 else 4
+        parts = (bar.parts.get(part) for part in PARTS)
+        texts = ("-" if width is None else f"{width:.2g}" for width in parts)
+        return [*(f"{v:.{max(0, digits)}f}" for v in (bar.value, bar.half_width)), *texts]
+
+    def said(self) -> list[str]:
+        """Return how each figure converges and how its bar shrinks, and which part is missing."""
+        missing = (f"{part}: {'; '.join(why)}" for part, why in self.missing.items())
+        return [*(self._said_of(bar) for bar in self.bars), *missing]
+
+    def _said_of(self, bar: ErrorBar) -> str:
+        if not bar.parts:
+            return f"{bar.name}: no companion run has it"
+        sizes = {run.size for run, v in zip(self.runs, bar.values, strict=True) if v is not None}
+        order = "does not converge with an order over the meshes"
+        if bar.order is not None:
+            order = f"converges with order {bar.order:.1f} over the meshes"
+        elif len(sizes) < _FEWEST:
+            order = f"an order takes {_FEWEST} meshes"
+        most = max(bar.parts, key=lambda part: bar.parts[part])
+        less = {**bar.parts, most: 0.5 * bar.parts[most]}
+        left = f"{math.hypot(*less.values()):.2g} {bar.unit}".rstrip()
+        return f"{bar.name}: {order}; mostly {most}, {_HALVED[most]} would leave ± {left}"
+
+    def write(self, path: Path) -> None:
+        """Write them as JSON."""
+        write_text(path, json.dumps(asdict(self), indent=1) + "\n")
+
+    def diagram(self, bar: ErrorBar) -> Diagram:
+        """Return a figure over the size of the mesh, and its error bar at none."""
+        x: list[float] = []
+        at: list[float] = []
+        for k in (-1.0, 0.0, 1.0):  # a line up with a cap at both ends and in the middle
+            x += [0.0, -_CAP, _CAP, 0.0]
+            at += [bar.value + k * bar.half_width] * 4
+        curves = [Curve("95 % of fine answers", at, "mean", x=x)]
+        for part, colour in COLOURS.items():
+            each = zip(self.runs, bar.values, strict=True)
+            points = [(r.size, v) for r, v in each if r.part == part and v is not None]
+            if points:
+                sizes, values = zip(*points, strict=True)
+                curves.append(Curve(part or "as given", values, f"p{colour}", x=sizes))
+        short = bar.name.partition(",")[0]
+        return Diagram([0.0], curves, SIZE, "", short, bar.unit, bar.name, zero=False)
+
+
+def read_error_bars(path: Path) -> ErrorBars:
+    """Read what :meth:`ErrorBars.write` has written.
+
+    Raises
+    ------
+    OSError, ValueError, TypeError, KeyError
+        If the file is none, or another.
+    """
+    kept: dict[str, Any] = json.loads(read_regular(path))
+    runs = tuple(Run(**one) for one in kept["runs"])
+    bars = tuple(ErrorBar(**{**one, "values": tuple(one["values"])}) for one in kept["bars"])
+    return ErrorBars(kept["key"], runs, bars, kept["missing"])
+
+
+def error_bar(
+    figure: str, runs: Sequence[Run], values: Sequence[float | None], edge: float = 0.0
+) -> ErrorBar:
+    """Return a figure with its error bar from the companion runs, the model as given first.
+
+    Parameters
+    ----------
+    figure : str
+    runs : sequence of Run
+    values : sequence of float or None
+        The figure in each run; None where a run has none. The first one must have it.
+    edge : float
+        Length of the edges of the model as given [mm].
+    """
+    (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
+    meshes = sorted((r.size, v) for r, v in others if r.part == MESH)
+    coarser, finer = ([m for m in meshes if m[0] > 1.0], [m for m in meshes if m[0] < 1.0])
+    value, parts = f, dict[str, float]()
+    if finer:
+        q, value = finer[-1]
+        parts[MESH] = q / (1.0 - q) * abs(value - f)
+    elif coarser:
+        q, far = coarser[0]
+        parts[MESH] = abs(far - f) / (q - 1.0)
+    if figure == _IN_EDGES and parts:
+        parts[MESH] = max(parts[MESH], 0.5 * edge * min([1.0, *(size for size, _ in meshes)]))
+    for slower in (v for r, v in others if r.part == SPEED):
+        value += slower - f
+        parts[SPEED] = abs(slower - f)
+    alike = [f, *(v for r, v in others if r.part == CHANCE)]
+    if (n := len(alike)) > 1:
+        t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n - 1))
+        parts[CHANCE] = t * float(np.std(alike, ddof=1))
+    three = sorted([(1.0, f), *coarser[:1], *finer[-1:]])
+    three = three if len(three) == _FEWEST else sorted([(1.0, f), *meshes])[:_FEWEST]
+    width = math.hypot(*parts.values())
+    return ErrorBar(figure, value, width, parts, _order(three), tuple(values))
+
+
+def _order(meshes: Sequence[tuple[float, float]]) -> float | None:
+    """Return p of f + a h^p through three meshes (h, f), None if there is none."""
+    if len(meshes) < _FEWEST:
+        return None
+    (c, f_c), (b, f_b), (a, f_a) = meshes
+
+    def excess(p: float) -> float:
+        return float((f_a - f_b) * (b**p - c**p) - (f_b - f_c) * (a**p - b**p))
+
+    if (f_a - f_b) * (f_b - f_c) <= 0.0 or excess(_ORDERS[0]) * excess(_ORDERS[1]) > 0.0:
+        return None
+    return float(scipy.optimize.brentq(excess, *_ORDERS))

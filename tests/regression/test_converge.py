@@ -1,0 +1,68 @@
+"""Error bars of a real model through the command line, ended and called again."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import shellcut as sc
+from shellcut.command_line import main
+from shellcut.results.error_bars import read_error_bars
+from shellcut.study.one_run import OUTCOME
+from tiny_study import SETTINGS, in_words
+
+LONG = SETTINGS | {"membrane.length": 9}
+"""So long that its nodes can be moved along it only."""
+
+
+def done(out):
+    """Return the times at which the runs were done."""
+    return {path: path.stat().st_mtime_ns for path in Path(out).rglob(OUTCOME)}
+
+
+def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    run = tmp_path / "run"
+    assert main(["run", "guillotine", *in_words(LONG), f"-o={run}"]) == 0
+    assert main(["converge", "guillotine"]) == 2
+    assert "give a folder" in capsys.readouterr().err
+    wanted = ["converge", str(run), "--figures=force_peak_N,crack_length_mm", "--jobs=1"]
+    command = [sys.executable, "-m", "shellcut", *wanted]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        for line in process.stderr:
+            if line.startswith("[2/"):
+                os.kill(process.pid, signal.SIGKILL)
+                break
+    out = run / "converge"
+    before = done(out)
+    assert 2 <= len(before) < 7
+    assert not (out / "error_bars.json").exists()
+
+    assert main(wanted) == 0
+    said, told = capsys.readouterr()
+    assert f"7 runs, {len(before)} of them done before" in told
+    assert {path: time for path, time in done(out).items() if path in before} == before
+
+    found = read_error_bars(out / "error_bars.json")
+    assert str(found) in said
+    peak, crack = found.bars
+    assert set(peak.parts) == {"mesh", "speed", "chance"}
+    assert all(width > 0.0 for width in peak.parts.values())
+    assert 0.0 < peak.half_width < peak.value
+    assert crack.parts["mesh"] >= 0.16  # half the finest edge
+    assert (out / "error_bars.png").stat().st_size > 10_000
+
+    given, *others = sorted((out / "runs").iterdir(), key=lambda path: path.name != found.key)
+    for folder, shown in ((run, True), (given, True), (others[0], False)):
+        assert ("<h2>Error bars</h2>" in sc.report_run(folder).read_text()) is shown
+    page = sc.report_study(out).read_text()
+    assert "<h2>Error bars</h2>" in page
+    assert "<h2>Response surfaces</h2>" not in page
+
+    again = sc.converge(run / "used.toml", out, executor=1, say=str)
+    assert {bar.figure for bar in again.bars} > {"force_peak_N", "crack_length_mm"}
+    assert main(["converge", str(run), "--jobs=1", "--figures=n_bolt"]) == 2
+    assert "figures must be some of" in capsys.readouterr().err
