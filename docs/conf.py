@@ -53,6 +53,7 @@ PAGES = {
         "howto/own-film",
         "howto/tear",
         "howto/pierce",
+        "howto/slow",
         "howto/hand-built",
         "howto/resume",
         "howto/read-results",
