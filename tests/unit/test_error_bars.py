@@ -161,6 +161,10 @@ class TestCompanions:
         loaded.write_text(f'{FREE}[[loads]]\nkind = "pressure"\nvalue = 0.1\nramp = "1 ms"\n')
         assert "change in time" in companions(loaded)[1]["speed"][0]
 
+    def test_a_quasi_static_run_gets_a_quarter_of_its_energy(self):
+        found, _ = companions("guillotine", {"quasi_static": 0.004})
+        assert changed(found, "slower") == {"quasi_static": 0.001, "motion.speed": 3000.0}
+
     def test_a_tear_has_no_shape_and_gets_two(self):
         found, _ = companions("trouser", {"motion.ramp": 1e-4})
         assert found["as given"]["imperfection"] == 0
