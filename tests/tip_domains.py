@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cut_topology import CutTopology
 from shellcut.fracture.film_edges import FilmEdges
 from shellcut.fracture.tip_domain import TipDomain
@@ -37,7 +38,7 @@ def force_on(sim, place, reach, base=BASE):
 
 def at_tip(sim):
     """Where the only tip lies in the reference film, and what the base has become ahead of it."""
-    path, (tip,) = sim.cracks._path, sim.cracks.tips
+    path, (tip,) = CrackPath(sim.cracks.cuts.topology, sim.shell), sim.cracks.tips
     row, entry = path.rows_ahead(tip)[0]
     x = sim.state.node.x[sim.state.quads[row]]
     (place,) = sim.cracks.at_tips(sim.state.node.X)

@@ -50,6 +50,11 @@ class KickResult(NamedTuple):
     support_work: float
     """Work of the reactions since t_{n-1} [N·mm]."""
 
+    @property
+    def kinetic(self) -> float:
+        """Of translation and rotation [N·mm]."""
+        return self.kinetic_translation + self.kinetic_rotation
+
 
 class _KickStep(NamedTuple):
     """Numbers of one kick."""
@@ -123,6 +128,11 @@ class CentralDifference:
         translation, rotation, mean, support_work = in_order(sums)
         damping = 0.25 * alpha * dt * mean
         return KickResult(0.5 * translation, 0.5 * rotation, damping, support_work)
+
+    def restart(self, state: State, dt_next: float) -> KickResult:
+        """Stop the film at t_n and take the half kick to t_{n+1/2}, as from t_0."""
+        state.node.stop()
+        return self.kick(state, 0.0, dt_next)
 
     def drift(self, state: State, dt: float) -> None:
         """Take positions and directors from t_n to t_{n+1}."""

@@ -19,11 +19,8 @@ def base_vectors(x, t, z):
     return d1 @ x + z * (d1 @ t), d2 @ x + z * (d2 @ t), t.mean(axis=0)
 
 
-def stress(X, T, x, t, material, place):
-    h = material.thickness
-    z = {"top": 0.5 * h, "bottom": -0.5 * h}.get(place, 0.0)
-    layer = {"top": -1, "bottom": 0}.get(place, 1 if len(material.layers) > 1 else 0)
-    law = material.layers[layer].material.plane_stress()
+def deformed(X, T, x, t, z):
+    """Strains (E_11, E_22, 2 E_12), the carried frame and the change of area at a height."""
     G1, G2, T0 = base_vectors(X, T, z)
     g1, g2, _ = base_vectors(x, t, z)
     # The deformation gradient of the surface, taken from and to the plane of the frame.
@@ -35,15 +32,28 @@ def stress(X, T, x, t, material, place):
     frame = np.stack([e1, e2])
     reference = np.outer(G1, up[0]) + np.outer(G2, up[1])
     E = 0.5 * frame @ (F.T @ F - reference.T @ reference) @ frame.T
-    s = law @ [E[0, 0], E[1, 1], 2 * E[0, 1]]
-    S = np.array([[s[0], s[2]], [s[2], s[1]]])
-    carried = F @ frame.T
-    if place == "nominal":
+    J = np.linalg.norm(np.cross(g1, g2)) / np.linalg.norm(np.cross(G1, G2))
+    return np.array([E[0, 0], E[1, 1], 2 * E[0, 1]]), F @ frame.T, J
+
+
+def stress(X, T, x, t, material, place):
+    h = material.thickness
+    z = {"top": 0.5 * h, "bottom": -0.5 * h}.get(place, 0.0)
+    layer = {"top": -1, "bottom": 0}.get(place, 1 if len(material.layers) > 1 else 0)
+    strain, carried, J = deformed(X, T, x, t, z)
+    s = material.layers[layer].material.plane_stress() @ strain
+    if place == "nominal":  # the mean of the layers, by the strains in their middles
+        slope = (deformed(X, T, x, t, 0.5 * h)[0] - deformed(X, T, x, t, -0.5 * h)[0]) / h
+        ends = np.cumsum([-0.5 * h, *(one.thickness for one in material.layers)])
+        s = sum(
+            one.thickness / h * one.material.plane_stress() @ (strain + 0.5 * (a + b) * slope)
+            for one, a, b in zip(material.layers, ends[:-1], ends[1:], strict=True)
+        )
         f1 = carried[:, 0] / np.linalg.norm(carried[:, 0])
         normal = np.cross(carried[:, 0], carried[:, 1])
         f2 = np.cross(normal / np.linalg.norm(normal), f1)
-        return np.stack([f1, f2], axis=1) @ S @ np.stack([f1, f2])
-    J = np.linalg.norm(np.cross(g1, g2)) / np.linalg.norm(np.cross(G1, G2))
+        carried, J = np.stack([f1, f2], axis=1), 1.0
+    S = np.array([[s[0], s[2]], [s[2], s[1]]])
     return carried @ S @ carried.T / J
 
 

@@ -6,6 +6,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from free_strip import cut_strip, slanted_strip
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.pierce import Begun
 from shellcut.fracture.tip import Tip
@@ -43,7 +44,9 @@ def on_one_side(beside):
 def advance(sim):
     """Advance the crack that comes last to the node."""
     free, tip = sim.cracks, sim.cracks.tips[-1]
-    segment = free._path.segment_from(sim.state, tip, WAY, None, free.tips)
+    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(
+        sim.state, tip, WAY, None, free.tips
+    )
     free._advance(sim.state, tip, segment, "criterion", 1.0)
 
 
@@ -95,7 +98,7 @@ def test_a_third_tip_at_a_joint_stays():
     sim = on_one_side(0.2)
     free = sim.cracks
     first = free.tips[0]
-    third = Tip(first.ends, first.s, first.quad, np.array([0.6, 0.8, 0.0]), 0.0)
+    third = Tip(first.ends, first.s, first.quad, np.array([0.6, 0.8, 0.0]))
     free.tips.insert(0, third)
     # It comes straight towards the first, through the quad beyond.
     y = NODE[1] + 0.2 * H
@@ -114,7 +117,7 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     (there,) = free.at_tips(sim.mesh.nodes)
     assert there[0] == pytest.approx(right, abs=0.1)
     monkeypatch.setattr(free._pierce, "found", lambda *_: [Begun(row, (0.0, 0.0), 0, 1.0)])
-    free._begin_cuts(sim.state, sim.pose)
+    free.cut_due(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]
     assert tip.heading[0] < 0.0

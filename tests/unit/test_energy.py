@@ -14,7 +14,8 @@ def numbered():
 def test_sums_take_each_entry_once():
     ledger = numbered()
     assert ledger.kinetic == ledger.kinetic_translation + ledger.kinetic_rotation
-    assert ledger.damping == ledger.damping_stiffness + ledger.damping_mass
+    dampings = ledger.damping_stiffness, ledger.damping_mass, ledger.damping_kinetic
+    assert ledger.damping == sum(dampings)
     # Powers of two: the sum tells which entries are in it.
     names = ("tool_work", "load_work", "support_work", "initial")
     assert ledger.put_in == sum(getattr(ledger, n) for n in names)
@@ -22,7 +23,7 @@ def test_sums_take_each_entry_once():
         *("kinetic_translation", "kinetic_rotation", "strain", "material_dissipated"),
         *("cohesive_work", "cohesive_start_work", "joint_friction", "contact_work"),
         *("self_contact_work", "friction_work"),
-        *("damping_stiffness", "damping_mass"),
+        *("damping_stiffness", "damping_mass", "damping_kinetic"),
     )
     assert ledger.taken_up == sum(getattr(ledger, n) for n in names)
     assert ledger.imbalance == ledger.put_in - ledger.taken_up

@@ -12,7 +12,7 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.results.comparison import compare
 from shellcut.results.run_results import read
 from shellcut.study.curve_misfit import compared, independent_points, residuals
-from shellcut.study.fit_result import _covariance
+from shellcut.study.fit_result import covariance_of
 from shellcut.study.free_parameters import FreeParameters
 from tiny_study import SETTINGS
 
@@ -59,10 +59,10 @@ def test_intervals_are_those_of_linear_regression():
     slopes = np.column_stack([np.ones(50), x])
     noise = rng.standard_normal(50)
     noise -= slopes @ np.linalg.lstsq(slopes, noise, rcond=None)[0]
-    found = _covariance(slopes, float(noise @ noise), 48.0)
+    found = covariance_of(slopes, float(noise @ noise), 48.0)
     expected = noise @ noise / 48.0 * np.linalg.inv(slopes.T @ slopes)
     np.testing.assert_allclose(found, expected, rtol=1e-9)  # of the small ridge
-    assert np.isinf(_covariance(slopes, 1.0, 0.0).diagonal()).all()
+    assert np.isinf(covariance_of(slopes, 1.0, 0.0).diagonal()).all()
 
 
 @pytest.fixture(scope="module")

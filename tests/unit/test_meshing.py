@@ -1,8 +1,12 @@
+"""Ready-made and hand-made meshes: shapes, sets, quality, cuts, triangles split into quads."""
+
 import numpy as np
 import pytest
 
-from shellcut.mesh.mesh import MeshError
+import shellcut as sc
+from shellcut.mesh.mesh import Mesh, MeshError
 from shellcut.mesh.structured import annulus, cylinder, disc, opening_disc, rectangle
+from shellcut.mesh.triangles_to_quads import split_in_quads
 
 # name: quads, nodes on the ring, floor of the smallest edge [mm], radii of the exact circles
 # (measured edges 0.5815, 0.2757, 0.1643; the time step of every run follows from them)
@@ -207,3 +211,97 @@ def test_closed_cylinders_have_two_rims_and_are_not_too_coarse():
 def test_arguments_are_checked(build, message):
     with pytest.raises(ValueError, match=message):
         build()
+
+
+@pytest.fixture
+def mixed():
+    """4 x 3 quads, three of them cut into two triangles."""
+    mesh = rectangle(4.0, 3.0, n_x=4, n_y=3)
+    cut = np.array([0, 6, 11])
+    corners = mesh.quads[cut]
+    triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+    return mesh, np.delete(mesh.quads, cut, axis=0), triangles
+
+
+def test_the_split_mesh_is_conforming_and_of_the_same_area(mixed):
+    mesh, quads, triangles = mixed
+    split = split_in_quads(mesh.nodes, quads, triangles)
+    new = Mesh.from_arrays(split.nodes, split.quads)  # refuses cracks and turned quads
+    assert new.n_quad == 4 * len(quads) + 3 * len(triangles)
+    assert new.quad_areas().sum() == pytest.approx(12.0, rel=1e-14)  # round-off
+    # a conforming split has two boundary edges for each there was
+    assert (new.edges().n_quad == 1).sum() == 2 * (mesh.edges().n_quad == 1).sum()
+    assert np.bincount(split.parent).tolist() == [4] * len(quads) + [3] * len(triangles)
+
+
+def test_sets_take_the_middles_and_centres_between_their_members(mixed):
+    mesh, quads, triangles = mixed
+    split = split_in_quads(mesh.nodes, quads, triangles)
+    x, y, _ = split.nodes.T
+    for name, there in (
+        ("left", x == 0.0),
+        ("top", y == 1.5),
+    ):
+        members = split.with_middles(mesh.node_set(name))
+        np.testing.assert_array_equal(np.sort(members), np.flatnonzero(there))
+    rim = split.with_middles(mesh.boundary_nodes())
+    new = Mesh.from_arrays(split.nodes, split.quads)
+    np.testing.assert_array_equal(np.sort(rim), new.boundary_nodes())
+    mesh, quads, triangles = mixed
+    split = split_in_quads(mesh.nodes, quads, triangles)
+    column = split.with_middles(mesh.nodes_where(lambda x, y, z: x == 2.0))
+    np.testing.assert_array_equal(np.sort(column), np.flatnonzero(split.nodes[:, 0] == 2.0))
+    half = split.with_middles(mesh.nodes_where(lambda x, y, z: x >= 2.0))
+    np.testing.assert_array_equal(np.sort(half), np.flatnonzero(split.nodes[:, 0] >= 2.0))
+
+
+def test_middles_of_lines(mixed):
+    mesh, quads, triangles = mixed
+    split = split_in_quads(mesh.nodes, quads, triangles)
+    line = mesh.node_set("left")
+    middles = split.middles(np.stack([line[1:], line[:-1]], axis=1))
+    np.testing.assert_array_equal(split.nodes[middles], [[0, y, 0] for y in (-1.0, 0.0, 1.0)])
+    assert split.middles(np.array([[0, 19]])).size == 0  # no edge of the mesh
+
+
+def test_triangles_alone():
+    split = split_in_quads(np.eye(3), np.empty((0, 4), np.int64), np.array([[0, 1, 2]]))
+    assert split.quads.tolist() == [[0, 3, 6, 4], [1, 5, 6, 3], [2, 4, 6, 5]]
+
+
+def test_the_step_is_that_of_the_run():
+    mesh = opening_disc("quick")
+    run = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), stepping=sc.Stepping(safety=1.0))
+    # the same arithmetic: round-off
+    assert sc.mesh_quality(mesh).stable_step == pytest.approx(run.dt, rel=1e-12)
+
+
+def test_a_short_quad_is_the_worst_and_its_cost_is_told():
+    mesh = rectangle(10.0, 4.0, n_x=10, n_y=4)
+    nodes = mesh.nodes.copy()
+    nodes[nodes[:, 0] == 5.0, 0] = 4.25  # column 4 is 0.25 wide, column 5 1.75
+    quality = sc.mesh_quality(sc.Mesh.from_arrays(nodes, mesh.quads))
+    assert set(quality.worst[:4]) == {4, 14, 24, 34}
+    assert quality.shortest_edge[4] == 0.25
+    assert quality.aspect[4] == 4.0
+    assert quality.aspect[5] == 1.75
+    assert quality.scaled_jacobian.min() == pytest.approx(1.0, rel=1e-14)
+    # the step falls about as the shortest edge; thin quads gain a little by their width
+    assert 0.2 < quality.step_cost < 0.5
+    told = str(quality)
+    assert "40 quads" in told
+    assert f"the worst quad shortens the step to {quality.step_cost:.2f} of" in told
+    assert "(4.125, -1.5, 0)" in told
+
+
+def test_damping_shortens_the_step():
+    mesh = rectangle(4.0, 4.0, size=1.0)
+    free = sc.mesh_quality(mesh, damping_beta=0.0)
+    damped = sc.mesh_quality(mesh, damping_beta=2e-7)
+    assert (damped.step < free.step).all()
+
+
+def test_few_quads_are_all_listed():
+    quality = sc.mesh_quality(rectangle(2.0, 1.0, n_x=2, n_y=1))
+    assert sorted(quality.worst) == [0, 1]
+    assert np.isclose(quality.step_cost, 1.0)

@@ -328,8 +328,6 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {}
     if title == "material.layers":
         given = dict(LAYER)
-    if key == "cable_places" and "path" in kind.keys:
-        given = {"path": "free"}
     if title.startswith("material") and key not in LAYER:
         given = {**given, **BESIDE.get(key, {})}
     if key == "joint_friction":
@@ -382,7 +380,7 @@ def test_every_parameter_has_a_key(kind):
 def test_every_option_of_a_simulation_and_output_is_in_some_section():
     taken = {"mesh", "material", "supports", "loads", "tool", "motion", "law"}
     taken |= {"contact", "fracture", "stepping"}  # sections
-    taken |= {"directional", "imperfection", "threads"}  # at the top
+    taken |= {"directional", "quasi_static", "imperfection", "threads"}  # at the top
     taken |= {"damping_alpha", "damping_beta"}  # [damping]
     assert set(inspect.signature(Simulation).parameters) - taken == set(NOT_IN_FILES)
     assert set(OUTPUT().arguments()) <= set(inspect.signature(RunOptions).parameters)

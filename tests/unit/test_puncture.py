@@ -1,13 +1,25 @@
 """The force at which a tip goes through whole film: the film around it, solved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
+from scipy.special import k1
 
-from shellcut import CohesiveLaw, Fracture, ShellMaterial, Simulation
+from shellcut import (
+    CohesiveLaw,
+    Fracture,
+    Layer,
+    Orthotropic,
+    ShellMaterial,
+    Simulation,
+    Statics,
+)
 from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
+from shellcut.loads.loads import NodalForce
 from shellcut.loads.supports import Support
-from shellcut.mesh.structured import rectangle
+from shellcut.mesh.structured import disc, rectangle
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
@@ -34,15 +46,21 @@ def _guess(x, t, p):
     return np.array([t, np.gradient(t, u), p, np.gradient(p, u)])
 
 
-def tension_under_point():
-    """n(0) under a point load."""
-    near = 1e-4
-    x = np.exp(np.linspace(np.log(near), np.log(FAR), 400))
+def tension_under_point(far=0.0):
+    """n(0) under a point load, with the tension ``far`` over N far away."""
+    near, out = 1e-4, FAR if far == 0.0 else 300.0
+    x = np.exp(np.linspace(np.log(near), np.log(out), 400))
 
     def ends(a, b):  # t = -½ x ln x + c x and p = n(0) x close to the point
-        return np.array([a[1] - a[0] + 0.5 * near, a[3] - a[2], *_membrane(b)])
+        free = _membrane(b) if far == 0.0 else [b[0] - 1.0 / (far * out), b[2] - far * out]
+        return np.array([a[1] - a[0] + 0.5 * near, a[3] - a[2], *free])
 
     guess = _guess(x, 0.3 * x - 0.5 * x * np.log(np.minimum(x, 0.3)), 0.48 * x)
+    if far:  # a plate under the tension alone
+        held = max(far, 0.5)
+        guess[0] = (1.0 - np.sqrt(held) * x * k1(np.sqrt(held) * x)) / (held * x)
+        guess[2] = np.maximum(far * x, np.minimum(0.48 * x, OUTER * x ** (1.0 / 3.0)))
+        guess[1], guess[3] = (np.gradient(v, np.log(x)) for v in (guess[0], guess[2]))
     found = solve_bvp(_film, ends, np.log(x), guess, tol=1e-8, max_nodes=200_000)
     assert found.status == 0
     return found.y[2, 0] / near
@@ -78,6 +96,14 @@ def tension_under_ball(rho):
 
 def test_the_tension_under_a_point_is_the_constant():
     assert tension_under_point() == pytest.approx(CENTRE, rel=1e-5)
+
+
+@pytest.mark.parametrize("far", [0.1, 0.3, 0.5, 1.0, 2.0])
+def test_tension_far_away_takes_from_the_force(far):
+    # With n(0) N the tension that parts the film, F is CENTRE / n(0) of F_s.
+    n0 = tension_under_point(far)
+    assert 0.2 < far / n0 < 0.98
+    assert 1.0 < CENTRE / n0 / np.sqrt(1.0 - (far / n0) ** 2) < 1.058
 
 
 @pytest.mark.parametrize("rho", [0.3, 1.0, 3.0, 8.0])
@@ -152,3 +178,44 @@ def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(size, beside):
         2.0 * strength * thickness * width * np.sin(slope), rel=0.02
     )
     assert run.state.split_log[0].kind == "puncture"
+
+
+def tip_on_a_disc(film, force, n_side, inner=0.8):
+    """Return how deep a point load presses a clamped disc of 10.2 mm, and the stress there."""
+    ratio = 1.0 + 1.9 / n_side
+    n_ring = int(np.ceil(np.log(10.2 / inner) / np.log(ratio)))
+    mesh = disc(10.2, n_side=n_side, ring_radii=np.geomspace(10.2, inner, n_ring + 1).tolist())
+    (centre,) = mesh.node_set("centre")
+    load = NodalForce([centre], (0.0, 0.0, -force))
+    statics = Statics(mesh, film, supports=[Support.clamped("rim")], loads=[load])
+    end = statics.load_steps(np.geomspace(0.02, 1.0, 8).tolist())[-1]
+    at_tip = np.flatnonzero((mesh.quads == centre).any(axis=1))
+    return -end.displacement[centre, 2], statics.stress(at_tip, place="nominal").mean(axis=0)
+
+
+@pytest.mark.parametrize("n_side", [4, 8])
+def test_a_tip_on_a_clamped_disc_is_as_deep_as_the_membrane_has_it(n_side):
+    # 0.6216 mm by the plate's equations in r, clamped at 10.2 mm.
+    film = ShellMaterial.homogeneous()
+    depth, _ = tip_on_a_disc(film, puncture_force(film, CohesiveLaw()), n_side)
+    assert depth == pytest.approx(0.6216, rel=0.015)
+
+
+def test_a_film_with_axes_parts_across_the_stiff_one():
+    # Compared on one mesh, of 0.06 mm: half of that adds 6 %, and lengths differ by 19 % here.
+    law, nu, young = CohesiveLaw(), 0.3, 1678.0
+    tension = []
+    for ratio in (1.0, 4.0):
+        one, two = young * np.sqrt(ratio), young / np.sqrt(ratio)
+        axes = Orthotropic(one, two, nu * np.sqrt(ratio), young / (2.0 * (1.0 + nu)), 1e-9)
+        film = ShellMaterial([Layer(axes, 0.074)])
+        force = puncture_force(film, law)
+        turned = ShellMaterial([Layer(replace(axes, angle_deg=30.0), 0.074)])
+        assert puncture_force(turned, law) == pytest.approx(force, rel=1e-9)
+        assert force == pytest.approx(0.39046 * ratio**-0.25, rel=1e-4)
+        _, stress = tip_on_a_disc(film, force, 12, 0.5)
+        tension.append(stress[:2, :2].diagonal())
+    (same, also), (along, across) = tension
+    assert same == pytest.approx(also, rel=0.01)
+    assert along == pytest.approx(same, rel=0.08)
+    assert along / across == pytest.approx(2.0, rel=0.12)

@@ -12,6 +12,7 @@ from shellcut.frame import JOINTED, STRAIGHT, Frame
 from shellcut.view import _panel, draw_snapshot
 from shellcut.view._close_camera import close_camera
 from shellcut.view._raster import Camera, Canvas, view_axes
+from shellcut.view.fields import field_limits
 
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -109,11 +110,11 @@ def test_the_close_camera_goes_with_the_tooth(angle, monkeypatch):
 
 def test_default_stress_limits_are_round_and_hold_nearly_all():
     frame = opening_frame(30.0, n_side=10)
-    low, high = _panel.round_limits(frame.quad_principal[:, 0])
+    low, high = field_limits([frame.quad_principal[:, 0]], 1)
     assert low == 0.0
     assert high in (15.0, 20.0)
     assert (frame.quad_principal <= high).mean() > 0.99
-    assert _panel.round_limits(-frame.quad_principal[:, 0]) == (0.0, 1.0)
+    assert field_limits([-frame.quad_principal[:, 0]], 1) == (0.0, 1.0)
 
 
 def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):

@@ -40,7 +40,7 @@ def test_a_start_says_film_tool_and_steps(sim):
     film, tool, cracks, shown, step = start_lines(sim, Resistance(sim.motion, 8e-5), 8e-5)
     assert film.startswith(f"film   {sim.mesh.n_quad} quads, {sim.mesh.n_node} nodes, ")
     assert "1 body" in tool
-    assert cracks == "cracks along edges of the mesh"
+    assert cracks == 'cracks along edges of the mesh only (fracture.path = "edges")'
     assert shown == "shown  force along (1, 0, 0), over the path"
     assert f"about {round(8e-5 / sim.dt, -2):,.0f} steps to path" in step
     assert "0.08 ms" in step

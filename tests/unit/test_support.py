@@ -47,7 +47,7 @@ def test_prescribed_velocity_is_written_at_the_half_step():
     moving = Support("right", velocity={"x": lambda t: 3.0 * t, "z": np.cos})
     supports = SupportSet(MESH, [Support.clamped("left"), moving])
     supports.initialise(state)
-    supports.prescribe(state, 0.5)
+    supports.prescribe(state, 1.0, 1.0)
     for node in MESH.node_set("right"):
         assert state.node.support_rate[node].tolist() == [1.5, 0.0, np.cos(0.5), 0, 0, 0]
     assert not state.node.support_rate[MESH.node_set("left")].any()

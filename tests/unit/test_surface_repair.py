@@ -1,8 +1,11 @@
-"""Surfaces put in order: duplicates, flat triangles, orientation."""
+"""Surfaces put in order: duplicates, flat triangles, orientation, seams between faces."""
 
 import numpy as np
 import pytest
 
+from shellcut.mesh.structured import annulus
+from shellcut.numerics.consistent_winding import common_winding
+from shellcut.tool.seams import closed_seams
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.surface import Surface
 from shellcut.tool.surface_repair import repaired
@@ -106,3 +109,48 @@ def test_a_moebius_strip_is_a_problem():
     done = repaired(np.concatenate([middle - side, middle + side]), triangles)
     assert "18 triangles around" in done.problems[0]
     assert "one side only" in done.problems[0]
+
+
+def test_a_minority_is_turned_back():
+    mesh = annulus(3.0, 8.0, n_around=40, n_radial=10)
+    turned = np.random.default_rng(3).choice(mesh.n_quad, mesh.n_quad // 3, replace=False)
+    quads = mesh.quads.copy()
+    quads[turned] = quads[turned][:, ::-1]
+    winding = common_winding(quads, mesh.n_node)
+    np.testing.assert_array_equal(np.flatnonzero(winding.turned), np.sort(turned))
+    assert not winding.one_sided.size
+    assert not winding.part.any()
+
+
+def test_parts_are_turned_each_by_its_own_majority():
+    one = [[0, 1, 2], [0, 2, 3], [0, 4, 3]]  # the last runs against the others
+    two = [[10, 11, 12], [10, 13, 12], [10, 13, 14]]  # the second does
+    winding = common_winding(np.array(one + two), 15)
+    assert winding.turned.tolist() == [False, False, True, False, True, False]
+    assert winding.part.tolist() == [0, 0, 0, 1, 1, 1]
+
+
+def test_of_two_that_disagree_the_first_stays():
+    assert common_winding(np.array([[0, 1, 2], [0, 3, 2]])[::-1], 4).turned.tolist() == [
+        False,
+        True,
+    ]
+
+
+def test_seams_of_faces_that_differ_are_closed():
+    """A double pyramid whose halves have different vertices on one side of the common square."""
+    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    tips = [[0.5, 0.5, -1], [0.5, 0.5, 1]]
+    extra = [[0.3, 0, 0], [0.7, 1e-3, 0], [0.5, 0, 0]]
+    places = np.array([*square, *square, *tips, *extra], dtype=float)
+    triangles = []
+    for rim, tip, turn in (([0, 10, 11, 1, 2, 3], 8, -1), ([4, 12, 5, 6, 7], 9, 1)):
+        pairs = zip(rim, [*rim[1:], rim[0]], strict=True)
+        triangles += [[a, b, tip][::turn] for a, b in pairs]
+    joined, rows, n_put = closed_seams(places, np.array(triangles), merge=1e-6, reach=2e-3)
+    assert n_put == 3
+    assert len(joined) == 9
+    assert not Surface(joined, rows).problems()
+    joined, rows, n_put = closed_seams(places, np.array(triangles), merge=1e-6, reach=5e-4)
+    assert n_put == 2  # the vertex a micrometre away stays out
+    assert "open edges: the surface has a hole" in Surface(joined, rows).problems()[0]

@@ -56,6 +56,19 @@ def test_flanks_in_the_tool_unfelt_are_noted_and_what_to_do():
     assert "Use a finer film" in text
 
 
+def test_flanks_that_cannot_fold_are_noted_where_they_press():
+    def noted(edge, *, press=True):
+        figures = {"path_edge_mm": edge, "bending_length_mm": 0.216}
+        lines = verdict({**figures, "options": {"film_edges": press}})
+        return [line for line in lines if "do not fold" in line.text]
+
+    assert noted(0.208) == noted(0.398, press=False) == []
+    (line,) = noted(0.398)
+    assert line.kind == "note"
+    assert "0.398 mm, are longer than 0.216 mm" in line.text
+    assert "Use a finer film" in line.text
+
+
 def test_what_contact_gives_and_what_it_holds_are_judged_apart():
     def judged(**contact):
         lines = verdict({"tool_work_Nmm": 100.0, **contact})

@@ -299,7 +299,7 @@ from opening_frame import opening_frame
 from shellcut.results.hdf_columns import Columns
 from shellcut.results.vtkhdf import VtkHdfWriter
 
-def kill(*_):
+def kill(*_, **__):
     os.kill(os.getpid(), signal.SIGKILL)
 
 frame, writer = opening_frame(20.0, n_side=10), VtkHdfWriter(sys.argv[1])

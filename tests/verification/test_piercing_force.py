@@ -47,6 +47,7 @@ def first_split(film, path, clearance, slower=1.0, **options):
         ("quick", "edges", 0.02, 1.0),
         ("quick", "edges", 0.04, 1.0),
         ("quick", "free", 0.02, 0.5),
+        ("quick", "free", 0.02, 3.0),
         ("raw", "free", 0.02, 1.0),
     ],
 )

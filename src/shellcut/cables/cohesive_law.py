@@ -75,9 +75,9 @@ class CohesiveLaw:
     """
 
     strength: Annotated[
-        float, Option("MPa", "sigma_F, at which a node splits and the cable is born", above=0)
+        float, Option("MPa", "sigma_F, at which the film parts and a cable begins", above=0)
     ] = 18.0
-    plateau: Annotated[float, Option("MPa", "sigma_C", above=0)] = 12.0
+    plateau: Annotated[float, Option("MPa", "sigma_C, held from l_A to l_P", above=0)] = 12.0
     opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
     opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
     opening_u: Annotated[float, Option("mm", "l_U, at which the cable breaks", above=0)] = 4.0
@@ -105,7 +105,7 @@ class CohesiveLaw:
             "G_0, taken by a cut with a razor, kJ/m²: an edge of radius r severs cables at G_0 + 2 "
             "r H",
             above=0,
-            unset="no edge severs them, a cut takes the area of the law",
+            unset="a cut takes the area of the law",
         ),
     ] = None
     severing_pressure: Annotated[

@@ -14,6 +14,7 @@ from shellcut.arguments import checked
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_hold
 from .path import check_path
+from .piercing import check_piercing
 from .plausible import check_numbers
 from .row import Rows
 from .steps import check_steps
@@ -119,6 +120,8 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     along_edges = sim.fracture.path == "edges"
     if law is not None:
         yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture)
+        if sim.fracture.blade_cut and sim.fracture.puncture_force is None:
+            yield from check_piercing(sim, law, sweep)
     edge = float(np.median(mesh.edge_lengths()))
     if len(sweep.place) and along_edges:
         edge = Rows(sweep).spacing

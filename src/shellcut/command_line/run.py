@@ -102,8 +102,6 @@ def _write_model(name: str, path: Path) -> int:
         return refuse(f"{path} already exists: choose another name")
     except OSError as problem:
         return refuse(problem)
-    print(
-        f"wrote {path}; run it with: shellcut run {path} -o OUT\n"
-        "editors check its keys if this is beside it: shellcut keys --schema > shellcut.schema.json"
-    )
+    print(f"wrote {path}; run it with: shellcut run {path} -o OUT")
+    print("so that editors check its keys: shellcut keys --schema > shellcut.schema.json")
     return DONE

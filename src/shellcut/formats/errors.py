@@ -32,13 +32,7 @@ def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
 
 
 def counted(n: int, one: str, more: str = "") -> str:
-    """Return a number with its noun; ``more`` is the plural, by default with an s.
-
-    Examples
-    --------
-    >>> counted(1, "body", "bodies"), counted(2600, "edge")
-    ('1 body', '2,600 edges')
-    """
+    """Return a number with its noun; ``more`` is the plural, by default with an s."""
     return f"{n:,} {one if n == 1 else more or one + 's'}"
 
 

@@ -31,10 +31,9 @@ from .anisotropy import Anisotropy
 
 Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
-CablePlaces: TypeAlias = Literal["ends", "gauss"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching"
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -67,7 +66,7 @@ class Fracture:
     ('free', 'edges')
     """
 
-    criterion: Annotated[Measure, Option("", "measure of a crack that runs")] = "force"
+    criterion: Annotated[Measure, Option("", "what at its tip makes a crack run")] = "force"
     blade_cut: Annotated[
         bool, Option("", "whether the blade cuts what it goes through and has passed")
     ] = True
@@ -80,7 +79,7 @@ class Fracture:
             below=180,
         ),
     ] = 57.0
-    check_every: Annotated[int, Option("", "steps between two checks", least=1)] = 10
+    check_every: Annotated[int, Option("", "steps between two looks at the cracks", least=1)] = 10
     equilibrium_start: Annotated[
         bool,
         Option(
@@ -93,19 +92,15 @@ class Fracture:
         Path | None,
         Option(
             "",
-            "of cracks: free through quads, or along edges",
+            "where cracks go: free through the quads, or along edges",
             unset="edges if they lie under the whole path or another option needs them, else free",
         ),
     ] = None
     anisotropy: Anisotropy | None = None
-    cable_places: Annotated[
-        CablePlaces,
-        Option(
-            "",
-            "cables across a segment of a crack through quads, at its ends or its Gauss points, "
-            "where the force of a cut ripples less",
-        ),
-    ] = "ends"
+    fibres: Annotated[
+        int,
+        Option("", "cables across a quad or side that a crack has cut, evenly along it", least=1),
+    ] = 6
     puncture_force: Annotated[
         float | None,
         Option(

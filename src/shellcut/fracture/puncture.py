@@ -18,7 +18,11 @@ around it at F_m = 4 pi rho (sigma_F h)² / B. In between
 
 is within +4.3 and -0.1 % of the full problem, which the tests solve.
 
-*Axes.* D / B is the mean of those along and across the film. *Yielding.* F_s needs no modulus, and
+*Axes.* A film with the stiffnesses B_1 > B_2 along its axes is an isotropic one in coordinates
+stretched by (B_1 / B_2)^(1/4) across the first, if its shear modulus is that of such a film: its
+tensions at the tip are as sqrt(B_1) to sqrt(B_2). So it parts across the stiff axis, and B is the
+largest of all directions; D is the root of D_11 D_22 in its axes. Layers count by B and D of the
+section, of bending about the neutral plane. *Yielding.* F_s needs no modulus, and
 stands for a film that follows a deformation theory with the same stiffness everywhere; in F_m the
 strain sigma_F h / B is the elastic one. Measure ``puncture_force`` where this counts.
 
@@ -34,11 +38,16 @@ import numpy as np
 
 from shellcut.arrays import product
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.orthotropic import turned_moduli
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.small_matrices import inverse
 
 CENTRE = 0.47994
 """n(0) under a point load, solved in ``tests/unit/test_puncture.py``."""
+
+
+_ANGLES = range(0, 180, 5)
+"""Directions among which the stiffest is sought [deg]."""
 
 
 def puncture_force(film: ShellMaterial, law: CohesiveLaw, radius: float = 0.0) -> float:
@@ -77,13 +86,13 @@ def bending_length(film: ShellMaterial, law: CohesiveLaw) -> float:
 
 
 def _stiffnesses(film: ShellMaterial) -> tuple[float, float]:
-    """Return B in tension [N/mm] and D [N mm], means over the film's two directions."""
+    """Return B in tension [N/mm] along the stiffest axis, and D [N mm] in the film's axes."""
     z, weight, materials = film.thickness_points()
     laws = np.array([one.plane_stress() for one in materials])
     membrane = np.einsum("i,ijk->jk", weight, laws)
     coupling = np.einsum("i,ijk->jk", weight * z, laws)
     second = np.einsum("i,ijk->jk", weight * z * z, laws)
-    compliance = inverse(membrane)
-    bending = second - product(coupling, compliance, coupling)
-    tension = 1.0 / np.diag(compliance)[:2]
-    return math.sqrt(tension[0] * tension[1]), math.sqrt(bending[0, 0] * bending[1, 1])
+    bending = second - product(coupling, inverse(membrane), coupling)
+    tension = [1.0 / inverse(turned_moduli(membrane, angle))[0, 0] for angle in _ANGLES]
+    along = turned_moduli(bending, _ANGLES[int(np.argmax(tension))])
+    return float(max(tension)), math.sqrt(along[0, 0] * along[1, 1])

@@ -173,7 +173,7 @@ class LoadSet:
     def begin_forces(self, state: State) -> float:
         """Set the nodal forces to the loads at t_n; return their work since t_{n-1} [N·mm]."""
         n, dt = state.node, state.dt
-        now, before = state.time, state.time - dt
+        now, before = state.time, state.time - state.tick
         work = 0.0
         self._workers.run(self._cleared, n.count, n.force_rows)
         for dead in self._dead:

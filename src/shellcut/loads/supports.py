@@ -210,15 +210,16 @@ class SupportSet:
                 idle[ids] = False
         held[idle] = False
 
-    def prescribe(self, state: State, time_half: float) -> None:
-        """Write the prescribed velocities at t_{n+1/2}."""
+    def prescribe(self, state: State, dt: float, pace: float) -> None:
+        """Write the prescribed velocities at t_{n+1/2}; time goes on by pace dt in the step."""
         if not self._moving:
             return
         if not self._known.is_of(state):
             self._now = [self._held_copies(state, ids) for ids, _, _ in self._moving]
             self._known.take(state)
+        time_half = state.time + 0.5 * pace * dt
         for (_, c, rate), ids in zip(self._moving, self._now, strict=True):
-            state.node.support_rate[ids, c] = rate(time_half)
+            state.node.support_rate[ids, c] = pace * rate(time_half)
 
     def reaction(self, state: State, which: int) -> Floats:
         """Return the resultant reaction of one support [N], shape (3,)."""

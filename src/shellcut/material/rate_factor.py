@@ -67,7 +67,7 @@ class CowperSymonds(RateFactor):
     kind = "Cowper-Symonds"
 
     rate: Annotated[float, Option("1/s", "D, rate that doubles the yield stress", above=0)]
-    exponent: Annotated[float, Option("", "q", least=1)]
+    exponent: Annotated[float, Option("", "q, the exponent of Cowper and Symonds", least=1)]
 
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""

@@ -142,6 +142,12 @@ class ShellMaterial:
         return all(layer.material.law.linear for layer in self.layers) and not self.has_axes
 
     @property
+    def timed_laws(self) -> list[str]:
+        """Names of the laws whose stress depends on the rate of strain."""
+        laws = {layer.material.law for layer in self.layers}
+        return sorted(law.name for law in laws if law.timed)
+
+    @property
     def has_axes(self) -> bool:
         """Whether any layer needs :attr:`direction`."""
         return any(layer.material.law.oriented for layer in self.layers)

@@ -71,7 +71,7 @@ def read_film(
     ] = "refuse",
     leave_out: Annotated[
         Collection[str],
-        Option("", "kinds of other cells to leave out, as the refusal names them", form="names"),
+        Option("", "kinds of other cells to leave out, as the message names them", form="names"),
     ] = (),
     merge: Annotated[
         float | None,

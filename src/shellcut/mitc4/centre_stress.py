@@ -81,7 +81,6 @@ class CentreStress:
         mid = int(np.searchsorted(bottom, 0.5 * material.thickness, side="right")) - 1
         self._law = {
             "mid": layers[mid].material.plane_stress(),
-            "nominal": layers[mid].material.plane_stress(),
             "top": layers[-1].material.plane_stress(),
             "bottom": layers[0].material.plane_stress(),
         }
@@ -103,9 +102,12 @@ class CentreStress:
         which = check_quads(which, len(state.quads))
         x, t, quads, height = state.node.x, state.node.t, state.quads, self._height[place]
         now = self._deformed(which, _tangents(x, t, quads[which], height), height)
-        S = product(now.strain, self._law[place])
         if place != "nominal":
-            return _pushed(S, now.f, now.J)
+            return _pushed(product(now.strain, self._law[place]), now.f, now.J)
+        h = self._height["top"]
+        top, bottom = (self._deformed(which, _tangents(x, t, quads[which], z), z) for z in (h, -h))
+        mean, coupling = self._membrane
+        S = product(now.strain, mean) + product(top.strain - bottom.strain, coupling) / (2.0 * h)
         normal = unit(np.cross(now.f[:, 0], now.f[:, 1]))
         along = unit(now.f[:, 0])
         f = np.stack([along, np.cross(normal, along)], axis=1)

@@ -12,7 +12,7 @@ membrane   the mean over the thickness, with the weights of the quadrature
 top        the uppermost point; of five Gauss points in a single layer it lies at 0.91 of h/2
 bottom     the lowest point
 mid        the point nearest to the mid-surface, or the mean of two that are equally near
-nominal    as mid, S turned with the surface instead of sigma
+nominal    as membrane, S turned with the surface instead of sigma
 =========  =====================================================================================
 
 The present thickness is the law's thickness stretch, integrated over the thickness.
@@ -57,7 +57,7 @@ class PointOutput:
         self._share = {
             "membrane": share[0],
             "mid": share[1],
-            "nominal": share[1],
+            "nominal": share[0],
             "top": ends[0],
             "bottom": ends[1],
         }

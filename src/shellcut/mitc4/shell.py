@@ -320,8 +320,8 @@ class MITC4Shell:
         quads : ndarray of int, shape (n,)
             Which quads.
         place : {"mid", "top", "bottom", "nominal"}
-            Height of the stress; ``nominal`` is the mid-surface's second Piola-Kirchhoff stress
-            turned with the surface, without the change of area.
+            Height of the stress; ``nominal`` is the mean of the second Piola-Kirchhoff stress over
+            the thickness, turned with the surface, without the change of area.
 
         Returns
         -------

@@ -61,7 +61,7 @@ HEAD = Kind(
             choice("opening", "guillotine", "free", "trouser", "oscillating"), "kind of model"
         ),
         "name": own_key(FORMS["stem"], "stem of the result file", None, unset="the model's name"),
-        **keys_of(Simulation, "directional", "imperfection", "threads"),
+        **keys_of(Simulation, "directional", "quasi_static", "imperfection", "threads"),
     },
     spread=True,
 )
@@ -101,7 +101,7 @@ DISC = Kind(
     sign="radius",
 )
 FILM_FILE = Kind(
-    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, but in free models.",
+    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, except in free models.",
     keys_of(read_film, renamed={"path": "file"}, also={"unit": "scale"}),
     read_film,
     name="file",
@@ -363,7 +363,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         film=HOMOGENEOUS.with_keys(**BAR_FILM),
         law=_law(BAR_LAW),
         contact=CONTACT.with_keys(penalty=BAR_CONTACT.penalty),
-        fracture=_unsteered(BAR_FRACTURE, "cable_places"),
+        fracture=_unsteered(BAR_FRACTURE),
         damping=DAMPING.with_keys(beta=STIFFNESS_DAMPING),
     ),
 }

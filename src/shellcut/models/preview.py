@@ -17,16 +17,14 @@ from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
+from shellcut.recording.status_line import crack_line, how_long
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
 
-# What a run costs on one core of a present machine (docs/performance.md): a step of any film and
-# each quad of it [s], how many times that if all of it yields; memory of the program and of each
-# quad [MB].
-_STEP_S, _QUAD_S, _YIELDING = 6e-5, 2e-8, 5.0
+# Memory of the program and of each quad (docs/performance.md) [MB].
 _PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
 
 # Poses on the way of the tool that is drawn.
@@ -110,8 +108,8 @@ def preview(
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
     parts = ModelParts(mesh=mesh, held=held, tool=sim.tool, motion=sim.motion, duration=time)
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64))
-    lines = [film, *_film_lines(mesh), *step_lines, *_run_lines(sim, time), *others]
-    lines += [*_crack_lines(sim), *_worst_lines(quality)]
+    lines = [film, *_film_lines(mesh), *step_lines, *([_run_line(sim, time)] if time else [])]
+    lines += [*others, crack_line(sim), *_worst_lines(quality)]
     lines += [said(finding) for finding in check.findings] if check is not None else []
     return "\n".join(lines)
 
@@ -270,35 +268,14 @@ def _worst_lines(quality: MeshQuality) -> Iterator[str]:
         )
 
 
-def _run_lines(sim: Simulation, time: float | None) -> Iterator[str]:
+def _run_line(sim: Simulation, time: float) -> str:
     """Say how many steps the run takes, how long, and in how much memory."""
-    if not time:
-        return
-    steps, n_quad = time / sim.dt, sim.mesh.n_quad
-    lasts = _how_long(steps * (_STEP_S + n_quad * _QUAD_S))
-    longer = "" if sim.material.is_linear else f", {_YIELDING:g} times that if all of it yields"
-    yield (
-        f"run    at least {float(f'{steps:.2g}'):,.0f} steps to {1e3 * time:.4g} ms, about {lasts} "
-        f"on one core{longer}; {_PROGRAM_MB + n_quad * _QUAD_MB:.0f} MB"
+    steps = float(f"{time / sim.dt:.2g}")
+    megabytes = _PROGRAM_MB + sim.mesh.n_quad * _QUAD_MB
+    return (
+        f"run    at least {steps:,.0f} steps to {1e3 * time:.4g} ms, {how_long(sim, time)}; "
+        f"{megabytes:.0f} MB"
     )
-
-
-def _how_long(seconds: float) -> str:
-    """Return a time in its unit."""
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.2g} s"
-
-
-def _crack_lines(sim: Simulation) -> Iterator[str]:
-    """Say where cracks go."""
-    if sim.cracks is None:
-        yield "cracks none: the model has no cohesive law"
-    elif sim.fracture.path == "free":
-        yield 'cracks through the quads, where blade or load drives them (fracture.path = "free")'
-    else:
-        yield 'cracks along edges of the mesh only (fracture.path = "edges")'
 
 
 def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:

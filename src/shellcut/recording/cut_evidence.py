@@ -4,6 +4,8 @@
 off_path_mm             largest distance of a split from the path of the cutting edges, in the
                         reference film; the path goes on beyond its ends, where cracks lead
 n_split_off_path        splits farther from the path than a fifth of a film edge
+path_edge_mm            median edge of the film along that path
+bending_length_mm       over which the film bends where its tension is the strength
 crack_lead_mm           largest distance of another split ahead of an end of the path
 overshoot_rel           mean distance the edge had passed the cables when their joints were made,
                         over half of ``opening_u`` there, by which the edge then drags them: the
@@ -54,6 +56,8 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
             "n_split": len(places),
             "n_split_off_path": int((~on_it).sum()),
             "off_path_mm": float(off.max()),
+            "path_edge_mm": float(np.median(sweep.edge_length)),
+            "bending_length_mm": np.nan if sim.cracks is None else sim.cracks.bending_length,
             "crack_lead_mm": float(sweep.lead(places[on_it]).max(initial=0.0)),
         }
     if sim.cables.n_joint_made:

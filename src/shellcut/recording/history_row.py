@@ -42,6 +42,8 @@ def history_row(
     yield "imbalance", "N*mm", ledger.imbalance
     yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
     yield "dt", "s", s.dt
+    if sim.pace.share is not None:
+        yield "pace", "-", sim.pace.now
     yield "cables_created", "-", s.n_cable
     yield "cables_jointed", "-", sim.cables.n_joint_made
     yield "cables_broken", "-", sim.cables.n_broken

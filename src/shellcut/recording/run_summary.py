@@ -64,6 +64,8 @@ def run_summary(
         "n_imperfection": sim.imperfection.number,
         "imperfection_mm": sim.imperfection.amplitude,
     }
+    if sim.pace.share is not None:
+        figures |= {"quasi_static": sim.pace.share, "n_stop": sim.pace.n_stop}
     if sim.cracks is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
         if sim.cracks.stress is not None:

@@ -16,9 +16,11 @@ if TYPE_CHECKING:
 
     from .resistance import AnyResistance
 
-# Time of a step [s] from the opening test in docs/performance.md, M1 and M2 on one free core: a
-# constant part and a part per quad.
-_STEP_COST, _QUAD_COST = 50e-6, 48e-9
+# Time of a step and of each quad of it [s], from the opening test on M1 and M2 in
+# docs/performance.md; how many times that if all of the film yields.
+_STEP_COST, _QUAD_COST, _YIELDING = 45e-6, 37e-9, 5.0
+
+_SIZES = ((3600.0, "h"), (60.0, "min"))
 
 # Smallest energy that is said, over the largest.
 _SAID = 1e-4
@@ -55,16 +57,13 @@ def start_lines(
         )
     if sweep is not None:
         yield edge_line(sweep)
-    if sim.cracks is not None:
-        yield f"cracks {_way_of_cracks(sim)}"
+    yield crack_line(sim)
     r = resistance
     yield f"shown  {r.meaning}, over the {r.coordinate_name}"
-    n_step = until / sim.dt
-    cost = n_step * (_STEP_COST + _QUAD_COST * mesh.n_quad)
     yield (
-        f"step   {sim.dt:.4g} s at first, so about {round(n_step, -2):,.0f} steps to "
+        f"step   {sim.dt:.4g} s at first, so about {round(until / sim.dt, -2):,.0f} steps to "
         f"{r.coordinate_name} {r.coordinate(until):.4g} {r.coordinate_unit}, {1e3 * until:.4g} ms; "
-        f"about {_rough(cost)} on a free core"
+        f"{how_long(sim, until)}"
     )
 
 
@@ -97,19 +96,25 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
     )
 
 
-def _way_of_cracks(sim: Simulation) -> str:
-    """Return where cracks go, and which options let them go along edges only."""
+def crack_line(sim: Simulation) -> str:
+    """Say where cracks go, and which options let them go along edges only."""
+    if sim.cracks is None:
+        return "cracks none: the model has no cohesive law"
     if sim.fracture.path == "free":
-        return "through the quads of the mesh"
+        return (
+            "cracks through the quads of the mesh, where blade or load drives them "
+            '(fracture.path = "free")'
+        )
     asked = ", ".join(
         f"{name} = {getattr(sim.fracture, name)!r}" for name in sim.fracture.only_along_edges
     )
-    return "along edges of the mesh" + (f", which {asked} asks for" if asked else "")
+    which = f", which {asked} asks for" if asked else ""
+    return f'cracks along edges of the mesh only (fracture.path = "edges"){which}'
 
 
-def _rough(seconds: float) -> str:
-    """Return a time rounded as an estimate deserves."""
-    for size, unit in ((3600.0, "h"), (60.0, "min")):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.0f} {unit}"
-    return f"{np.ceil(seconds):.0f} s"
+def how_long(sim: Simulation, until: float) -> str:
+    """Say about how long a run up to ``until`` [s] takes."""
+    seconds = until / sim.dt * (_STEP_COST + _QUAD_COST * sim.mesh.n_quad)
+    size, unit = next(((n, u) for n, u in _SIZES if seconds >= 2.0 * n), (1.0, "s"))
+    longer = "" if sim.material.is_linear else f", {_YIELDING:g} times that if all of it yields"
+    return f"about {np.ceil(seconds / size):.0f} {unit} on a free core{longer}"

@@ -59,7 +59,7 @@ ASKED_FOR = (
 
 TAKEN_UP = (
     *ASKED_FOR,
-    Part("damping", "damping", ("damping_stiffness", "damping_mass")),
+    Part("damping", "damping", ("damping_stiffness", "damping_mass", "damping_kinetic")),
     STORED,
     Part("kinetic", "kinetic energy", ("kinetic_translation", "kinetic_rotation")),
     Part("contact", "contact", ("contact_work",)),

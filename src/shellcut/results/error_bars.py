@@ -5,15 +5,15 @@ motion, and n runs that differ from it by chance only (other small shapes of the
 under the path), with their standard deviation s,
 
     value = f_q + (f_v - f),
-    mesh = |f_q - f| / (q^-p - 1),   speed = |f_v - f|,   chance = t s,
+    mesh = q / (1 - q) |f_q - f|,   speed = |f_v - f|,   chance = t s,
 
-t of Student for 95 % and n - 1 degrees of freedom. ``mesh`` is what Richardson's extrapolation
-leaves between f_q and an infinitely fine mesh [Roache1994], with p = 1.5: sawteeth and cracks
-converge with order 1 at most, shells with 2. ``speed`` is what half the speed leaves of an error
-that goes with the speed. Without a finer mesh a coarser one takes its place, q > 1: the value is
-that of f, mesh = |f_q - f| / (q^p - 1). A crack advances by whole edges, so its length is known
-to an edge of the finest mesh at best. The half-width is the root of the sum of the squares; how
-often it covers the fine answer is counted in docs/error-bars.md.
+t of Student for 95 % and n - 1 degrees of freedom. An error that goes with the edge length leaves
+``mesh`` between f_q and an infinitely fine mesh, one that goes with the speed leaves ``speed``
+between half of it and rest; errors of higher order leave less [Roache1994]. Without a finer mesh a
+coarser one takes its place, q > 1: the value is that of f, mesh = |f_q - f| / (q - 1). A crack
+advances by whole edges, so its length is known to half an edge of the finest mesh at best. The
+half-width is the root of the sum of the squares; how often it covers the fine answer is counted in
+docs/error-bars.md.
 
 The order with which a figure converges is that of f + a h^p through three meshes.
 """
@@ -49,7 +49,13 @@ COLOURS = {MESH: 0, SPEED: 4, CHANCE: 2, GIVEN: 6}
 _CAP = 0.03
 
 _LEVEL = 0.95
-_ORDER = 1.5
+_FEWEST = 3  # meshes that show an order
+_HALVED = {
+    MESH: "edges half as long",
+    SPEED: "half the speed",
+    CHANCE: "the mean of four times as many runs",
+}
+"""What halves a part."""
 _IN_EDGES = "crack_length_mm"
 _ORDERS = (0.3, 6.0)
 """Outside which three meshes show no order: differences that hardly shrink, or that vanish."""
@@ -120,8 +126,9 @@ class ErrorBars:
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
     >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
-    figure                                         value       ±      mesh     speed    chance
-    force, peak [N]                                  3.1     0.1       0.1         -         -
+    figure                                              value        ±      mesh     speed    chance
+    force, peak [N]                                      3.10     0.10       0.1         -         -
+    force, peak: an order takes 3 meshes; mostly mesh, edges half as long would leave ± 0.05 N
     """
 
     key: str
@@ -131,27 +138,39 @@ class ErrorBars:
 
     def __str__(self) -> str:
         """Return the table and what is said about it."""
-        lines = [f"{'figure':<40}{'value':>12}{'±':>8}" + "".join(f"{p:>10}" for p in PARTS)]
+        lines = [f"{'figure':<46}{'value':>11}{'±':>9}" + "".join(f"{p:>10}" for p in PARTS)]
         for bar in self.bars:
             value, width, *parts = self.cells(bar)
             unit = f" [{bar.unit}]" if bar.unit else ""
-            head = f"{bar.name + unit:<40}{value:>12}{width:>8}"
+            head = f"{bar.name + unit:<46}{value:>11}{width:>9}"
             lines.append(head + "".join(f"{part:>10}" for part in parts))
         return "\n".join([*lines, *self.said()])
 
     def cells(self, bar: ErrorBar) -> list[str]:
         """Return value, half-width and parts as texts, "-" for a part without runs."""
         digits = 1 - math.floor(math.log10(bar.half_width)) if bar.half_width > 0.0 else 4
-        widths = bar.half_width, *(bar.parts.get(part) for part in PARTS)
-        texts = ["-" if width is None else f"{width:.2g}" for width in widths]
-        return [f"{bar.value:.{max(0, digits)}f}", *texts]
+        parts = (bar.parts.get(part) for part in PARTS)
+        texts = ("-" if width is None else f"{width:.2g}" for width in parts)
+        return [*(f"{v:.{max(0, digits)}f}" for v in (bar.value, bar.half_width)), *texts]
 
     def said(self) -> list[str]:
         """Return how each figure converges and how its bar shrinks, and which part is missing."""
-        return [
-            *map(_said_of, self.bars),
-            *(f"{part}: {'; '.join(why)}" for part, why in self.missing.items()),
-        ]
+        missing = (f"{part}: {'; '.join(why)}" for part, why in self.missing.items())
+        return [*(self._said_of(bar) for bar in self.bars), *missing]
+
+    def _said_of(self, bar: ErrorBar) -> str:
+        if not bar.parts:
+            return f"{bar.name}: no companion run has it"
+        sizes = {run.size for run, v in zip(self.runs, bar.values, strict=True) if v is not None}
+        order = "does not converge with an order over the meshes"
+        if bar.order is not None:
+            order = f"converges with order {bar.order:.1f} over the meshes"
+        elif len(sizes) < _FEWEST:
+            order = f"an order takes {_FEWEST} meshes"
+        most = max(bar.parts, key=lambda part: bar.parts[part])
+        less = {**bar.parts, most: 0.5 * bar.parts[most]}
+        left = f"{math.hypot(*less.values()):.2g} {bar.unit}".rstrip()
+        return f"{bar.name}: {order}; mostly {most}, {_HALVED[most]} would leave ± {left}"
 
     def write(self, path: Path) -> None:
         """Write them as JSON."""
@@ -171,7 +190,8 @@ class ErrorBars:
             if points:
                 sizes, values = zip(*points, strict=True)
                 curves.append(Curve(part or "as given", values, f"p{colour}", x=sizes))
-        return Diagram([0.0], curves, SIZE, "", bar.name, bar.unit, zero=False)
+        short = bar.name.partition(",")[0]
+        return Diagram([0.0], curves, SIZE, "", short, bar.unit, bar.name, zero=False)
 
 
 def read_error_bars(path: Path) -> ErrorBars:
@@ -203,33 +223,33 @@ def error_bar(
         Length of the edges of the model as given [mm].
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
-    meshes = sorted((r.size, v) for r, v in others if r.part == MESH and r.size != 1.0)
+    meshes = sorted((r.size, v) for r, v in others if r.part == MESH)
     coarser, finer = ([m for m in meshes if m[0] > 1.0], [m for m in meshes if m[0] < 1.0])
     value, parts = f, dict[str, float]()
     if finer:
         q, value = finer[-1]
-        parts[MESH] = abs(value - f) / (q**-_ORDER - 1.0)
+        parts[MESH] = q / (1.0 - q) * abs(value - f)
     elif coarser:
         q, far = coarser[0]
-        parts[MESH] = abs(far - f) / (q**_ORDER - 1.0)
+        parts[MESH] = abs(far - f) / (q - 1.0)
     if figure == _IN_EDGES and parts:
-        parts[MESH] = max(parts[MESH], edge * min([1.0, *(size for size, _ in meshes)]))
+        parts[MESH] = max(parts[MESH], 0.5 * edge * min([1.0, *(size for size, _ in meshes)]))
     for slower in (v for r, v in others if r.part == SPEED):
         value += slower - f
         parts[SPEED] = abs(slower - f)
-    alike = [f, *(v for r, v in others if r.size == 1.0 and r.part != SPEED)]
+    alike = [f, *(v for r, v in others if r.part == CHANCE)]
     if (n := len(alike)) > 1:
         t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n - 1))
         parts[CHANCE] = t * float(np.std(alike, ddof=1))
     three = sorted([(1.0, f), *coarser[:1], *finer[-1:]])
-    three = three if len(three) == 3 else sorted([(1.0, f), *meshes])[:3]
+    three = three if len(three) == _FEWEST else sorted([(1.0, f), *meshes])[:_FEWEST]
     width = math.hypot(*parts.values())
     return ErrorBar(figure, value, width, parts, _order(three), tuple(values))
 
 
 def _order(meshes: Sequence[tuple[float, float]]) -> float | None:
     """Return p of f + a h^p through three meshes (h, f), None if there is none."""
-    if len(meshes) < 3:
+    if len(meshes) < _FEWEST:
         return None
     (c, f_c), (b, f_b), (a, f_a) = meshes
 
@@ -239,19 +259,3 @@ def _order(meshes: Sequence[tuple[float, float]]) -> float | None:
     if (f_a - f_b) * (f_b - f_c) <= 0.0 or excess(_ORDERS[0]) * excess(_ORDERS[1]) > 0.0:
         return None
     return float(scipy.optimize.brentq(excess, *_ORDERS))
-
-
-def _said_of(bar: ErrorBar) -> str:
-    """Return in a sentence how a figure converges, and what would shrink its bar."""
-    if not bar.parts:
-        return f"{bar.name}: no companion run has it"
-    order = "does not converge with an order" if bar.order is None else f"order {bar.order:.1f}"
-    most = max(bar.parts, key=lambda part: bar.parts[part])
-    less = {**bar.parts, most: bar.parts[most] * 0.5 ** (_ORDER if most == MESH else 1.0)}
-    how = {
-        MESH: "edges half as long",
-        SPEED: "half the speed",
-        CHANCE: "the mean of four times as many runs",
-    }
-    left = f"{math.hypot(*less.values()):.2g} {bar.unit}".rstrip()
-    return f"{bar.name}: {order} over the meshes; mostly {most}, {how[most]} would leave ± {left}"

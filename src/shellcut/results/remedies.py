@@ -11,14 +11,12 @@ from contextlib import suppress
 from typing import Any
 
 _REMEDIES: dict[str, tuple[str, Callable[[Mapping[str, Any]], bool]]] = {
-    "slower": ("a slower motion", lambda _: True),
+    "slower": ("a slower motion", lambda o: "quasi_static" not in o),
+    "smaller share": ("a smaller quasi_static", lambda o: o["quasi_static"] > 0.0),
     "finer": ("a finer film near the tool", lambda _: True),
     "damping": ("less damping", lambda _: True),
     "penalty": ("a larger Contact.penalty", lambda _: True),
-    "imperfection": (
-        "imperfection = 1",
-        lambda o: not o["n_imperfection"],
-    ),
+    "imperfection": ("imperfection = 1", lambda o: not o["n_imperfection"]),
     "film edges": ("Contact.film_edges = True", lambda o: not o["film_edges"]),
     "shorter edges": (
         "edges shorter than half of opening_u",
@@ -36,6 +34,8 @@ _REMEDIES: dict[str, tuple[str, Callable[[Mapping[str, Any]], bool]]] = {
     "smaller fixed step": ("a smaller Stepping.fixed", lambda o: o["fixed_step"]),
 }
 """Words of each remedy, and whether a run with these figures and options could still take it."""
+SLOWER = "slower", "smaller share"
+"""Of which one is left."""
 SMALLER_STEP = "smaller step", "smaller fixed step"
 """Of which one is left."""
 

@@ -52,6 +52,8 @@ LABELS = {
     "pictures_s": "drawing time",
     "imbalance_rel": "largest imbalance of the energies, over the work",
     "kinetic_rel": "largest kinetic energy, over the work",
+    "quasi_static": "kinetic energy that the pace allows, over the work",
+    "n_stop": "stops of the film by the pace",
     "added_inertia_factor": "scale of the rotary inertia",
     "n_imperfection": "number of the film's imperfection",
     "imperfection_mm": "bound of the film's imperfection",
@@ -65,6 +67,8 @@ LABELS = {
     "severing_energy_N_per_mm": "energy at which the edge severs cables",
     "severing_opening_mm": "their length there",
     "blunt_radius_mm": "radius from which an edge severs none",
+    "path_edge_mm": "edges of the film along the path",
+    "bending_length_mm": "length over which the film bends at its strength",
     "largest_overshoot_mm": "largest overshoot of the edge past a cable",
     "n_recovery_borrowed": "stresses taken from a neighbour's patch",
 }

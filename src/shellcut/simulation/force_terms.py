@@ -98,8 +98,8 @@ class ForceTerms:
             term.add_forces(state, pose)
         twist = _STILL
         if self._motion is not None:  # it may give views of any kind; kernels take rows
-            twist = np.array(self._motion.twist(state.time - 0.5 * state.dt), float)
-        way = twist, pose.translation, state.dt
+            twist = np.array(self._motion.twist(state.time - 0.5 * state.tick), float)
+        way = twist, pose.translation, state.tick
         ledger.tool_work -= self._work_on_tool.code(*way, self._book)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):

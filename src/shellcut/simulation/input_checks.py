@@ -12,6 +12,7 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import Fracture
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
@@ -76,6 +77,26 @@ def _not_with_edge(law: CohesiveLaw | None, tool: Tool | None) -> Iterator[str]:
         yield (
             "cutting_energy is that of a razor: an edge with a radius needs severing_pressure too, "
             f"got edge_radius = {tool.edge_radius:.4g} mm"
+        )
+
+
+def check_quasi_static(
+    material: ShellMaterial, fracture: Fracture | None, velocity: Floats | None
+) -> None:
+    """Raise ValueError if a film needs time or inertia of its own."""
+    problems = []
+    if laws := material.timed_laws:
+        problems.append(
+            "layers whose stress does not depend on the rate of strain: leave out the rate factor "
+            f"of {', '.join(laws)}"
+        )
+    if fracture is not None and fracture.branching:
+        problems.append("no cracks that branch at speed: leave out Fracture.branching")
+    if velocity is not None:
+        problems.append("a film at rest: leave out velocity")
+    if problems:
+        raise ValueError(
+            "a quasi-static run must have " + "; ".join(problems) + "; or leave out quasi_static"
         )
 
 

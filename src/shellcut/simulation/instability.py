@@ -39,6 +39,9 @@ far beyond any film, yet within numbers, so that the last frame can be written."
 _NOTICED_STRAIN = 0.01
 _NOTICED_TEARING = 0.1
 
+# Strain of the quad whose energy stands for the work of a run that has not done any.
+_LARGE_STRAIN = 0.03
+
 
 class UnstableStep(RuntimeError):
     """The solution has blown up; the message names the first bad quad and the likely cause."""
@@ -66,7 +69,8 @@ class BalanceGuard:
             stretching * quad_area * _NOTICED_STRAIN**2,
             tearing * math.sqrt(quad_area) * _NOTICED_TEARING,
         )
-        self._largest = 0.0
+        self.largest = 0.0
+        """Energy at the looks so far [N·mm]."""
         self._at_start = 0.0
 
     def begin(self, book: Ledger) -> None:
@@ -79,8 +83,8 @@ class BalanceGuard:
 
     def lost(self, book: Ledger) -> bool:
         """Whether what the ledger misses exceeds its share of the largest energy so far."""
-        self._largest = max(self._largest, *(abs(energy) for energy in book.entries().values()))
-        return not abs(self.missing(book)) < LOST_SHARE * max(self._largest, self._least)
+        self.largest = max(self.largest, *(abs(energy) for energy in book.entries().values()))
+        return not abs(self.missing(book)) < LOST_SHARE * max(self.largest, self._least)
 
     def missing(self, book: Ledger) -> float:
         """Return what the ledger has come to miss since the first step [N·mm]."""
@@ -88,11 +92,11 @@ class BalanceGuard:
 
     def saved(self) -> dict[str, Any]:
         """Return the largest energy so far and what was missing at the start."""
-        return {"largest": self._largest, "at_start": self._at_start}
+        return {"largest": self.largest, "at_start": self._at_start}
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
-        self._largest, self._at_start = saved["largest"], saved["at_start"]
+        self.largest, self._at_start = saved["largest"], saved["at_start"]
 
 
 class StabilityGuard:
@@ -119,7 +123,14 @@ class StabilityGuard:
         tearing = law.fracture_energy * material.thickness if law else 0.0
         self.most_strain = _EXPLODED * stretching * float(areas.sum())
         """Strain energy at which the film has blown up [N·mm]."""
-        self._balance = BalanceGuard(stretching, float(np.median(areas)), tearing)
+        area = float(np.median(areas))
+        self._balance = BalanceGuard(stretching, area, tearing)
+        self._one_edge = max(stretching * area * _LARGE_STRAIN**2, tearing * math.sqrt(area))
+
+    @property
+    def scale(self) -> float:
+        """Largest energy at the looks so far, or what tears an edge or strains a quad [N·mm]."""
+        return max(self._balance.largest, self._one_edge)
 
     def check_strain(self, state: State, book: Ledger) -> None:
         """Raise UnstableStep if the film has blown up."""

@@ -63,6 +63,8 @@ class Ledger:
     """What slip has dissipated of it; stored and dissipated make up the work."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
+    damping_kinetic: float = 0.0
+    """Kinetic energy of the film where a quasi-static run has stopped it."""
 
     @property
     def kinetic(self) -> float:
@@ -71,8 +73,8 @@ class Ledger:
 
     @property
     def damping(self) -> float:
-        """Dissipated by both dampings."""
-        return self.damping_stiffness + self.damping_mass
+        """Dissipated by all dampings."""
+        return self.damping_stiffness + self.damping_mass + self.damping_kinetic
 
     @property
     def put_in(self) -> float:

@@ -113,19 +113,14 @@ class _Swing:
         """Take the velocities on, or stop and start anew where the kinetic energy has fallen."""
         self._look(step)
         swinging = self._dt > 0.0
-        kinetic = self._kick()
+        kinetic = self._integrator.kick(self._state, self._dt, self._next).kinetic
         if swinging and kinetic < self._kinetic:
-            self.stop()
-            kinetic = self._kick()
+            kinetic = self._integrator.restart(self._state, self._next).kinetic
         self._kinetic = kinetic
 
     def drift(self) -> None:
         self._integrator.drift(self._state, self._next)
         self._dt = self._next
-
-    def _kick(self) -> float:
-        result = self._integrator.kick(self._state, self._dt, self._next)
-        return result.kinetic_translation + result.kinetic_rotation
 
     def _look(self, step: int) -> None:
         n, quads = self._state.node, self._state.quads

@@ -39,9 +39,10 @@ from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .force_terms import ForceTerms
 from .hooks import Hook, serve
 from .imperfection import Imperfection, ImperfectionNumber
-from .input_checks import check_parts, nodal_velocities, points_of_notch
+from .input_checks import check_parts, check_quasi_static, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
+from .pace import KineticShare, Pace
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
 
@@ -65,8 +66,8 @@ class Simulation:
         Without one nothing splits.
     contact, fracture, stepping : Contact, Fracture, Stepping
         Parameters of contact, of the cracks and of the time step.
-    directional, damping_alpha, damping_beta, imperfection, threads
-        See their annotations; damping by [Frangi2010] 5.2, :mod:`.imperfection`.
+    directional, damping_alpha, damping_beta, quasi_static, imperfection, threads
+        See their annotations; damping by [Frangi2010] 5.2, :mod:`.pace`, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
     terms : sequence of ForceTerm
@@ -113,10 +114,13 @@ class Simulation:
         damping_beta: Annotated[float, Option("s", "of the stiffness", least=0)] = 5e-8,
         velocity: Floats | None = None,
         terms: Sequence[ForceTerm] = (),
+        quasi_static: KineticShare = None,
         imperfection: ImperfectionNumber = None,
         threads: Threads = None,
     ) -> None:
         check_parts(tool, motion, law, contact, fracture)
+        if quasi_static is not None:
+            check_quasi_static(material, fracture, velocity)
         if imperfection is None:
             imperfection = int(tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
@@ -135,6 +139,7 @@ class Simulation:
             "damping_beta": damping_beta,
             "velocity": None if velocity is None else np.asarray(velocity, float),
             "terms": tuple(terms),
+            "quasi_static": quasi_static,
             "imperfection": imperfection,
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
@@ -152,6 +157,7 @@ class Simulation:
         self._let_crack()
         self.time_step = StableStep(stepping, self.shell, [*self.terms])
         self._guard = StabilityGuard(self.mesh, self.shell, law, self.time_step)
+        self.pace = Pace(quasi_static)
         self._begin(imperfection)
 
     def _add_terms(self, contact: Contact, directional: bool, others: Sequence[ForceTerm]) -> None:
@@ -228,8 +234,8 @@ class Simulation:
         if s.flank.count:
             self._flanks.follow(s)
         s.step += 1  # 2 clock
-        s.time += self._dt
-        s.dt = self._dt
+        s.dt, s.pace = self._dt, self.pace.now
+        s.time += s.tick
         self._place_tool()
         if self.cracks is not None:
             self.cracks.cut_due(s, self.pose, self.ledger.tool_work)  # 3 topology
@@ -252,12 +258,16 @@ class Simulation:
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
-        self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
-        kick = self.integrator.kick(self.state, dt_last, dt_next)
-        book = self.ledger
+        s, book, work = self.state, self.ledger, self._guard.scale
+        self.pace.adapt(book.kinetic, work)
+        self.supports.prescribe(s, dt_next, self.pace.now)
+        kick = self.integrator.kick(s, dt_last, dt_next)
+        book.support_work += kick.support_work
+        if self.pace.stops(kick.kinetic, book.kinetic, work):
+            moved, kick = kick.kinetic, self.integrator.restart(s, dt_next)
+            book.damping_kinetic += moved - kick.kinetic
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation
-        book.support_work += kick.support_work
         # The mass damping of a kick belongs half to the step before and half to the step after.
         book.damping_mass += 0.5 * (self._mass_damping + kick.mass_damping)
         self._mass_damping = kick.mass_damping
@@ -397,6 +407,7 @@ class Simulation:
             "mass_damping": self._mass_damping,
             "dt": self._dt,
             "balance": self._guard.saved(),
+            "pace": self.pace.saved(),
         }
         if self.cracks is not None:
             saved["cracks"] = self.cracks.saved()
@@ -418,6 +429,7 @@ class Simulation:
         self.time_step.restore(saved["time_step"])
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
         self._guard.restore(saved["balance"])
+        self.pace.restore(saved["pace"])
         self.pose = Pose(**saved["pose"]).copied()
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])

@@ -83,10 +83,10 @@ class Stepping:
 
     safety: Annotated[
         float,
-        Option("", "factor on the safe step, for what changes to the next look", above=0, most=1),
+        Option("", "factor on the safe step, until it is computed again", above=0, most=1),
     ] = 0.95
     evaluate_every: Annotated[
-        int, Option("", "steps between two looks at the quads; splits come on top", least=1)
+        int, Option("", "steps until it is computed again; each split does so, too", least=1)
     ] = 500
     fixed: Annotated[
         float | None, Option("s", "a step of your own", above=0, unset="the safe step")

@@ -70,6 +70,8 @@ class State:
     """t_n [s]."""
     dt: float = 0.0
     """Length of the step that led to t_n [s]."""
+    pace: float = 1.0
+    """By what part of dt time has gone on in it, less than all in a quasi-static run."""
     step: int = 0
     revision: int = 0
     """Number of splits; identifies the topology."""
@@ -77,6 +79,11 @@ class State:
     """Of all that has been cut but notches, in the reference film [mm]."""
     split_log: list[SplitRecord] = field(default_factory=list)
     """Every split, in order."""
+
+    @property
+    def tick(self) -> float:
+        """What time has gone on in the step that led to t_n [s]."""
+        return self.pace * self.dt
 
     @property
     def n_node(self) -> int:
@@ -154,7 +161,7 @@ class State:
                 blocks = aligned_zeros(came, blocks.dtype)
                 setattr(self, name, blocks)
             blocks[:] = saved[name]
-        for name in ("time", "dt", "step", "revision", "crack_length"):
+        for name in ("time", "dt", "pace", "step", "revision", "crack_length"):
             setattr(self, name, saved[name])
         self.node.restore(saved["node"])
         self.cable.restore(saved["cable"])

@@ -301,11 +301,10 @@ def _checked_factors(factors: Sequence[float]) -> list[float]:
 
 
 def _refuse_rates(material: ShellMaterial) -> None:
-    laws = {layer.material.law.name for layer in material.layers if layer.material.law.timed}
-    if laws:
+    if laws := material.timed_laws:
         raise ValueError(
             "statics must have layers whose stress does not depend on the rate of strain, as it "
-            f"knows no time, got {', '.join(sorted(laws))}; leave out the rate factor, load a "
+            f"knows no time, got {', '.join(laws)}; leave out the rate factor, load a "
             "Simulation slowly, or bring it to rest by relax()"
         )
 

@@ -45,10 +45,9 @@ def companions_of(
     except ValueError as reason:
         missing[MESH] = [str(reason)]
     if moved := _moved(model):
-        runs[Run("nodes moved", MESH, 1.0)] = moved
+        runs[Run("nodes moved", CHANCE, 1.0)] = moved
     else:
-        why = "there is no mesh as fine with its nodes elsewhere under the path"
-        missing.setdefault(MESH, []).append(why)
+        missing[CHANCE] = ["there is no mesh as fine with its nodes elsewhere under the path"]
     try:
         runs[Run("slower", SPEED, 1.0)] = _slower(model, slower)
     except ValueError as reason:
@@ -146,14 +145,24 @@ def _slower(model: Model, times: float) -> Settings:
     ValueError
         Why there is none.
     """
-    motion = model.sections["motion"]
-    if motion.kind == "table":
-        raise ValueError("the motion is a table of times, so no run is slower")
+    limit, v = model.head.quasi_static, model.sections["motion"].values
+    # A limit of the energy goes with the square of the speed, whatever moves.
+    paced = {} if limit is None else {"quasi_static": limit / times**2}
+    if why := _why_fixed(model):
+        if not paced:
+            raise ValueError(f"{why}, so no run is slower")
+        return paced
+    longer = {f"motion.{name}": v[name] * times for name in ("duration", "ramp") if v.get(name)}
+    return paced | longer | ({"motion.speed": v["speed"] / times} if "speed" in v else {})
+
+
+def _why_fixed(model: Model) -> str:
+    """Return why the speed of a model cannot be another; "" if it can."""
+    if model.sections["motion"].kind == "table":
+        return "the motion is a table of times"
     changing = [one for several in model.lists.values() for one in several]
     if any(one.values.get(name) for one in changing for name in ("ramp", "velocity", "spin")):
-        raise ValueError("loads or supports change in time, so no run is slower")
+        return "loads or supports change in time"
     if any(one.values.get(rate) for one in model.all_sections() for rate in _RATES):
-        raise ValueError("the film's law depends on the rate: its speed belongs to the model")
-    v = motion.values
-    longer = {f"motion.{name}": v[name] * times for name in ("duration", "ramp") if v.get(name)}
-    return longer | ({"motion.speed": v["speed"] / times} if "speed" in v else {})
+        return "the film's law depends on the rate"
+    return ""

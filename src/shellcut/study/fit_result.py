@@ -159,7 +159,7 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     start, at_start = runs.at(np.zeros(best.size))
     n_curve = len(comparisons)
     free = independent_points(comparisons) - best.size
-    covariance = _covariance(slopes, float(missed @ missed), free)
+    covariance = covariance_of(slopes, float(missed @ missed), free)
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
@@ -186,7 +186,7 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     )
 
 
-def _covariance(slopes: Floats, square: float, free: float) -> Floats:
+def covariance_of(slopes: Floats, square: float, free: float) -> Floats:
     """Return C; infinite where the data say nothing."""
     n = slopes.shape[1]
     information = slopes.T @ slopes

@@ -68,7 +68,7 @@ def read_tool(
         Collection[int],
         Option(
             "",
-            "chains found by angle that do not cut, by their numbers when all do",
+            "numbers of cutting edges that should not cut, as they count when all do",
             form="whole numbers",
         ),
     ] = (),

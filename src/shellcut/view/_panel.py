@@ -132,15 +132,6 @@ def edge_length(frame: Frame) -> float:
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
-def round_limits(stress: Floats) -> tuple[float, float]:
-    """Return 0 and a round number above nearly all: few quads at a tip must not darken the rest."""
-    high = float(np.quantile(stress, 0.998))
-    if high <= 0.0:
-        return 0.0, 1.0
-    unit = 10.0 ** np.floor(np.log10(high))
-    return 0.0, float(np.ceil(2.0 * high / unit) / 2.0 * unit)
-
-
 def stress_scale(limits: tuple[float, float]) -> Any:
     """Return Matplotlib's map from stress [MPa] to colour."""
     from matplotlib import colormaps
@@ -163,11 +154,6 @@ def caption_of(frame: Frame) -> list[str]:
 def title_parts(frame: Frame) -> list[str]:
     """Return the caption and the time."""
     return [*caption_of(frame), f"time {1e3 * frame.time:.3f} ms"]
-
-
-def title_of(frame: Frame) -> str:
-    """Return caption and time in one line."""
-    return "      ".join(title_parts(frame))
 
 
 def round_length(wanted: float) -> float:

@@ -10,8 +10,6 @@ import numpy as np
 from shellcut.arrays import Floats, norm
 from shellcut.frame import Frame
 
-from ._panel import round_limits
-
 STRESSES: dict[str, Callable[[Frame], Floats]] = {
     "largest principal": lambda frame: frame.quad_principal[:, 0],
     "smallest principal": lambda frame: frame.quad_principal[:, 1],
@@ -127,8 +125,11 @@ def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]
     if not len(values):
         return 0.0, 1.0
     if sign:
-        zero, end = round_limits(sign * values)
-        return (zero, end) if sign > 0 else (-end, zero)
+        high, end = float(np.quantile(sign * values, _SHARE)), 1.0
+        if high > 0.0:
+            unit = 10.0 ** np.floor(np.log10(high))
+            end = float(np.ceil(2.0 * high / unit) / 2.0 * unit)
+        return (0.0, end) if sign > 0 else (-end, 0.0)
     low, high = np.quantile(values, (1.0 - _SHARE, _SHARE)).tolist()
     if low * high <= 0.0 or min(abs(low), abs(high)) <= high - low:
         low, high = min(low, 0.0), max(high, 0.0)

@@ -15,7 +15,7 @@ from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
 from ._figure import inches_of, new_figure, save
-from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_of
+from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_parts
 from .fields import STRESSES
 from .panels import Panel, Panels
 
@@ -198,7 +198,7 @@ class SnapshotSeries:
 
     def figure(self, frame: Frame) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
-        self._title.set_text(title_of(frame))
+        self._title.set_text("      ".join(title_parts(frame)))
         _put(self._left, self._panels.whole(frame))
         close = None
         if self._right is not None:
