@@ -106,11 +106,6 @@ ImperfectionNumber: TypeAlias = Annotated[
 ]
 
 
-def number_of_shape(given: int | None, *, cuts: bool) -> int:
-    """Return the number of a film's shape, by default 1 where a tool cuts."""
-    return int(cuts) if given is None else int(given)
-
-
 def _frame(mesh: Mesh, tool: Tool | None, pose: Pose) -> tuple[Floats, Floats]:
     """Return the film's centroid, shape (3,) [mm], and orthonormal axes, one a row, (3, 3)."""
     areas = mesh.quad_areas()

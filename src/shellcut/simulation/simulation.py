@@ -38,7 +38,7 @@ from shellcut.tool.tool import Tool
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .force_terms import ForceTerms
 from .hooks import Hook, serve
-from .imperfection import Imperfection, ImperfectionNumber, number_of_shape
+from .imperfection import Imperfection, ImperfectionNumber
 from .input_checks import check_parts, check_quasi_static, nodal_velocities, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
@@ -121,7 +121,8 @@ class Simulation:
         check_parts(tool, motion, law, contact, fracture)
         if quasi_static is not None:
             check_quasi_static(material, fracture, velocity)
-        imperfection = number_of_shape(imperfection, cuts=tool is not None and law is not None)
+        if imperfection is None:
+            imperfection = int(tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
             "mesh": mesh,

@@ -6,7 +6,7 @@ Do not keep a reference to an array across a split
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -113,8 +113,7 @@ class State:
     def is_moved(self, least: float) -> bool:
         """Whether any node is farther than ``least`` [mm] from its reference position."""
         n = self.node
-        way = np.linalg.norm(n.x[: n.count] - n.X[: n.count], axis=1)
-        return bool(way.max() > least)
+        return bool(np.linalg.norm(n.x[: n.count] - n.X[: n.count], axis=1).max() > least)
 
     def quads_at_nodes(self) -> QuadsAtNodes:
         """Return which quads are at which node now."""
@@ -136,7 +135,7 @@ class State:
 
     def saved(self) -> dict[str, Any]:
         """Return the state as arrays and numbers by name, in nested dictionaries."""
-        splits = [asdict(record) for record in self.split_log]
+        log = {f.name: [getattr(s, f.name) for s in self.split_log] for f in fields(SplitRecord)}
         saved = {f.name: getattr(self, f.name) for f in fields(self)}
         return saved | {
             "node": self.node.saved(),
@@ -144,12 +143,8 @@ class State:
             "quad": self.quad.saved(),
             "flank": self.flank.saved(),
             "strain_forms": np.array(self.strain_forms),
-            "split_log": {
-                f.name: np.array([split[f.name] for split in splits])
-                for f in fields(SplitRecord)
-                if f.name != "rows"
-            }
-            | {"rows": _padded([split["rows"] for split in splits])},
+            "split_log": {name: np.array(column) for name, column in log.items() if name != "rows"}
+            | {"rows": _padded(log["rows"])},
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
