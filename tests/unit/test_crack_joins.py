@@ -117,7 +117,7 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     (there,) = free.at_tips(sim.mesh.nodes)
     assert there[0] == pytest.approx(right, abs=0.1)
     monkeypatch.setattr(free._pierce, "found", lambda *_: [Begun(row, (0.0, 0.0), 0, 1.0)])
-    free._begin_cuts(sim.state, sim.pose)
+    free.cut_due(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]
     assert tip.heading[0] < 0.0

@@ -83,8 +83,8 @@ def test_strength_in_pascal_stops_within_a_hundred_steps_of_the_first_split(no_p
     # A check refuses it before the run, which somebody may force.
     recorder = Recorder(sim, tmp_path, until=8e-5, name="cut", force=True, **records)
     first = FirstSplit()
-    # The first force of a joint is in the ledger of tool and cable alike: it closes to the end.
-    with pytest.raises(UnstableStep, match=r"blew up at step \d+") as failure:
+    # By its strains or by its balance, which is looked at every 50 steps.
+    with pytest.raises(UnstableStep, match=r"(blew up|balance is lost) at step \d+") as failure:
         sim.run(8e-5, [recorder, first])
     assert 0 < sim.state.step - first.step <= 100
     text = str(failure.value)

@@ -72,7 +72,7 @@ def test_a_run_goes_on_with_the_same_bits_on_any_threads(tmp_path):
         return guillotine(0.8, **film, **options).simulation
 
     def reached(sim):
-        return sim.pace.n_stop > 3 and sim.cables.n_broken > 2
+        return sim.pace.n_stop > 3 and sim.cables.n_joint_made > 2
 
     check_goes_on(build, reached, tmp_path / "checkpoint.h5", 200)
 

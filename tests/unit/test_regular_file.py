@@ -1,4 +1,4 @@
-"""What is no file, or too much of one, is refused at once: nothing here may wait or fill memory."""
+"""What is no file, or too much of one, is refused at once; files are whole or not there."""
 
 import os
 import re
@@ -18,10 +18,12 @@ from shellcut import (
 )
 from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
+from shellcut.files.whole_file import atomic_write, opened, unfinished, write_text
 from shellcut.formats import cad_surface, drawing, errors
 from shellcut.results.history import read_history
 from shellcut.results.splits_csv import read_splits
 from shellcut.results.vtkhdf_reader import VtkHdfReader
+from small_disk import REFUSAL, files_of_at_most
 
 OBSTACLES = {
     "pipe": lambda path: os.mkfifo(path),
@@ -106,3 +108,76 @@ def test_a_file_too_large_is_not_read(tmp_path, name):
     told = re.escape(f"must hold {limit // 10**6:,} MB at most, got {limit // 10**6:,} MB or more")
     with pytest.raises(ValueError, match=told):
         READERS[name](tmp_path / name)
+
+
+def test_a_file_takes_the_place_of_the_former_when_it_is_whole(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    with atomic_write(path) as temporary:
+        temporary.write_text("new")
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_what_fails_leaves_the_former_and_nothing_else(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    with (
+        pytest.raises(OSError, match=REFUSAL),
+        files_of_at_most(100),
+        atomic_write(path) as temporary,
+    ):
+        temporary.write_text("x" * 1000)
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
+def test_a_device_stays_a_device(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with atomic_write(tmp_path / "pipe") as temporary:
+        assert temporary == tmp_path / "pipe"
+    assert (tmp_path / "pipe").is_fifo()
+
+
+WRITERS = {
+    "whole": lambda path: write_text(path, "new"),
+    "grown": lambda path: opened(path, "a+").close(),
+    "gone on with": lambda path: opened(path, "r+").close(),
+}
+
+
+@pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
+@pytest.mark.parametrize("there", ["there.txt", "nothing.txt"])
+def test_nothing_is_written_through_a_link(tmp_path, write, there):
+    (tmp_path / "there.txt").write_text("old")
+    (tmp_path / "link.txt").symlink_to(tmp_path / there)
+    with pytest.raises(OSError, match="must not be a link"):
+        write(tmp_path / "link.txt")
+    assert (tmp_path / "there.txt").read_text() == "old"
+    assert sorted(os.listdir(tmp_path)) == ["link.txt", "there.txt"]
+
+
+def test_a_new_file_takes_the_place_of_a_link_and_not_of_what_it_leads_to(tmp_path):
+    (tmp_path / "there.txt").write_text("old")
+    (tmp_path / "link.txt").symlink_to(tmp_path / "there.txt")
+    with opened(tmp_path / "link.txt", "w") as file:
+        file.write(b"new")
+    assert (tmp_path / "there.txt").read_text() == "old"
+    assert (tmp_path / "link.txt").read_text() == "new"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
+def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "a.txt")
+    with pytest.raises(OSError, match="must be a regular file"):
+        opened(tmp_path / "a.txt", "a+")
+
+
+def test_what_a_killed_process_leaves_is_known_by_its_name(tmp_path):
+    path = tmp_path / ("a" * 200 + ".h5")
+    with atomic_write(path) as temporary:
+        (tmp_path / "a.part.h5").write_text("mine")
+        assert unfinished(path) == [temporary]
+        assert unfinished(tmp_path / "a.h5") == []
