@@ -81,6 +81,10 @@ def found():
 def test_they_are_read_as_written(found, tmp_path):
     found.write(tmp_path / "bars.json")
     assert read_error_bars(tmp_path / "bars.json") == found
+    for text in ('{"runs": 1}', '{"key": ', '{"runs": [], "bars": [{"value": 1}]}'):
+        (tmp_path / "bars.json").write_text(text)
+        with pytest.raises(ValueError, match="must be a file of shellcut converge"):
+            read_error_bars(tmp_path / "bars.json")
 
 
 def test_the_table_has_two_digits_of_the_half_width(found):

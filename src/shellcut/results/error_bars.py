@@ -199,13 +199,18 @@ def read_error_bars(path: Path) -> ErrorBars:
 
     Raises
     ------
-    OSError, ValueError, TypeError, KeyError
-        If the file is none, or another.
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is another file.
     """
-    kept: dict[str, Any] = json.loads(read_regular(path))
-    runs = tuple(Run(**one) for one in kept["runs"])
-    bars = tuple(ErrorBar(**{**one, "values": tuple(one["values"])}) for one in kept["bars"])
-    return ErrorBars(kept["key"], runs, bars, kept["missing"])
+    try:
+        kept: dict[str, Any] = json.loads(read_regular(path))
+        runs = tuple(Run(**one) for one in kept["runs"])
+        bars = tuple(ErrorBar(**{**one, "values": tuple(one["values"])}) for one in kept["bars"])
+        return ErrorBars(kept["key"], runs, bars, kept["missing"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{path} must be a file of shellcut converge, but: {error!r}") from None
 
 
 def error_bar(
