@@ -63,9 +63,9 @@ class TestBand:
         (said,) = ErrorBars("", MESHES, (bar,), {}).said()
         assert "does not converge with an order" in said
 
-    def test_a_crack_is_known_to_half_an_edge(self):
+    def test_a_crack_is_known_to_an_edge(self):
         bar = error_bar("crack_length_mm", MESHES, [5.0, 5.0, 5.0], edge=0.3)
-        assert bar.parts == {"mesh": pytest.approx(0.1)}
+        assert bar.parts == {"mesh": pytest.approx(0.2)}
 
 
 @pytest.fixture
@@ -81,13 +81,17 @@ def found():
 def test_they_are_read_as_written(found, tmp_path):
     found.write(tmp_path / "bars.json")
     assert read_error_bars(tmp_path / "bars.json") == found
+    for text in ('{"runs": 1}', '{"key": ', '{"runs": [], "bars": [{"value": 1}]}'):
+        (tmp_path / "bars.json").write_text(text)
+        with pytest.raises(ValueError, match="must be a file of shellcut converge"):
+            read_error_bars(tmp_path / "bars.json")
 
 
 def test_the_table_has_two_digits_of_the_half_width(found):
     head, peak, crack, *said = str(found).splitlines()
     assert head.split() == ["figure", "value", "±", "mesh", "speed", "chance"]
     assert peak.split()[-5:] == ["2.85", "0.21", "0.2", "0.05", "0.043"]
-    assert crack.split()[-5:] == ["12.00", "0.13", "0.13", "-", "-"]
+    assert crack.split()[-5:] == ["12.00", "0.27", "0.27", "-", "-"]
     assert said[0].endswith("mostly mesh, edges half as long would leave ± 0.12 N")
     assert said[-1] == "speed: slower <b> is not done"
 

@@ -11,7 +11,7 @@ t of Student for 95 % and n - 1 degrees of freedom. An error that goes with the 
 ``mesh`` between f_q and an infinitely fine mesh, one that goes with the speed leaves ``speed``
 between half of it and rest; errors of higher order leave less [Roache1994]. Without a finer mesh a
 coarser one takes its place, q > 1: the value is that of f, mesh = |f_q - f| / (q - 1). A crack
-advances by whole edges, so its length is known to half an edge of the finest mesh at best. The
+advances by whole edges, so its length is known to an edge of the finest mesh at best. The
 half-width is the root of the sum of the squares; how often it covers the fine answer is counted in
 docs/error-bars.md.
 
@@ -199,13 +199,18 @@ def read_error_bars(path: Path) -> ErrorBars:
 
     Raises
     ------
-    OSError, ValueError, TypeError, KeyError
-        If the file is none, or another.
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is another file.
     """
-    kept: dict[str, Any] = json.loads(read_regular(path))
-    runs = tuple(Run(**one) for one in kept["runs"])
-    bars = tuple(ErrorBar(**{**one, "values": tuple(one["values"])}) for one in kept["bars"])
-    return ErrorBars(kept["key"], runs, bars, kept["missing"])
+    try:
+        kept: dict[str, Any] = json.loads(read_regular(path))
+        runs = tuple(Run(**one) for one in kept["runs"])
+        bars = tuple(ErrorBar(**{**one, "values": tuple(one["values"])}) for one in kept["bars"])
+        return ErrorBars(kept["key"], runs, bars, kept["missing"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{path} must be a file of shellcut converge, but: {error!r}") from None
 
 
 def error_bar(
@@ -233,7 +238,7 @@ def error_bar(
         q, far = coarser[0]
         parts[MESH] = abs(far - f) / (q - 1.0)
     if figure == _IN_EDGES and parts:
-        parts[MESH] = max(parts[MESH], 0.5 * edge * min([1.0, *(size for size, _ in meshes)]))
+        parts[MESH] = max(parts[MESH], edge * min([1.0, *(size for size, _ in meshes)]))
     for slower in (v for r, v in others if r.part == SPEED):
         value += slower - f
         parts[SPEED] = abs(slower - f)
