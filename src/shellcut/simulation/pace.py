@@ -28,7 +28,7 @@ KineticShare: TypeAlias = Annotated[
         "largest kinetic energy over the work done: the film is as at rest, tool, supports and "
         "loads go slower, or wait, wherever it would exceed that; e.g. 0.004",
         above=0,
-        most=0.01,
+        most=0.008,
         unset="they go as fast as given, and the film has its inertia",
     ),
 ]
