@@ -158,7 +158,7 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, n, path = sim.state, sim.state.node, Rules(sim).path
     drive = BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
-    parts = s, path, drive, sim.shell, (1.0, 1.0), None
+    parts = s, path, drive, sim.shell, (1.0, 1.0), None, sim.tool.edge_chain
     kept, none = Pierce(*parts), np.zeros((0, 3))
     dt = 2.6e-4 / 900
     for step in range(900):
