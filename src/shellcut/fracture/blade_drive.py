@@ -243,8 +243,8 @@ def _direct(
         if found.edge_of[i] < 0:
             onward = load(heading, i)
             store(found.lean, i, (0.0, 0.0, 0.0))
-            for k in range(n_way):
-                store(found.ways[i], turn, scale(1.0 / norm(onward), onward))
+            for nth in range(n_way):
+                store(found.ways[i], nth, scale(1.0 / norm(onward), onward))
             continue
         d, e = load(director, i), found.edge_of[i]
         pose = Pose(found.rotation[i], found.translation[i])

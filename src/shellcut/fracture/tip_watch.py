@@ -103,11 +103,12 @@ class TipWatch:
             self._sums.weigh(state, self._aimed, self.weighed)
             if self._stress is not None:
                 self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
-            leads_on, has_edge = self._aimed.way[:, AHEAD] >= 0, driven.edge_of >= 0
             measure, strength = self.weighed.measure, self._trial_cut.carried
+            leads_on, has_edge = self._aimed.way[:, AHEAD] >= 0, driven.edge_of >= 0
             self._due[:] = leads_on & has_edge & (driven.passed | (measure >= 1.0))
             pulled = lengths(self.weighed.force) >= 0.5 * strength * self.weighed.length
-            self._tears[:] = leads_on & ~has_edge & (pulled | (measure >= 1.0))
+            parts = measure > -np.inf
+            self._tears[:] = leads_on & ~has_edge & parts & (pulled | (measure >= 1.0))
         return self._due
 
     def tearing(self) -> list[Tip]:
