@@ -243,7 +243,7 @@ def _direct(
         if found.edge_of[i] < 0:
             onward = load(heading, i)
             store(found.lean, i, (0.0, 0.0, 0.0))
-            for turn in range(n_way):
+            for k in range(n_way):
                 store(found.ways[i], turn, scale(1.0 / norm(onward), onward))
             continue
         d, e = load(director, i), found.edge_of[i]
