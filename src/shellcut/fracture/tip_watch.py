@@ -107,8 +107,7 @@ class TipWatch:
             leads_on, has_edge = self._aimed.way[:, AHEAD] >= 0, driven.edge_of >= 0
             self._due[:] = leads_on & has_edge & (driven.passed | (measure >= 1.0))
             pulled = lengths(self.weighed.force) >= 0.5 * strength * self.weighed.length
-            parts = measure > -np.inf
-            self._tears[:] = leads_on & ~has_edge & parts & (pulled | (measure >= 1.0))
+            self._tears[:] = leads_on & ~has_edge & (pulled | (measure >= 1.0))
         return self._due
 
     def tearing(self) -> list[Tip]:
