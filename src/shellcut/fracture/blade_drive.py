@@ -233,7 +233,7 @@ def _direct(
     segments: Floats,
     found: Driven,
 ) -> None:
-    """Write in which directions edges drive tips; others go on as they came.
+    """Write in which directions edges drive tips.
 
     director, heading, reference : (n_tip, 3).  size : (n_tip,).  segments : of the edges.
     """
@@ -241,10 +241,6 @@ def _direct(
     n_way = found.ways.shape[1]
     for i in range(size.shape[0]):
         if found.edge_of[i] < 0:
-            onward = load(heading, i)
-            store(found.lean, i, (0.0, 0.0, 0.0))
-            for nth in range(n_way):
-                store(found.ways[i], nth, scale(1.0 / norm(onward), onward))
             continue
         d, e = load(director, i), found.edge_of[i]
         pose = Pose(found.rotation[i], found.translation[i])

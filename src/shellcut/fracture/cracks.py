@@ -129,20 +129,19 @@ class Cracks:
         if state.step % self._check_every:
             return
         if self._pierce is None:
-            self._advance_free(state, self.tips)
+            self._advance_free(state)
             return
         while self._advance_driven(state):
             pass
-        self._advance_free(state, self._watch.tearing())
         self._begin_cuts(state, pose, work)
 
-    def _advance_free(self, state: State, tips: Sequence[Tip]) -> None:
+    def _advance_free(self, state: State) -> None:
         """Advance the cracks that no blade drives and that are due, by one quad at most.
 
         A crack then runs no faster than an edge length in ``check_every`` steps.
         """
         self._require_checks(state)
-        for tip in list(tips):
+        for tip in list(self.tips):
             if not self._known.is_of(state):
                 self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
                 self._known.take(state)

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.arrays import norm as lengths
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import combine, load, norm
@@ -61,7 +60,6 @@ class TipWatch:
         self.x: Floats = np.zeros((0, 3))
         """Where the tips were at the last question [mm], shape (n_tip, 3)."""
         self._due: Bools = np.zeros(0, np.bool_)
-        self._tears: Bools = np.zeros(0, np.bool_)
 
     def alive(self, state: State, tips: list[Tip]) -> list[Tip]:
         """Return the tips with film ahead: not at a rim, nor where another crack came across."""
@@ -86,16 +84,16 @@ class TipWatch:
             That they may join besides each other.
         """
         if not len(tips):
-            self.x, self._tips, self._tears = np.zeros((0, 3)), [], self._tears[:0]
+            self.x, self._tips = np.zeros((0, 3)), []
             return self._due[:0]
         self._follow(state, tips, others)
         n, table, drive = state.node, self._table, self._drive
         self._place_tips(table, n.x, n.t, self.x, self._director, self._heading)
-        self._due[:] = self._tears[:] = False
+        self._due[:] = False
         driven = drive.find(self.x, table.size, state.time)
         drive.direct(self._director, self._heading, table.reference, table.size)
-        of_all, ways, lean = np.zeros(len(tips), np.int64), driven.ways, driven.lean
-        if self._leave(self._ahead, table.start, ways, lean, of_all, n.x, n.t, self._aimed):
+        edges, ways, lean = driven.edge_of, driven.ways, driven.lean
+        if self._leave(self._ahead, table.start, ways, lean, edges, n.x, n.t, self._aimed):
             way = self._aimed.way.tobytes()
             if way != self._way:
                 self._way = way
@@ -103,16 +101,9 @@ class TipWatch:
             self._sums.weigh(state, self._aimed, self.weighed)
             if self._stress is not None:
                 self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
-            measure, strength = self.weighed.measure, self._trial_cut.carried
-            leads_on, has_edge = self._aimed.way[:, AHEAD] >= 0, driven.edge_of >= 0
-            self._due[:] = leads_on & has_edge & (driven.passed | (measure >= 1.0))
-            pulled = lengths(self.weighed.force) >= 0.5 * strength * self.weighed.length
-            self._tears[:] = leads_on & ~has_edge & (pulled | (measure >= 1.0))
+            leads_on = self._aimed.way[:, AHEAD] >= 0
+            self._due[:] = leads_on & (driven.passed | (self.weighed.measure >= 1.0))
         return self._due
-
-    def tearing(self) -> list[Tip]:
-        """Return the tips that no edge drives and that may tear, at the last question."""
-        return [tip for tip, tears in zip(self._tips, self._tears, strict=True) if tears]
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:
         """Return whether the tables are those of some tips in the present topology."""
@@ -127,8 +118,7 @@ class TipWatch:
         self._known.take(state)
         self._table, self._ahead = tips_of(state, self._path, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
-        self._due, self._tears = np.zeros((2, n), np.bool_)
-        self._aimed, self.weighed = Aimed.of(n), Weighed.of(n)
+        self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         self._pairs.clear()
         self._way = b""
 
