@@ -17,8 +17,9 @@ missing, so that round-off decides nothing on a regular mesh, where all are mult
 entering or leaving the film. An edge that takes three times its median travel per millimetre of cut
 has stopped.
 
-*Without a tool* nothing is met: the window is where the crack grows from a third of its last length
-on, the first third being the way in which the film takes the shape that tears.
+*Without a tool* nothing is met: the window is where the crack grows once its zone is full, from a
+third of its last length on, the first third being the way in which the film takes the shape that
+tears.
 
 With a tool, the window is the longest stretch in which all of this holds for all edges. Resistance
 is a sawtooth with the node spacing, so the window is shortened to whole periods of the edge that
@@ -178,7 +179,8 @@ def _torn(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyW
     if not crack[-1] > 0.0:
         return SteadyWindow(reason="nothing was torn")
     grown = np.flatnonzero(np.diff(crack, prepend=0.0) > _ROUND_OFF * crack[-1])
-    within = grown[crack[grown] >= _TORN * crack[-1]]
+    full = (history["cables_broken"][grown] > 0.0) & (crack[grown] >= _TORN * crack[-1])
+    within = grown[full]
     if len(within) <= _LEAST_PERIODS:
         return SteadyWindow(reason=f"the crack grew in {len(grown)} rows of the history only")
     first, last = int(within[0]), int(within[-1])
