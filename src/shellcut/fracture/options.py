@@ -31,9 +31,10 @@ from .anisotropy import Anisotropy
 
 Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
+CablePlaces: TypeAlias = Literal["ends", "gauss"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places"
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -97,10 +98,14 @@ class Fracture:
         ),
     ] = None
     anisotropy: Anisotropy | None = None
-    fibres: Annotated[
-        int,
-        Option("", "cables across a quad or side that a crack has cut, evenly along it", least=1),
-    ] = 6
+    cable_places: Annotated[
+        CablePlaces,
+        Option(
+            "",
+            "cables across a segment of a crack through quads, at its ends or its Gauss points, "
+            "where the force of a cut ripples less",
+        ),
+    ] = "ends"
     puncture_force: Annotated[
         float | None,
         Option(

@@ -43,12 +43,10 @@ class CrackEnds(NamedTuple):
                 free.at_tips(sim.mesh.directors),
             )
         size = np.sqrt(sim.shell.area)
-        # Those at the tips have not parted.
-        n_tip, parted = len(place), np.flatnonzero(n.real[f.node[: f.count]])
-        flanks = f.node[parted]
+        n_tip, flanks = len(place), f.node[: f.count]
         # Nodes through which a crack goes: both flanks have film there.
         film = np.flatnonzero(n.real[: sim.state.n_node])
-        film = film[~np.isin(film, f.node[: f.count])]
+        film = film[~np.isin(film, flanks)]
         origin = n.origin[film]
         nodes = np.union1d(rim, film[np.bincount(origin)[origin] > 1])
         return cls(
@@ -59,7 +57,7 @@ class CrackEnds(NamedTuple):
             np.concatenate(
                 [
                     local_edge_length(n.contact_area[nodes]),
-                    size[f.row[parted]],
+                    size[f.row[: f.count]],
                     np.full(n_tip, np.median(size)),
                 ]
             ),
