@@ -140,7 +140,8 @@ def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion
     terms, ledger = ForceTerms([term], motion), Ledger()
     angle, figure = [], []
     for time in np.linspace(0.0, END, 2001).tolist():
-        state = SimpleNamespace(time=time, dt=END / 2000 if time else 0.0)
+        step = END / 2000 if time else 0.0
+        state = SimpleNamespace(time=time, dt=step, tick=step)
         pose = Pose.of(*motion.pose(time))
         terms.add_forces(state, pose, ledger)
         angle.append(motion.coordinate(time))

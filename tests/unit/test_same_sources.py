@@ -26,6 +26,7 @@ BESIDE = {
     "view": "draws results",
     "checks/hold.py": "a doubt about supports",
     "checks/path.py": "a doubt about the path",
+    "checks/piercing.py": "a doubt about a film that is tight",
     "checks/plausible.py": "doubts about units",
     "material/material_point.py": "stress of a point by itself, of no film",
     "material/nominal_stress.py": "curves of tensile tests",

@@ -79,6 +79,13 @@ class ErrorBar:
         With which it converges over three meshes.
     values : tuple of float or None
         Of all runs, in their order, that as given first.
+
+    Examples
+    --------
+    >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
+    >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
+    >>> round(bar.value, 2), round(bar.half_width, 2)
+    (3.1, 0.1)
     """
 
     figure: str
