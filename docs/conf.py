@@ -60,7 +60,6 @@ PAGES = {
         "howto/pictures",
         "howto/compare",
         "howto/tensile",
-        "howto/slow",
         "howto/studies",
         "howto/converge",
         "howto/fit",
