@@ -258,3 +258,12 @@ def test_no_notch_without_film_or_an_edge_that_moves_through_it():
             notch=2.0,
             supports=SIDES,
         )
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_the_notch_of_the_guillotine_lies_where_the_tool_goes(own):
+    strip = {"length": 8.0, "width": 4.8, "size": 0.8}
+    strip = {"mesh": rectangle(8.0, 4.8, size=0.8)} if own else strip
+    moved = straight_blade(length=8.0).translated((0.0, 0.7, 0.0))
+    sim = guillotine(tool=moved, notch=1.6, travel=2.0, **strip).simulation
+    np.testing.assert_allclose(sim.cracks.at_tips(sim.mesh.nodes), [[1.6, 0.7, 0]], atol=1e-9)
