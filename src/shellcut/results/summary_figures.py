@@ -167,6 +167,26 @@ def unit_of(key: str) -> str:
     return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
 
 
+def figure_name(name: str, figures: Mapping[str, Any]) -> str:
+    """Return the full name of a figure that may be given without its unit.
+
+    Raises
+    ------
+    ValueError
+        If no figure that is a number has this name.
+
+    Examples
+    --------
+    >>> figure_name("torque_peak", {"torque_peak_at_deg": 76.4, "torque_peak_Nmm": 202.3})
+    'torque_peak_Nmm'
+    """
+    numbers = [key for key, value in figures.items() if isinstance(value, int | float)]
+    for key in numbers:
+        if key in (name, *(name + ending for ending in _UNITS)):
+            return key
+    raise ValueError(f"{name} must be a figure of the run, one of {', '.join(sorted(numbers))}")
+
+
 def label_of(key: str, window: str) -> str:
     """Return the label of a figure; ``window`` says over what a mean is taken.
 
