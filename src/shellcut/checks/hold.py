@@ -64,14 +64,14 @@ def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
     support : ndarray of bool, shape (n_node, 6)
         As for :func:`check_hold`.
     """
-    held = support[sweep.mesh.quads][:, :, :3].all(axis=(1, 2))
-    quads, first = np.unique(sweep.quad[held[sweep.quad]], return_index=True)
-    if quads.size:
-        x, y, z = sweep.place[held[sweep.quad]][first.min()]
+    node = np.asarray(support[:, :3].all(axis=1))
+    held = np.flatnonzero(node[sweep.mesh.quads[sweep.quad]].all(axis=1))
+    if held.size:
+        x, y, z = sweep.place[held[0]]
         yield Finding(
             DOUBT,
             "the cutting edges must go through film that can give way",
-            f"{quads.size:,} quads under their path with all four nodes held, the first at "
+            f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes held, the first at "
             f"({x:.4g}, {y:.4g}, {z:.4g}) mm",
             "hold fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
         )
