@@ -71,8 +71,8 @@ def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
         yield Finding(
             DOUBT,
             "the cutting edges must go through film that can give way",
-            f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes held, the first at "
-            f"({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes "
+            f"held, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
             "hold fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
         )
 
