@@ -36,8 +36,9 @@ class ListAge:
     way : float
         That film and tool together may go until then [mm].
     radius : float, optional
-        Of the farthest point of the tool around the body's origin [mm]; without one the tool does
-        not count.
+        Of the farthest point of the tool around the body's origin [mm]. With 0 it is counted how
+        far film has moved as the tool sees it: all film that may come near is tracked then. Without
+        one the tool does not count.
     """
 
     def __init__(self, way: float, radius: float | None = None) -> None:
@@ -193,12 +194,18 @@ def largest_speed(ids: Ints, velocity: Floats) -> float:
 def _farthest(
     nodes: Ints, x: Floats, then: Floats, pose: Pose, before: Pose, radius: float
 ) -> float:
-    """Return how far some nodes, and the tool within a radius, have moved at most together [mm]."""
-    way = 0.0
+    """Return how far some nodes, and the tool within a radius, have moved at most together [mm].
+
+    Without a radius the nodes move in the frame of the tool.
+    """
+    pose, before, way = borrowed(pose), borrowed(before), 0.0
     for i in range(nodes.shape[0]):
-        moved = sub(load(x, nodes[i]), load(then, nodes[i]))
+        here, there = load(x, nodes[i]), load(then, nodes[i])
+        if radius == 0.0:
+            here, there = to_body(here, pose), to_body(there, before)
+        moved = sub(here, there)
         way = max(way, dot(moved, moved))
-    return sqrt(way) + tool_way(pose, before, radius)
+    return sqrt(way) + tool_way(pose, before, radius) if radius > 0.0 else sqrt(way)
 
 
 @kernel

@@ -35,8 +35,11 @@ class Part(NamedTuple):
 
     def of(self, entries: Mapping[str, Energy]) -> Energy:
         """Return its energy; histories of older versions lack some entries."""
-        zero: Energy = 0.0 * next(iter(entries.values()))
-        return reduce(add, (entries[name] for name in self.entries if name in entries), zero)
+        energy: Energy = 0.0 * next(iter(entries.values()))
+        for name in self.entries:
+            if name in entries:
+                energy = energy + entries[name]
+        return energy
 
 
 PUT_IN = (
