@@ -102,17 +102,12 @@ class NearNodes:
         self._margin = margin
         self._low, self._high = low - margin, high + margin
         corner = np.maximum(abs(self._low), abs(self._high))
-        self._age = ListAge(self.half_margin, float(np.linalg.norm(corner, axis=1).max()))
+        self._age = ListAge(0.5 * margin, float(np.linalg.norm(corner, axis=1).max()))
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
         self.n_search = 0
         """Searches so far."""
         self._within = BoundOnce(_within)
-
-    @property
-    def half_margin(self) -> float:
-        """Way that tool and listed nodes may go together before the list is made anew [mm]."""
-        return 0.5 * self._margin
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
@@ -138,7 +133,7 @@ class NearNodes:
 
         They depend on the present positions only, not on when the list was made.
         """
-        return self._in_boxes(self.ids, state, pose, self.half_margin)
+        return self._in_boxes(self.ids, state, pose, 0.5 * self._margin)
 
     def _in_boxes(self, ids: Ints, state: State, pose: Pose, inner: float) -> Ints:
         """Return those of some nodes that are inside boxes narrower by so much [mm]."""

@@ -141,7 +141,7 @@ class SheetContact(PressTerm):
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        over = self._is_over() or self._age.is_over(state, pose, self._tracked)
+        over = self._others_near() or self._age.is_over(state, pose, self._tracked)
         lost = self._search(state, pose) if over else 0.0
         found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
         self._walked, n_looked = found
@@ -160,7 +160,8 @@ class SheetContact(PressTerm):
         """
         raise NotImplementedError
 
-    def _is_over(self) -> bool:
+    def _others_near(self) -> bool:
+        """Return whether film that :meth:`_near` has not listed may have come near."""
         return False
 
     def _stiffness_of(self, state: State) -> Floats:
@@ -333,8 +334,7 @@ class PointContact(SheetContact):
         self._listed = near.n_search
         return points, whole, np.unique(state.quads[whole]).astype(np.int64)
 
-    def _is_over(self) -> bool:
-        """Return whether other film has come near the tool."""
+    def _others_near(self) -> bool:
         return self._listed != self._contact.near.n_search
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:

@@ -35,11 +35,8 @@ class Part(NamedTuple):
 
     def of(self, entries: Mapping[str, Energy]) -> Energy:
         """Return its energy; histories of older versions lack some entries."""
-        energy: Energy = 0.0 * next(iter(entries.values()))
-        for name in self.entries:
-            if name in entries:
-                energy = energy + entries[name]
-        return energy
+        zero: Energy = 0.0 * next(iter(entries.values()))
+        return reduce(add, [entries[name] for name in self.entries if name in entries], zero)
 
 
 PUT_IN = (

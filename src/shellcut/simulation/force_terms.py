@@ -98,8 +98,8 @@ class ForceTerms:
             term.add_forces(state, pose)
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             self._twist[0], self._twist[1] = self._motion.twist(state.time - 0.5 * state.tick)
-        way = self._twist, pose.translation, state.tick
-        ledger.tool_work -= self._work_on_tool.code(*way, self._book)
+        at, tick = pose.translation, state.tick
+        ledger.tool_work -= self._work_on_tool.code(self._twist, at, tick, self._book)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
