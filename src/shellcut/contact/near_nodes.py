@@ -36,9 +36,8 @@ class ListAge:
     way : float
         That film and tool together may go until then [mm].
     radius : float, optional
-        Of the farthest point of the tool around the body's origin [mm]. With 0 it is counted how
-        far film has moved as the tool sees it: all film that may come near is tracked then. Without
-        one the tool does not count.
+        Of the farthest point of the tool around the body's origin [mm]. With 0 film moves as the
+        tool sees it, and all that may come near is tracked; without one the tool does not count.
     """
 
     def __init__(self, way: float, radius: float | None = None) -> None:
@@ -189,10 +188,7 @@ def largest_speed(ids: Ints, velocity: Floats) -> float:
 def _farthest(
     nodes: Ints, x: Floats, then: Floats, pose: Pose, before: Pose, radius: float
 ) -> float:
-    """Return how far some nodes, and the tool within a radius, have moved at most together [mm].
-
-    Without a radius the nodes move in the frame of the tool.
-    """
+    """Return how far nodes and tool have moved together, or nodes as the tool sees them [mm]."""
     pose, before, way = borrowed(pose), borrowed(before), 0.0
     for i in range(nodes.shape[0]):
         here, there = load(x, nodes[i]), load(then, nodes[i])

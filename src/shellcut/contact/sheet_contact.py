@@ -126,7 +126,7 @@ class SheetContact(PressTerm):
         self._tracked: Ints = nothing
         self._age = ListAge(0.5 * margin, 0.0 if self._of_tool else None)
         self._pose: Pose | None = None
-        self._walked = 0.0
+        self._walked, self._list = 0.0, 0
         self._find, self._hold = PairSearch(), Holder()
         self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
         self.tables: SheetTables | None = None
@@ -141,7 +141,7 @@ class SheetContact(PressTerm):
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        over = self._others_near() or self._age.is_over(state, pose, self._tracked)
+        over = self._list != self._of_list() or self._age.is_over(state, pose, self._tracked)
         lost = self._search(state, pose) if over else 0.0
         found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
         self._walked, n_looked = found
@@ -160,9 +160,9 @@ class SheetContact(PressTerm):
         """
         raise NotImplementedError
 
-    def _others_near(self) -> bool:
-        """Return whether film that :meth:`_near` has not listed may have come near."""
-        return False
+    def _of_list(self) -> int:
+        """Return which list of near film partners are looked for in, if there is one."""
+        return 0
 
     def _stiffness_of(self, state: State) -> Floats:
         """Return k of every pair [N/mm]."""
@@ -254,7 +254,7 @@ class SheetContact(PressTerm):
             carriers=self.carriers,
             presses=self._presses,
         )
-        self.held = self._hold(self.tables)
+        self.held, self._list = self._hold(self.tables), self._of_list()
 
     def _places(self) -> Floats:
         """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5)."""
@@ -298,7 +298,7 @@ class PointContact(SheetContact):
         )
         points, tool = contact_points(contact.tool, edge_length), contact.tool
         super().__init__("points", law, points, tool.n_body, _SLACK * edge_length, FilmOutline())
-        self._contact, self._listed = contact, 0
+        self._contact = contact
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
@@ -331,16 +331,10 @@ class PointContact(SheetContact):
         halved = state.node.halved[state.quads[rows]].any(axis=1)
         whole = rows[(state.quad.share[rows] >= 1.0) & ~halved]
         points = Points(np.arange(len(place)), place, np.full(len(place), -1))
-        self._listed = near.n_search
         return points, whole, np.unique(state.quads[whole]).astype(np.int64)
 
-    def _others_near(self) -> bool:
-        return self._listed != self._contact.near.n_search
-
-    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
-        super().restore(state, pose, saved)
-        self._listed = self._contact.near.n_search
+    def _of_list(self) -> int:
+        return self._contact.near.n_search
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
