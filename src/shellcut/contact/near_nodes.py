@@ -165,8 +165,7 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
 def tool_way(pose: Pose, then: Pose, radius: float) -> float:
     """Return a bound on the motion of the tool within a radius around its origin [mm]."""
     # No point of the tool has moved by more than the origin plus rotation times radius.
-    turn = 0.0
-    shift = 0.0
+    turn = shift = 0.0
     for i in range(3):
         shift += (pose.translation[i] - then.translation[i]) ** 2
         for j in range(3):
