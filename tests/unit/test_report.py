@@ -9,18 +9,16 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import shellcut
 from browser import opened
 from shellcut import MeasuredCurve
 from shellcut.command_line import main
-from shellcut.files import run_folder
 from shellcut.report import pictures, report_run, scene
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
 from shellcut.results.summary_figures import key_figures, with_unit
-from shellcut.view import Curve, Diagram, Panels, draw_snapshot, snapshot_limits, title_parts
+from shellcut.view import Curve, Diagram, Panels, title_parts
 from shellcut.view.curves import outline
 
 SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, In three dimensions,
@@ -138,26 +136,18 @@ class TestPage:
 
 
 @pytest.fixture
-def scales(monkeypatch, out):
-    """Ends of the stress scales that pictures are drawn on; the pictures take no time."""
+def undrawn(monkeypatch, out):
+    """Pictures that take no time, for tests of the words around them."""
     picture = (out / "snapshot_00.png").read_bytes()
-    found = []
 
     class Quick(Panels):
-        def __init__(self, frames, *, shape, stress_limits):
-            super().__init__(frames[:1], shape=(20, 30), stress_limits=stress_limits)
-            found.append(stress_limits)
+        def __init__(self, frames, *, shape, look):
+            super().__init__(frames[:1], shape=(20, 30), look=look)
 
     monkeypatch.setattr(pictures, "Panels", Quick)
     monkeypatch.setattr(
         pictures, "draw_crack_map", lambda path, *_, **__: path.write_bytes(picture)
     )
-    return found
-
-
-@pytest.fixture
-def undrawn(scales):
-    """Pictures that take no time, for tests of the words around them."""
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -218,7 +208,7 @@ class TestWhatIsMissing:
 
     def test_without_matplotlib_there_are_curves_but_no_pictures(self, out, tmp_path):
         script = (
-            "import sys; sys.modules['matplotlib'] = None\n"
+            "import sys; sys.modules['matplotlib'] = sys.modules['PIL'] = None\n"
             "from shellcut.report import report_run\n"
             "report_run(sys.argv[1], sys.argv[2])\n"
         )
@@ -230,33 +220,9 @@ class TestWhatIsMissing:
 
 
 class TestStressScale:
-    """All pictures of frames have one."""
-
-    def test_is_that_of_the_snapshots_from_nothing_to_the_strength(self, out, tmp_path, scales):
-        kept = run_folder.snapshots(out)
-        assert {snapshot_limits(path) for path in kept} == {(0.0, 12.0)}
-        report_run(out, tmp_path / "r.html")
-        assert scales == [(0.0, 12.0)]
-
-    @pytest.mark.parametrize("limits", [(0.0, 1e4), None])
-    def test_is_that_of_the_frames_where_the_snapshots_have_no_use(
-        self, out, tmp_path, scales, limits
-    ):
-        # Of a film that is nowhere near its strength, or of snapshots that do not tell theirs.
-        folder = copy_without(out, tmp_path)
-        frame = shellcut.read(folder).frame(-1)
-        for path in run_folder.snapshots(folder):
-            if limits:
-                draw_snapshot(path, frame, stress_limits=limits, size=(2.0, 1.0), dpi=50)
-            else:
-                Image.new("RGB", (2, 2)).save(path)
-        report_run(folder)
-        (of_strip,) = scales
-        assert 5.0 < of_strip[1] < 100.0
-
     def test_is_written_below_the_pictures(self, page):
         part = page[page.index("<h2>The cut</h2>") :].split("</section>")[0]
-        assert re.search(r"<span>0</span>.*<span>12</span></div>largest principal", part)
+        assert re.search(r"<span>0</span>.*</div>largest principal", part)
         colors = re.search(r"linear-gradient\(to right, (.*?)\)", part)[1].split(", ")
         assert len(set(colors)) == 12
         assert "crack flank" in part

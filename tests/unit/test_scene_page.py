@@ -17,7 +17,7 @@ from shellcut.command_line import main, view
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page.tables import pack_ids, pack_numbers
-from shellcut.view.fields import chosen_fields, field_limits, fields_of
+from shellcut.view.fields import at_corners, chosen_fields, field_limits, fields_of
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
 CUT = 17  # a quad that is a pentagon in the last frame
@@ -178,10 +178,11 @@ class TestFile:
         )
         for wrong, said in [
             (["--html", path, "-o", "a.png"], "give only one"),
-            (["--frame", "0", "--field", "speed"], "a picture takes --stress"),
-            (["--html", path, "--stress", "von Mises"], "the page takes --field"),
-            (["--frames", "3", "--frame", "0"], "--frames belongs to the page"),
-            (["--html", path, "--limits", "0", "1"], "one changes them in the page"),
+            (["--frame", "0", "--field", "speed", "--field", "thickness"], "shows one --field"),
+            (["--html", path, "--size", "100", "80"], "the page fills its window"),
+            (["--html", path, "--limits", "1", "0"], "limits must rise"),
+            (["--html", path, "--colormap", "no"], "one of Matplotlib's"),
+            (["--frames", "3", "--frame", "0"], "--frames belongs to page and movie"),
         ]:
             assert main([*run, *wrong]) == 2
             assert said in capsys.readouterr().err
@@ -317,7 +318,7 @@ class TestInABrowser:
     def test_flanks_and_tool_are_drawn_and_switched(self, scene):
         choose(scene, frame=3, field="largest principal stress")
         whole = canvas(scene)
-        assert ((whole[..., 1] - whole[..., 2]) > 0.1).mean() > 0.1  # the film is green
+        assert (np.ptp(whole, axis=2) > 0.2).mean() > 0.1  # the film has colours
         dark = (whole.max(axis=2) < 0.15).sum()
         red = ((whole[..., 0] > 0.7) & (whole[..., 1] < 0.3)).sum()
         assert dark > 150
@@ -341,6 +342,41 @@ class TestInABrowser:
         low, high = (float(scene.page.input_value(end)) for end in (".low", ".high"))
         assert low == 0.0
         assert 0.5 < high < 5.0
+
+    def test_lines_have_the_colours_of_the_legend(self, scene):
+        told = scene.page.evaluate(
+            "() => { const { content, view } = document.querySelector('.scene3d').panel;"
+            " return content.legend.filter(({ area }) => !area).map((entry) => ["
+            "  entry.switch, entry.color, view.parts[entry.switch].material.color.getStyle()]); }"
+        )
+        assert {"flanks", "edges"} < {name for name, *_ in told}
+        for name, color, drawn in told:
+            rgb = [int(number) for number in re.findall(r"\d+", drawn)]
+            np.testing.assert_allclose(rgb, 255.0 * np.array(color), atol=1.0, err_msg=name)
+
+    def test_the_film_is_hidden_and_its_colours_are_flat_on_request(self, scene, results):
+        choose(scene, frame=3, field="largest principal stress")
+        scene.page.get_by_role("button", name="mesh").click()
+        smooth = canvas(scene)
+        for name, least, most in [("smooth colours", 0.002, 0.1), ("film", 0.1, 1.0)]:
+            button = scene.page.get_by_role("button", name=name)
+            button.click()
+            assert least < np.abs(canvas(scene) - smooth).mean() < most, name
+            button.click()
+            np.testing.assert_allclose(canvas(scene), smooth, atol=0.02)
+        scene.page.get_by_role("button", name="mesh").click()
+        frame = results.frame(3)
+        means = scene.page.evaluate(
+            "() => { const { film } = document.querySelector('.scene3d').panel.view;"
+            " const length = film.quads.length / film.width;"
+            " const quads = Float32Array.from({ length }, (_, k) => k);"
+            " return Array.from(film.means(quads, 'quad')); }"
+        )
+        numbers = dataclasses.replace(
+            fields_of(frame)["thickness"], values=lambda frame: np.arange(len(frame.quads))
+        )
+        corners = at_corners(numbers, frame, smooth=True)
+        np.testing.assert_allclose(np.asarray(means)[frame.quads], corners, rtol=1e-6)
 
     def test_dragging_turns_and_reset_turns_back(self, scene):
         choose(scene, frame=3)

@@ -11,13 +11,13 @@ from typing import Any
 
 from shellcut.files.file_list import target
 from shellcut.results.run_results import Results, read
-from shellcut.scene_page import view_html
-from shellcut.view import STRESSES, draw_movie, draw_scene
+from shellcut.scene_page import spread, view_html
+from shellcut.view import FIELDS, PARTS, Look, draw_movie, draw_scene
 
 from .exit_code import DONE, refuse
 from .shared_arguments import named
 
-_STRESS = "largest principal"
+_LOOK = Look()
 
 
 def add_to(commands: Any) -> None:
@@ -30,7 +30,8 @@ def add_to(commands: Any) -> None:
         "it to a file of your own. --frame or --output "
         "draws a picture of a frame, --movie all frames, with the same camera and scale: a "
         "picture matches its frame in the movie. Both need shellcut[plot], an MP4 shellcut[movie].",
-        epilog="example: shellcut view out --html out/cut.html --frames 50 --field displacement",
+        epilog="example: shellcut view out --movie cut.mp4 --field thickness --camera 25 -60 1.3 "
+        "--hide mesh",
     )
     parser.add_argument("out", metavar="OUT", type=named, help="folder of the run")
     what = parser.add_mutually_exclusive_group()
@@ -44,7 +45,10 @@ def add_to(commands: Any) -> None:
         help="draw this frame, counted from 0, or from the end: -1 is the last",
     )
     what.add_argument(
-        "--movie", metavar="FILE", type=named, help="draw all frames as a movie, .mp4 or .gif"
+        "--movie",
+        metavar="FILE",
+        type=named,
+        help="draw all frames: .mp4, .webp or .gif",
     )
     parser.add_argument(
         "-o",
@@ -53,33 +57,60 @@ def add_to(commands: Any) -> None:
         type=named,
         help="draw a frame, the last one without --frame, to this picture [OUT/frame_N.png]",
     )
-    _add_scene_options(parser)
+    _add_look(parser)
+    _add_page_options(parser)
     parser.add_argument("--fps", type=float, default=12.0, help="frames per second of the movie")
-    parser.add_argument(
-        "--stress",
-        help=f"stress shown as colour in a picture or movie: {', '.join(STRESSES)} [{_STRESS}]",
+    parser.set_defaults(run=run)
+
+
+def _add_look(parser: argparse.ArgumentParser) -> None:
+    look = parser.add_argument_group("look of page, picture and movie")
+    look.add_argument(
+        "--field",
+        metavar="NAME",
+        action="append",
+        help=f"what colours the film: {', '.join(FIELDS)}, or a history number of the material; in "
+        f"a page several to choose from [{_LOOK.field}; in a page all]",
     )
-    parser.add_argument(
+    look.add_argument(
         "--limits",
         nargs=2,
         type=float,
         metavar=("LOW", "HIGH"),
-        help="limits of the colour scale of picture or movie [from the frames]",
+        help="ends of the colour scale of the first field [from the frames]",
     )
-    parser.set_defaults(run=run)
-
-
-def _add_scene_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--field",
+    look.add_argument(
+        "--colormap",
         metavar="NAME",
-        action="append",
-        help="field that colours the film in the page: a stress as for --stress, "
-        "thickness, displacement, displacement z, speed, or a history number of the material; "
-        "several to choose from [all, the first one shown]",
+        default=_LOOK.colormap,
+        help="colour map, any of Matplotlib: cividis, inferno, turbo, coolwarm, ...",
+    )
+    look.add_argument(
+        "--flat", action="store_true", help="one colour for each quad, not smooth from node to node"
+    )
+    look.add_argument(
+        "--hide", metavar="PART", action="append", choices=PARTS, help=f"hide {', '.join(PARTS)}"
+    )
+    look.add_argument(
+        "--camera",
+        nargs=3,
+        type=float,
+        default=_LOOK.camera,
+        metavar=("ELEVATION", "AZIMUTH", "ZOOM"),
+        help="elevation over the x-y plane and azimuth from the x axis [deg], and zoom",
     )
     parser.add_argument(
-        "--frames", metavar="N", type=int, help="most frames in the page, evenly spread [all]"
+        "--size",
+        nargs=2,
+        type=int,
+        metavar=("WIDTH", "HEIGHT"),
+        help="of a picture or movie [pixel] [1280 800; of an MP4 1920 1080, of others 960 540]",
+    )
+
+
+def _add_page_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--frames", metavar="N", type=int, help="most frames in page or movie, evenly spread [all]"
     )
     parser.add_argument(
         "--max-mb",
@@ -95,8 +126,16 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         _check(arguments)
         results = read(arguments.out)
+        look = Look(
+            field=arguments.field[0] if arguments.field else _LOOK.field,
+            limits=tuple(arguments.limits) if arguments.limits else None,
+            colormap=arguments.colormap,
+            smooth=not arguments.flat,
+            hide=tuple(arguments.hide or ()),
+            camera=tuple(arguments.camera),
+        )
         if _is_drawn(arguments):
-            path = _drawn(arguments, results)
+            path = _drawn(arguments, results, look)
             print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
         else:
             page = view_html(
@@ -105,6 +144,7 @@ def run(arguments: argparse.Namespace) -> int:
                 frames=arguments.frames,
                 fields=arguments.field,
                 max_mb=arguments.max_mb,
+                look=look,
             )
             print(page)
             if arguments.html is None and _has_screen():
@@ -130,31 +170,28 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.output is not None and (arguments.movie or arguments.html):
         other = "--movie" if arguments.movie else "--html"
         problems.append(f"--output names a picture, {other} names its own file: give only one")
-    if arguments.frames is not None and drawn:
-        problems.append("--frames belongs to the page; --frame N draws one frame")
-    if arguments.field and drawn:
-        problems.append("--field belongs to the page; a picture takes --stress")
-    if arguments.stress is not None and not drawn:
-        problems.append("--stress belongs to pictures and movies; the page takes --field")
-    if arguments.limits and not drawn:
-        problems.append("--limits belongs to pictures and movies: one changes them in the page")
+    if arguments.frames is not None and drawn and not arguments.movie:
+        problems.append("--frames belongs to page and movie; --frame N draws one frame")
+    if drawn and arguments.field and len(arguments.field) > 1:
+        problems.append(f"a picture shows one --field, got {', '.join(arguments.field)}")
+    if arguments.size and not drawn:
+        problems.append("--size belongs to pictures and movies: the page fills its window")
     if problems:
         raise ValueError("; ".join(problems))
 
 
-def _drawn(arguments: argparse.Namespace, results: Results) -> Path:
+def _drawn(arguments: argparse.Namespace, results: Results, look: Look) -> Path:
     """Draw a frame or the movie; return the file."""
-    look: dict[str, Any] = {
-        "stress": _STRESS if arguments.stress is None else arguments.stress,
-        "stress_limits": tuple(arguments.limits) if arguments.limits else None,
-    }
+    size: dict[str, Any] = {"size": tuple(arguments.size)} if arguments.size else {}
+    frames = list(results.frames())
     if arguments.movie is not None:
         movie = target(arguments.movie, arguments.movie)
-        draw_movie(movie, list(results.frames()), fps=arguments.fps, **look)
+        frames = [frames[k] for k in spread(len(frames), arguments.frames or len(frames))]
+        draw_movie(movie, frames, fps=arguments.fps, look=look, **size)
         return movie
     number = -1 if arguments.frame is None else arguments.frame
     frame = results.frame(number)  # raises if there is none
     beside = arguments.out / f"frame_{number % results.n_frame:04d}.png"
     path = target(arguments.output, beside)
-    draw_scene(path, frame, together_with=list(results.frames()), **look)
+    draw_scene(path, frame, together_with=frames, look=look, **size)
     return path

@@ -392,11 +392,17 @@ class Recorder:
     def _draw(self, frame: Frame) -> None:
         if not self._can_draw:
             return
-        from shellcut.view import draw_snapshot
+        from shellcut.view import Look, draw_scene
 
         began = time.perf_counter()
         path = self._files.new_picture(self._schedule.n_picture)
-        draw_snapshot(path, frame, stress_limits=self._stress_limits)
+        draw_scene(
+            path,
+            frame,
+            look=Look(limits=self._stress_limits),
+            close_up=True,
+            size=(1170, 630),
+        )
         self._schedule.n_picture += 1
         self._schedule.drawing += time.perf_counter() - began
 

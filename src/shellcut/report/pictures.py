@@ -14,17 +14,15 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.files import run_folder
 from shellcut.frame import Frame
 from shellcut.view import (
+    Look,
     Panel,
     Panels,
     caption_of,
     draw_crack_map,
     height_over_width,
     legend_of,
-    limits_for,
-    snapshot_limits,
 )
 
 from .gathered import Gathered
@@ -32,7 +30,6 @@ from .markup import missing
 
 _N_MAP = 100  # frames read for the crack map
 _N_FRAME = 6  # frames in the film strip
-_LEAST_SHARE = 0.2  # part of a stress scale that stresses should reach to show colours
 _STRIP_WIDTH = 480  # pixels of a picture in the film strip
 _N_COLOR = 12  # colours of the stress scale; CSS interpolates between them
 _MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
@@ -77,8 +74,9 @@ def film_strip(run: Gathered) -> str:
     if not frames:
         return missing("No film strip: there are no frames.")
     try:
-        shape = (round(height_over_width(frames) * _STRIP_WIDTH), _STRIP_WIDTH)
-        panels = Panels(frames, shape=shape, stress_limits=_scale(run, frames))
+        look = Look()
+        shape = (round(height_over_width(frames, look) * _STRIP_WIDTH), _STRIP_WIDTH)
+        panels = Panels(frames, shape=shape, look=look)
         views = "".join(
             f"<figure>{_panel(panels.whole(frame), f'The film at {caption_of(frame)[0]}')}"
             f"<figcaption>{escape(' · '.join(caption_of(frame)))}</figcaption></figure>"
@@ -89,24 +87,8 @@ def film_strip(run: Gathered) -> str:
         return missing(_MISSING)
     return (
         f'<div class="strip">{views}</div>{words}<p class="caption">All with the same camera, and '
-        "with one stress scale for all pictures of this report.</p>"
+        "with one stress scale.</p>"
     )
-
-
-def _scale(run: Gathered, frames: Sequence[Frame]) -> tuple[float, float]:
-    """Return the stress limits of all pictures [MPa]: those of the run's snapshots.
-
-    These end at the strength, which was known before the run. If the stresses stay far below it,
-    nothing could be seen: then, or if the snapshots have no limits, use those of the frames.
-    """
-    own = limits_for(frames, "largest principal")
-    try:
-        said = {snapshot_limits(path) for path in run_folder.snapshots(run.folder)}
-    except OSError:
-        return own
-    if len(said) != 1 or (theirs := said.pop()) is None:
-        return own
-    return theirs if own[1] >= _LEAST_SHARE * theirs[1] else own
 
 
 def _panel(panel: Panel, alt: str) -> str:
@@ -117,9 +99,8 @@ def _panel(panel: Panel, alt: str) -> str:
 
 def _stress(panels: Panels, frames: Sequence[Frame]) -> str:
     """Return the stress scale and the legend."""
-    low, high = panels.stress_limits
-    colors = panels.scale.to_rgba(np.linspace(low, high, _N_COLOR))
-    ramp = ", ".join(_css(color) for color in colors)
+    low, high = panels.limits
+    ramp = ", ".join(_css(color) for color in panels.look.colors(_N_COLOR))
     largest = max(float(frame.quad_principal[:, 0].max()) for frame in frames)
     beyond = f"; the largest is {largest:.3g} MPa" if largest > high else ""
     marks = "".join(f"<span>{mark}</span>" for mark in _marks(low, high))

@@ -17,11 +17,13 @@ import numpy as np
 from shellcut.files.whole_file import write_text
 from shellcut.formats.errors import counted
 from shellcut.results.run_results import Results, read
+from shellcut.view import Look
 from shellcut.view.fields import chosen_fields
 
 from .packed_run import Taken, as_json, packed, raw_bytes, take
 
 _SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
+_LOOK = Look()
 _MB = 1_000_000
 # Frames in memory may hold this many bytes for every byte of a page; packing saves less.
 _MOST_PACKED = 16
@@ -68,6 +70,7 @@ def view_html(
     frames: int | None = None,
     fields: Sequence[str] | None = None,
     max_mb: float = 60.0,
+    look: Look = _LOOK,
 ) -> ScenePage:
     """Write one self-contained HTML page with a run in three dimensions.
 
@@ -84,12 +87,14 @@ def view_html(
         Most frames in the page, spread evenly over the run with its first and last; by default
         all.
     fields : sequence of str, optional
-        Names of the fields to choose from, the first one shown at the start: stresses as in
-        :data:`shellcut.view.STRESSES`, ``thickness``, ``displacement``, ``displacement z``,
-        ``speed``, history numbers of the material such as ``damage``. By default all.
+        Names of the fields to choose from, the first one shown at the start: some of
+        :data:`shellcut.view.FIELDS`, or history numbers of the material such as ``damage``. By
+        default all.
     max_mb : float
         Largest size of the page [MB]. If all frames need more, fewer are taken, and
         :attr:`ScenePage.dropped` says so.
+    look : shellcut.view.Look
+        Colours, camera and hidden parts at the start, limits of the first field.
 
     Returns
     -------
@@ -120,7 +125,7 @@ def view_html(
             f"max_mb must be more than {around / _MB:.2f}, which a page takes without the run, "
             f"got {max_mb}"
         )
-    scene = packed_scene(results, frames, fields, round(max_mb * _MB) - around)
+    scene = packed_scene(results, frames, fields, round(max_mb * _MB) - around, look)
     html = string.Template(_part("page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
@@ -136,7 +141,11 @@ def view_html(
 
 
 def packed_scene(
-    results: Results, frames: int | None, fields: Sequence[str] | None, room: int
+    results: Results,
+    frames: int | None,
+    fields: Sequence[str] | None,
+    room: int,
+    look: Look = _LOOK,
 ) -> Scene:
     """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be.
 
@@ -156,12 +165,12 @@ def packed_scene(
     wanted = spread(results.n_frame, results.n_frame if frames is None else frames)
     held = max(2, _MOST_PACKED * room // max(raw_bytes(last, len(chosen)), 1))
     taken = take(results, [wanted[k] for k in spread(len(wanted), held)], chosen)
-    html = _figure(taken)
+    html = _figure(taken, look)
     whole = len(html) * len(wanted) / len(taken.numbers)
     while len(html) > room and len(taken.numbers) > 2:
         n = len(taken.numbers)
         taken = taken.some(spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html))))))
-        html = _figure(taken)
+        html = _figure(taken, look)
     n = len(taken.numbers)
     if len(html) > room:
         raise ValueError(
@@ -207,8 +216,8 @@ def spread(n: int, most: int) -> list[int]:
     return [int(k) for k in np.unique(wanted)]
 
 
-def _figure(taken: Taken) -> str:
-    described, data = packed(taken)
+def _figure(taken: Taken, look: Look) -> str:
+    described, data = packed(taken, look)
     tables = "\n".join(
         f'<script type="text/plain" data-table="{name}">{text}</script>'
         for name, text in data.items()

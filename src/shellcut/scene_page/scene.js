@@ -13,12 +13,13 @@ class SceneView {
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.1, 10);
     this.camera.up.set(0, 0, 1);
-    const lamp = new THREE.DirectionalLight(0xffffff, 0.5 * LIGHT);
-    this.camera.add(lamp);
-    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.55 * LIGHT));
+    const lamp = new THREE.DirectionalLight(0xffffff, 0.75 * LIGHT);
+    lamp.position.set(-0.45, 0.6, 0.66); // above the viewer's left shoulder
+    this.camera.add(lamp, lamp.target);
+    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.5 * LIGHT));
     this.parts = {};
     this.addFilm();
-    const colors = Object.fromEntries(content.legend.map((entry) => [entry.part, entry.color]));
+    const colors = Object.fromEntries(content.legend.map((entry) => [entry.switch, entry.color]));
     for (const [name, width] of [["flanks", 2.6], ["straight", 2.2], ["jointed", 2.2]]) {
       this.parts[name] = this.thick(colors[name] || [0, 0, 0], width);
       this.scene.add(this.parts[name]);
@@ -42,6 +43,7 @@ class SceneView {
     const film = new THREE.MeshLambertMaterial({ vertexColors: true, side, ...behind });
     const lines = new THREE.LineBasicMaterial({ color: 0x1a1a26, transparent: true, opacity: 0.3 });
     this.film = new Film(film, lines);
+    this.parts.film = this.film.mesh;
     this.parts.mesh = this.film.outlines;
     this.scene.add(this.film.mesh, this.film.outlines);
   }
@@ -72,12 +74,12 @@ class SceneView {
 
   // The outline of the picked quad, and its picked node.
   addMark() {
-    this.mark = this.thick([0.75, 0, 0.75], 3.5);
+    this.mark = this.thick([1, 0.3, 0.85], 3.5);
     this.mark.material.depthTest = false;
     this.mark.renderOrder = 3;
     const dot = new THREE.BufferGeometry();
     dot.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3), 3));
-    const look = { color: 0xbf00bf, size: 9, sizeAttenuation: false, depthTest: false };
+    const look = { color: 0xff4dd9, size: 9, sizeAttenuation: false, depthTest: false };
     this.dot = new THREE.Points(dot, new THREE.PointsMaterial(look));
     this.dot.renderOrder = 3;
     this.dot.frustumCulled = false;
@@ -121,7 +123,7 @@ class SceneView {
   // ---------------------------------------------------------------- the camera
 
   // The camera stands as near as it can see all places, three numbers each.
-  look(places, elevation = 42, azimuth = -60) {
+  look(places, elevation, azimuth, zoom) {
     const [up, round] = [elevation, azimuth].map((angle) => (angle * Math.PI) / 180);
     const toward = new THREE.Vector3(
       Math.cos(up) * Math.cos(round), Math.cos(up) * Math.sin(round), Math.sin(up),
@@ -139,7 +141,7 @@ class SceneView {
     this.camera.near = 0.002 * away;
     this.camera.far = 30 * away;
     this.camera.updateProjectionMatrix();
-    this.camera.position.copy(centre).addScaledVector(toward, away);
+    this.camera.position.copy(centre).addScaledVector(toward, away / zoom);
     this.controls.target.copy(centre);
     this.controls.update();
     this.draw();

@@ -43,7 +43,13 @@ def close_camera(frame: Frame, toward: Floats, shape: tuple[int, int]) -> Camera
     height, width = (OVERSAMPLING * n for n in shape)
     # Show more of the cut than of the film ahead: shift the edge off the middle, forward.
     centre = focus - 0.12 * close_width * forward
-    return Camera(axes, centre, width / close_width, (height, width))
+    # The top of the tooth should be in the picture, if it is not much longer than its edge.
+    half = 0.5 * close_width * height / width
+    tooth = frame.tool_points[frame.tool_triangles[frame.tool_tooth == frame.edge_tooth[0]]]
+    top = ((tooth.reshape(-1, 3) - centre) @ axes[1]).max(initial=0.0)
+    more = min(max(1.06 * top - half, 0.0), 2.0 * half)
+    scale = height / (2.0 * half + more)
+    return Camera(axes, centre + 0.5 * more * axes[1], scale, (height, width))
 
 
 def _membrane_normal(frame: Frame, focus: Floats) -> Floats:

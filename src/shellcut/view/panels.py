@@ -17,11 +17,10 @@ from ._panel import (
     eight_bit,
     picture,
     round_length,
-    stress_scale,
     whole_camera,
 )
 from ._raster import Camera
-from .fields import STRESSES, limits_for
+from .look import Look
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +58,7 @@ class Panels:
         Height and width of the picture of the whole film [pixel].
     close_shape : (int, int), optional
         The same for the picture of the tooth.
-    stress_limits : (float, float), optional
-        Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
-    stress : str
-        One of :data:`STRESSES`.
+    look : Look
     """
 
     def __init__(
@@ -71,13 +67,10 @@ class Panels:
         *,
         shape: tuple[int, int],
         close_shape: tuple[int, int] | None = None,
-        stress: str = "largest principal",
-        stress_limits: tuple[float, float] | None = None,
+        look: Look,
     ) -> None:
-        self.values = STRESSES[stress]
-        self.stress_limits = stress_limits or limits_for(seen, stress)
-        self.scale = stress_scale(self.stress_limits)
-        self._camera = whole_camera(seen, shape)
+        self.look, self.limits = look, look.limits_for(seen)
+        self._camera = whole_camera(seen, shape, look)
         self._close_shape = close_shape or shape
 
     def whole(self, frame: Frame) -> Panel:
@@ -104,13 +97,12 @@ class Panels:
         return float(x), float(y), radius / OVERSAMPLING
 
     def _panel(self, frame: Frame, camera: Camera) -> Panel:
-        colors = np.asarray(self.scale.to_rgba(self.values(frame)))[:, :3]
-        return Panel(picture(frame, camera, colors), camera)
+        return Panel(picture(frame, camera, self.look, self.limits), camera)
 
 
-def height_over_width(frames: Sequence[Frame]) -> float:
+def height_over_width(frames: Sequence[Frame], look: Look) -> float:
     """Return the aspect ratio of the visible scene, limited to sensible shapes of a picture."""
-    camera = whole_camera(frames, (1000, 1000))
+    camera = whole_camera(frames, (1000, 1000), look)
     at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
     extent = np.ptp(at, axis=0)
     return float(np.clip(extent[1] / extent[0] + 0.06, 0.4, 1.0))

@@ -3,77 +3,51 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
+from shellcut.unit import in_unit
 
-from ._figure import inches_of, new_figure, save
-from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_parts
-from .fields import STRESSES
+from ._figure import inches_of, new_figure
+from ._panel import (
+    PAPER,
+    add_color_bar,
+    add_legend,
+    color_scale,
+    eight_bit,
+    pixels_of,
+    show,
+    title_parts,
+)
+from .look import Look
 from .panels import Panel, Panels
 
 # Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
 _ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
-_SCALE = "stress scale"  # keyword of a PNG's text
-
-
-def draw_snapshot(
-    path: str | os.PathLike[str] | IO[bytes],
-    frame: Frame,
-    *,
-    stress_limits: tuple[float, float] | None = None,
-    size: tuple[float, float] = (13.0, 7.0),
-    dpi: float = 90.0,
-) -> None:
-    """Draw one frame to a picture file.
-
-    The film is coloured by its largest principal stress, the flanks of the crack are bold, colours
-    distinguish straight cables from those bent around the edge, the tool is a semi-transparent
-    solid with red cutting edges. Edges and cables hidden by the film shine through.
-
-    Parameters
-    ----------
-    path : str, Path or binary file
-        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
-        An open file gets a PNG.
-    frame : Frame
-        The frame to draw. Without a cutting edge only the whole model is drawn.
-    stress_limits : (float, float), optional
-        Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
-        Give them to compare pictures of one run.
-    size : (float, float)
-        Width and height [inch].
-    dpi : float
-        Pixels per inch.
-
-    Raises
-    ------
-    ImportError
-        If Matplotlib is not installed.
-    """
-    series = SnapshotSeries([frame], stress_limits=stress_limits, size=size, dpi=dpi)
-    low, high = series.stress_limits
-    save(series.figure(frame), path, {_SCALE: f"{low!r} to {high!r} MPa"})
+_LOOK = Look()
 
 
 def draw_scene(
     path: str | os.PathLike[str],
     frame: Frame,
     *,
-    stress: str = "largest principal",
-    stress_limits: tuple[float, float] | None = None,
+    look: Look = _LOOK,
     together_with: Sequence[Frame] = (),
+    close_up: bool = False,
     size: tuple[int, int] = (1280, 800),
 ) -> None:
     """Draw one frame to a picture file.
+
+    The flanks of the crack are bold, colours distinguish straight cables from those bent around the
+    edge, the tool is a semi-transparent solid with red cutting edges. Edges and cables hidden by
+    the film shine through.
 
     Parameters
     ----------
@@ -81,13 +55,13 @@ def draw_scene(
         The picture, ``.png`` or another suffix that Pillow knows; replaced if it exists.
     frame : Frame
         The frame to draw.
-    stress : str
-        One of :data:`STRESSES`.
-    stress_limits : (float, float), optional
-        Limits of the colour scale [MPa]; by default round numbers around nearly all quads.
+    look : Look
+        Field, colours, camera, hidden parts.
     together_with : sequence of Frame
         Other frames of the run that camera, scale and legend must cover. With all of them the
         picture equals the frame of :func:`draw_movie`.
+    close_up : bool
+        Whether the first tooth is shown beside the whole, where there are cutting edges.
     size : (int, int)
         Width and height [pixel].
 
@@ -96,53 +70,13 @@ def draw_scene(
     ImportError
         If Matplotlib is not installed.
     ValueError
-        If there is no such stress.
+        If there is no such field or colour map.
     """
-    if stress not in STRESSES:
-        raise ValueError(f"stress must be one of {', '.join(STRESSES)}, got {stress!r}")
-    series = scene_series([frame, *together_with], stress, stress_limits, size)
+    series = SnapshotSeries([frame, *together_with], look=look, size=size, close_up=close_up)
     from PIL import Image
 
     with atomic_write(Path(path)) as temporary:
         Image.fromarray(series.image(frame)).save(temporary)
-
-
-def scene_series(
-    seen: Sequence[Frame],
-    stress: str,
-    limits: tuple[float, float] | None,
-    size: tuple[int, int],
-) -> SnapshotSeries:
-    """Return pictures of the whole film that share camera, scale and legend; size in pixels."""
-    inches, dpi = inches_of(size)
-    return SnapshotSeries(
-        seen, close_up=False, stress=stress, stress_limits=limits, size=inches, dpi=dpi
-    )
-
-
-def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:
-    """Return the limits of the stress scale of a snapshot [MPa].
-
-    Parameters
-    ----------
-    path : str or Path
-        A PNG written by :func:`draw_snapshot`.
-
-    Returns
-    -------
-    (float, float) or None
-        None if the picture does not contain them.
-
-    Raises
-    ------
-    OSError
-        If the file is no picture.
-    """
-    from PIL import Image
-
-    with Image.open(path) as picture:
-        found = re.fullmatch(r"(\S+) to (\S+) MPa", str(picture.info.get(_SCALE, "")))
-    return (float(found[1]), float(found[2])) if found else None
 
 
 class SnapshotSeries:
@@ -154,47 +88,34 @@ class SnapshotSeries:
     ----------
     seen : sequence of Frame
         Frames that the left camera and the legend must cover.
-    size, dpi
-        As in :func:`draw_snapshot`.
-    close_up : bool
-        Whether a tooth is shown beside the whole, where there are cutting edges.
-    stress, stress_limits
-        As in :class:`Panels`.
+    look, size, close_up
+        As in :func:`draw_scene`.
     """
 
     def __init__(
-        self,
-        seen: Sequence[Frame],
-        *,
-        size: tuple[float, float],
-        dpi: float,
-        close_up: bool = True,
-        stress: str = "largest principal",
-        stress_limits: tuple[float, float] | None = None,
+        self, seen: Sequence[Frame], *, look: Look, size: tuple[int, int], close_up: bool = False
     ) -> None:
+        inches, dpi = inches_of(size)
         with_edge = close_up and any(len(frame.edge_points) for frame in seen)
         box = _LEFT_BOX if with_edge else _ONLY_BOX
         self._panels = Panels(
             seen,
-            shape=pixels_of(box, size, dpi),
-            close_shape=pixels_of(_RIGHT_BOX, size, dpi),
-            stress=stress,
-            stress_limits=stress_limits,
+            shape=pixels_of(box, inches, dpi),
+            close_shape=pixels_of(_RIGHT_BOX, inches, dpi),
+            look=look,
         )
-        self._figure = new_figure(size, dpi)
-        values = [self._panels.values(frame) for frame in seen]
-        bar = (0.04, 0.075, 0.30, 0.02)
-        add_color_bar(self._figure, self._panels.scale, values, bar, label=f"{stress} stress [MPa]")
-        add_legend(self._figure, seen, bbox_to_anchor=(0.995, 0.025))
+        self._figure = new_figure(inches, dpi)
+        if look.shows("film"):
+            field = look.field_of(seen[0])
+            values = [field.values(frame) for frame in seen]
+            bar, label = (0.04, 0.075, 0.30, 0.02), in_unit(field.label, field.unit)
+            scale = color_scale(look, self._panels.limits)
+            add_color_bar(self._figure, scale, values, bar, label)
+        add_legend(self._figure, seen, look, bbox_to_anchor=(0.995, 0.025))
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
         self._circle: Any = None
-
-    @property
-    def stress_limits(self) -> tuple[float, float]:
-        """Limits of the colour scale [MPa]."""
-        return self._panels.stress_limits
 
     def figure(self, frame: Frame) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
@@ -224,13 +145,14 @@ def _put(axes: Any, panel: Panel, label: str = "") -> None:
         return
     show(axes, panel.image, panel.bar)
     if label:
-        axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12)
+        axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12, bbox=PAPER)
 
 
 def _circle(axes: Any, circle: Any, x: float, y: float, radius: float) -> Any:
     from matplotlib.patches import Circle
 
     if circle is None:
-        circle = axes.add_patch(Circle((x, y), radius, fill=False, ls="--", lw=1.2, ec="0.25"))
+        look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25", "clip_on": False}
+        circle = axes.add_patch(Circle((x, y), radius, **look))
     circle.center, circle.radius = (x, y), radius
     return circle
