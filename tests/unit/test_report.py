@@ -481,9 +481,9 @@ def test_a_large_run_has_fewer_frames_in_the_scene(out, monkeypatch):
     monkeypatch.setattr(scene, "_LARGEST", round(0.6 * len(whole)))
     said = scene.scene(gather(out))
     assert scene.MARK in said
-    assert said.endswith("a &amp; b&#x27; --html FILE</code> writes.</p>")
+    assert said.endswith("a &amp; b&#x27; -o FILE.html</code> writes.</p>")
     monkeypatch.setattr(scene, "_LARGEST", 3_000)
     said = scene.scene(gather(out))
     assert scene.MARK not in said
-    assert "No scene: 2 frames with 9 fields must fit" in said
+    assert "No scene: 2 frames must fit" in said
     assert "<code>shellcut view" in said

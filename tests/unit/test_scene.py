@@ -13,7 +13,7 @@ from opening_frame import opening_frame
 from run_folder import write_run
 from shellcut.command_line import main
 from shellcut.view import Look, _panel, draw_movie, draw_scene, movie, panels, progress
-from shellcut.view.fields import at_corners, chosen_fields
+from shellcut.view.fields import at_corners, fields_of
 
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
 SIZE = (480, 320)
@@ -54,9 +54,9 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
         ({}, (0.95, 0.9, 0.2), 0.1, 0.9),
         ({"field": "largest principal, bottom"}, (0.95, 0.9, 0.2), 0.0, 0.01),
         ({"colormap": "inferno"}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"limits": (0.0, 1000.0)}, (0.95, 0.9, 0.2), 0.0, 0.01),
+        ({"high": 1000.0}, (0.95, 0.9, 0.2), 0.0, 0.01),
         ({"hide": ["film"]}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"camera": (42.0, -60.0, 0.3)}, (0.95, 0.9, 0.2), 0.005, 0.08),
+        ({"zoom": 0.3}, (0.95, 0.9, 0.2), 0.005, 0.08),
         ({}, _panel.EDGE_COLOR, 2e-4, 0.1),
         ({"hide": ["edges"]}, _panel.EDGE_COLOR, 0.0, 1e-4),
     ],
@@ -64,7 +64,7 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
 def test_a_look_is_kept(tmp_path, look, color, least, most):
     top = np.tile([18.0, 0.0], (len(FRAMES[2].quads), 1))
     strained = dataclasses.replace(FRAMES[2], quad_principal_top=top)
-    whole = {"field": "largest principal, top", "limits": (0.0, 18.0)} | look
+    whole = {"field": "largest principal, top", "low": 0.0, "high": 18.0} | look
     draw_scene(tmp_path / "s.png", strained, look=Look(**whole), size=SIZE)
     drawn = pixels(tmp_path / "s.png")[35:260]
     assert least <= near(drawn, color, 0.2) / drawn[..., 0].size <= most
@@ -83,7 +83,7 @@ def test_parts_hide_what_they_name(tmp_path):
 @pytest.mark.parametrize("of", ["quad", "node"])
 def test_smooth_colours_run_from_node_to_node_and_not_across_a_crack(of):
     frame = FRAMES[2]
-    (field,) = chosen_fields(frame, ["thickness" if of == "quad" else "displacement z"])
+    field = fields_of(frame)["thickness" if of == "quad" else "displacement z"]
     rng = np.random.default_rng(3)
     values = rng.uniform(size=len(frame.quads if of == "quad" else frame.points))
     field = dataclasses.replace(field, values=lambda _: values)
@@ -104,14 +104,20 @@ def test_names_and_limits_of_fields():
     )
     # sqrt(16 + 48 + 144) = 14.42
     np.testing.assert_allclose(Look(field="von Mises").field_of(frame).values(frame), np.sqrt(208))
-    assert Look(field="smallest principal").limits_for([frame]) == (-15.0, 0.0)
-    with pytest.raises(ValueError, match=r"von Mises.*got 'tresca'"):
-        draw_scene("never.png", frame, look=Look(field="tresca"))
-    with pytest.raises(ValueError, match=r"such as viridis.*got 'no'"):
-        draw_scene("never.png", frame, look=Look(colormap="no"))
-    with pytest.raises(ValueError, match="hide takes") as refused:
-        Look(hide=["shaft"], limits=(1.0, 1.0), camera=(91.0, 0.0, np.nan))
-    for said in ("got shaft", "limits must rise", "camera must be", "91.0, 0.0, nan"):
+    smallest = Look(field="smallest principal").field_of(frame)
+    values = [smallest.values(frame)]
+    assert Look().limits_for(values, smallest.sign) == (-15.0, 0.0)
+    assert Look(high=5.0).limits_for(values, smallest.sign) == (-15.0, 5.0)
+    for wrong, said in [
+        ({"field": "tresca"}, r"von Mises.*got 'tresca'"),
+        ({"colormap": "no"}, r"such as viridis.*got 'no'"),
+        ({"low": 7.0, "high": 7.0}, "low must be below high, got 7 and 7"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            draw_scene("never.png", frame, look=Look(**wrong))
+    with pytest.raises(ValueError, match="hide must be") as refused:
+        Look(hide=["shaft"], elevation=91.0, zoom=0.0)
+    for said in ("got ['shaft']", "elevation must be", "zoom must be positive"):
         assert said in str(refused.value)
 
 
@@ -153,15 +159,15 @@ def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, monkeypatch)
         kept.extend(images)
         path.touch()
 
-    monkeypatch.setitem(movie._WRITERS, ".gif", keep)
-    draw_movie(tmp_path / "cut.gif", frames, size=SIZE, look=Look(limits=(0.0, 15.0)))
+    monkeypatch.setitem(movie.MOVIES, ".gif", keep)
+    draw_movie(tmp_path / "cut.gif", frames, size=SIZE, look=Look(low=0.0, high=15.0))
     assert len(kept) == len(frames)
     # What lasts is made once for all of them, which is most of the time that a picture takes.
     assert len(made) == 1
     for k, (frame, image) in enumerate(zip(frames, kept, strict=True)):
         path = tmp_path / f"{k}.png"
         others = [*frames[:k], *frames[k + 1 :]]
-        draw_scene(path, frame, size=SIZE, together_with=others, look=Look(limits=(0.0, 15.0)))
+        draw_scene(path, frame, size=SIZE, together_with=others, look=Look(low=0.0, high=15.0))
         np.testing.assert_array_equal(image, np.rint(255.0 * pixels(path)))
 
 
@@ -179,15 +185,15 @@ def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
 def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys):
     folder = write_run(tmp_path / "run", "cut", [0.0, 1.0], [0.0, 5.0])
     path = tmp_path / "cut.gif"
-    assert main(["view", str(folder), "--movie", str(path), "--limits", "0", "20"]) == 0
+    assert main(["view", str(folder), "-o", str(path), "--low", "0", "--high", "20"]) == 0
     with pillow.open(path) as drawn:
         assert drawn.n_frames == shellcut.read(folder).n_frame
     out, err = capsys.readouterr()
     assert out.startswith(f"{path} (")
     assert "100 %" in err
-    assert main(["view", str(folder), "--movie", "cut.avi", "--field", "tresca"]) == 2
+    assert main(["view", str(folder), "-o", "cut.gif", "--field", "tresca"]) == 2
     err = capsys.readouterr().err
-    assert ".mp4 or .webp or .gif" in err
+    assert "got 'tresca'" in err
     assert main(["view", str(folder), "--frame", "0"]) == 0
     still = folder / "frame_0000.png"
     assert capsys.readouterr().out.startswith(f"{still} (")
@@ -196,8 +202,13 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
     capsys.readouterr()
     assert main(["view", str(folder), "--frame", "9"]) == 2
     assert "0 to 0, got 9" in capsys.readouterr().err
-    assert main(["view", str(folder), "--movie", "a.gif", "-o", "b.png"]) == 2
-    assert "give only one" in capsys.readouterr().err
+    for wrong, said in [
+        (["-o", "a.gif", "--frame", "0"], "--frame belongs to a picture"),
+        (["-o", "a.png", "--frames", "2"], "--frames belongs to page and movie"),
+        (["-o", "a.html", "--size", "100", "80"], "the page fills its window"),
+    ]:
+        assert main(["view", str(folder), *wrong]) == 2
+        assert said in capsys.readouterr().err
     assert main(["view", str(tmp_path / "none")]) == 2
     assert "none" in capsys.readouterr().err
 

@@ -13,10 +13,11 @@ from shellcut.arrays import Floats
 from shellcut.frame import Frame
 from shellcut.results.run_results import Results
 from shellcut.view import Look, legend_of, title_parts, tool_creases
-from shellcut.view.fields import Field, field_limits
+from shellcut.view.fields import Field
 
 from .tables import PackedTable, pack_ids, pack_numbers
 
+_LOOK = Look()
 Rows = list[Any]
 """One array for each frame."""
 
@@ -120,8 +121,9 @@ def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
                 "label": field.label,
                 "unit": field.unit,
                 "of": field.of,
-                "limits": (number == 0 and look.limits)
-                or field_limits([values[:, 0] for values in rows], field.sign),
+                "limits": (look if field.name == look.field else _LOOK).limits_for(
+                    [values[:, 0] for values in rows], field.sign
+                ),
             }
         )
     described = {
@@ -135,9 +137,10 @@ def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
         "fields": fields,
         "look": {
             "colors": np.round(look.colors(64), 3).tolist(),
-            "smooth": look.smooth,
+            "field": look.field,
+            "smooth": not look.flat,
             "hide": list(look.hide),
-            "camera": look.camera,
+            "camera": [look.elevation, look.azimuth, look.zoom],
         },
         "tool": taken.tool,
         "legend": taken.legend,

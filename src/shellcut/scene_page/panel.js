@@ -43,7 +43,9 @@ class Panel {
     this.listen();
     this.view.resize();
     this.reset();
-    await this.chooseField(0);
+    const first = this.content.fields.findIndex(({ name }) => name === this.content.look.field);
+    this.part("field").value = first;
+    await this.chooseField(first);
     this.say("");
     new ResizeObserver(() => this.view.resize()).observe(this.part("canvas"));
   }

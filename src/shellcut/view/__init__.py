@@ -7,16 +7,14 @@ from ._figure import with_unit as number_with_unit
 from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool_creases
 from .crack_map import draw_crack_map
 from .curves import Curve, Diagram, draw_curves
-from .fields import FIELDS
-from .look import PARTS, Look
+from .look import Look
 from .model_picture import ModelView, draw_model
-from .movie import draw_movie
+from .movie import MOVIES, draw_movie
 from .panels import Panel, Panels, height_over_width
 from .snapshot import draw_scene
 
 __all__ = [
-    "FIELDS",
-    "PARTS",
+    "MOVIES",
     "Curve",
     "Diagram",
     "Look",

@@ -78,7 +78,7 @@ def _lit_surfaces(
         rows, columns = _triangles(frame.quads)
         nodes = frame.quads[rows, columns]
         corners = frame.points[nodes]
-        values = at_corners(look.field_of(frame), frame, look.smooth)[rows, columns]
+        values = at_corners(look.field_of(frame), frame, not look.flat)[rows, columns]
         values = (values - limits[0]) / (limits[1] - limits[0])
         normals = _normals(corners, nodes, len(frame.points)) @ camera.axes.T
         film.draw(camera.project(corners), look.colors(), values, normals[nodes])
@@ -126,7 +126,7 @@ def whole_camera(frames: Sequence[Frame], shape: tuple[int, int], look: Look) ->
 
     shape : height and width of the picture [pixel].
     """
-    (elevation, azimuth), zoom = np.radians(look.camera[:2]), look.camera[2]
+    elevation, azimuth = np.radians((look.elevation, look.azimuth))
     level = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     up = np.array([0.0, 0.0, 1.0])
     axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * up, up)
@@ -140,7 +140,7 @@ def whole_camera(frames: Sequence[Frame], shape: tuple[int, int], look: Look) ->
     low, high = across.min(axis=0), across.max(axis=0)
     height, width = (OVERSAMPLING * n for n in shape)
     room = 0.94 * np.array([width, height]) / (high - low)[:2].clip(1e-12)
-    return Camera(axes, 0.5 * (low + high) @ axes, zoom * float(room.min()), (height, width))
+    return Camera(axes, 0.5 * (low + high) @ axes, look.zoom * float(room.min()), (height, width))
 
 
 def pixels_of(

@@ -75,24 +75,6 @@ def fields_of(frame: Frame) -> dict[str, Field]:
     return found
 
 
-def chosen_fields(frame: Frame, names: Sequence[str] | None) -> list[Field]:
-    """Return the named fields of a frame in this order; all if ``names`` is None.
-
-    Raises
-    ------
-    ValueError
-        If a name is none of the frame's fields, or there is no name.
-    """
-    known = fields_of(frame)
-    if names is None:
-        return list(known.values())
-    unknown = [name for name in names if name not in known]
-    if unknown or not names:
-        got = ", ".join(map(repr, unknown)) or "none"
-        raise ValueError(f"a field must be one of {'; '.join(known)}; got {got}")
-    return [known[name] for name in dict.fromkeys(names)]
-
-
 def at_corners(field: Field, frame: Frame, smooth: bool) -> Floats:
     """Return a field's numbers at the corners of the quads, of the shape of ``frame.quads``.
 

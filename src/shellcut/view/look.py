@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 
+from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.frame import Frame
 
-from .fields import Field, chosen_fields, field_limits
-
-PARTS = ("film", "mesh", "flanks", "cables", "edges", "tool")
-"""What a look can hide."""
+from .fields import FIELDS, Field, field_limits, fields_of
 
 _DEFAULT = "viridis"
 _VIRIDIS = (
@@ -22,44 +21,39 @@ _VIRIDIS = (
 )  # Matplotlib's (van der Walt and Smith, CC0) at 18 even places
 
 
+Part = Literal["film", "mesh", "flanks", "cables", "edges", "tool"]
+"""What a look can hide."""
+PARTS: tuple[Part, ...] = get_args(Part)
+
+
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """How a run is shown.
+    """How pictures, movies and the page to turn show a run."""
 
-    Raises
-    ------
-    ValueError
-        If a part, the scale or the camera cannot be; what cannot is told all at once.
-    """
-
-    field: str = "largest principal"
-    """What colours the film, a name of :func:`shellcut.view.fields.fields_of`."""
-    limits: tuple[float, float] | None = None
-    """Of the colour scale, in the unit of the field; by default round numbers around nearly all."""
-    colormap: str = _DEFAULT
-    """Name of a colour map of Matplotlib; for others than the default it must be installed."""
-    smooth: bool = True
-    """Whether colours run from node to node, each the mean of its quads, or each quad has one."""
-    hide: Collection[str] = ()
-    """Some of :data:`PARTS`."""
-    camera: tuple[float, float, float] = (42.0, -60.0, 1.0)
-    """Elevation above the x-y plane and azimuth from the x axis [deg], and zoom."""
-
-    def __post_init__(self) -> None:
-        problems = []
-        unknown = ", ".join(sorted(set(self.hide) - set(PARTS)))
-        if unknown:
-            problems.append(f"hide takes {', '.join(PARTS)}, got {unknown}")
-        if self.limits is not None and not self.limits[0] < self.limits[1]:
-            problems.append(f"limits must rise and be finite, got {self.limits}")
-        elevation, azimuth, zoom = self.camera
-        if not (abs(elevation) <= 90.0 and abs(azimuth) <= 360.0 and 0.01 <= zoom <= 100.0):
-            problems.append(
-                "camera must be an elevation up to 90°, an azimuth up to 360° and a zoom from "
-                f"0.01 to 100, got {elevation}, {azimuth}, {zoom}"
-            )
-        if problems:
-            raise ValueError("; ".join(problems))
+    field: Annotated[
+        str,
+        Option("", f"what colours the film: {', '.join(FIELDS)}, or a number of the material"),
+    ] = "largest principal"
+    low: Annotated[
+        float | None,
+        Option("", "lower end of the colour scale", unset="from the frames"),
+    ] = None
+    high: Annotated[float | None, Option("", "upper end", unset="from the frames")] = None
+    colormap: Annotated[
+        str, Option("", "colours, any map of Matplotlib: cividis, inferno, turbo, coolwarm, ...")
+    ] = _DEFAULT
+    flat: Annotated[bool, Option("", "one colour for each quad, not smooth from node to node")] = (
+        False
+    )
+    hide: Annotated[Sequence[Part], Option("", f"parts not to show: {', '.join(PARTS)}")] = ()
+    elevation: Annotated[
+        float, Option("deg", "of the camera above the x-y plane", least=-90, most=90)
+    ] = 42.0
+    azimuth: Annotated[
+        float, Option("deg", "of the camera from the x axis", least=-360, most=360)
+    ] = -60.0
+    zoom: Annotated[float, Option("", "1 shows all of film and tool", above=0, most=100)] = 1.0
 
     def shows(self, part: str) -> bool:
         """Return whether a part is not hidden."""
@@ -73,12 +67,25 @@ class Look:
         ValueError
             If the frame has no such field.
         """
-        return chosen_fields(frame, [self.field])[0]
+        known = fields_of(frame)
+        if self.field not in known:
+            raise ValueError(f"field must be one of {'; '.join(known)}; got {self.field!r}")
+        return known[self.field]
 
-    def limits_for(self, seen: Sequence[Frame]) -> tuple[float, float]:
-        """Return the ends of the colour scale of some frames."""
-        field = self.field_of(seen[-1])
-        return self.limits or field_limits([field.values(frame) for frame in seen], field.sign)
+    def limits_for(self, values: Sequence[Floats], sign: int) -> tuple[float, float]:
+        """Return the ends of the colour scale of a field, ``sign`` as in :class:`Field`.
+
+        Raises
+        ------
+        ValueError
+            If the lower end is not below the upper one.
+        """
+        low, high = field_limits(values, sign)
+        low = low if self.low is None else self.low
+        high = high if self.high is None else self.high
+        if not low < high:
+            raise ValueError(f"low must be below high, got {low:g} and {high:g}")
+        return low, high
 
     def colors(self, n: int = 256) -> Floats:
         """Return the colours of the scale from its lower to its upper end, shape (n, 3), [-].

@@ -65,8 +65,8 @@ def draw_movie(
     problems = []
     kind = path.suffix.lower()
     size = size or ((1920, 1080) if kind == ".mp4" else (960, 540))
-    if kind not in _WRITERS:
-        problems.append(f"a movie's file ends with {' or '.join(_WRITERS)}, got {path.name!r}")
+    if kind not in MOVIES:
+        problems.append(f"a movie's file ends with {' or '.join(MOVIES)}, got {path.name!r}")
     if not len(frames):
         problems.append("a movie needs at least one frame, got none")
     if size[0] % 2 or size[1] % 2 or min(size) < 2:
@@ -79,7 +79,7 @@ def draw_movie(
     images = (series.image(frame) for frame in frames)
     shown = _followed(images, len(frames), path.name) if progress else images
     with atomic_write(path) as temporary:
-        _WRITERS[kind](temporary, shown, fps, size)
+        MOVIES[kind](temporary, shown, fps, size)
 
 
 def _followed(images: Iterator[Image], n: int, name: str) -> Iterator[Image]:
@@ -135,4 +135,5 @@ def _write_by_pillow(path: Path, images: Iterator[Image], fps: float, _: tuple[i
     first.save(path, save_all=True, append_images=others, **how)
 
 
-_WRITERS: dict[str, Any] = {".mp4": _write_mp4, ".webp": _write_by_pillow, ".gif": _write_by_pillow}
+MOVIES: dict[str, Any] = {".mp4": _write_mp4, ".webp": _write_by_pillow, ".gif": _write_by_pillow}
+"""Writers of movies by suffix."""

@@ -69,7 +69,9 @@ class Panels:
         close_shape: tuple[int, int] | None = None,
         look: Look,
     ) -> None:
-        self.look, self.limits = look, look.limits_for(seen)
+        field = look.field_of(seen[0])
+        self.look, self.values = look, [field.values(frame) for frame in seen]
+        self.limits = look.limits_for(self.values, field.sign)
         self._camera = whole_camera(seen, shape, look)
         self._close_shape = close_shape or shape
 

@@ -107,10 +107,9 @@ class SnapshotSeries:
         self._figure = new_figure(inches, dpi)
         if look.shows("film"):
             field = look.field_of(seen[0])
-            values = [field.values(frame) for frame in seen]
             bar, label = (0.04, 0.075, 0.30, 0.02), in_unit(field.label, field.unit)
             scale = color_scale(look, self._panels.limits)
-            add_color_bar(self._figure, scale, values, bar, label)
+            add_color_bar(self._figure, scale, self._panels.values, bar, label)
         add_legend(self._figure, seen, look, bbox_to_anchor=(0.995, 0.025))
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
         self._left = self._figure.add_axes(box)
