@@ -178,8 +178,6 @@ def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
     assert [line.split(" %: ")[0] for line in said] == [f"cut.gif: {n}" for n in (0, 33, 66, 100)]
     assert "frames/s" in said[-1]
     assert said[-1].endswith("0 s left")
-    draw_movie(tmp_path / "cut.gif", FRAMES[:1], size=(240, 160), progress=False)
-    assert capsys.readouterr().err == ""
 
 
 def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys):

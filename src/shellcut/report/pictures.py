@@ -6,14 +6,14 @@ phone and on a desktop.
 
 from __future__ import annotations
 
-import base64
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
+from shellcut.card import image
 from shellcut.frame import Frame
 from shellcut.view import (
     Look,
@@ -21,7 +21,6 @@ from shellcut.view import (
     Panels,
     caption_of,
     draw_crack_map,
-    height_over_width,
     legend_of,
 )
 
@@ -30,13 +29,13 @@ from .markup import missing
 
 _N_MAP = 100  # frames read for the crack map
 _N_FRAME = 6  # frames in the film strip
-_STRIP_WIDTH = 480  # pixels of a picture in the film strip
+_STRIP = (340, 480)  # height and width of a picture in the film strip [pixel]
 _N_COLOR = 12  # colours of the stress scale; CSS interpolates between them
 _MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
 
 def crack_map(run: Gathered) -> str:
-    """Return the crack on the uncut film, in one format for desktops and one for phones."""
+    """Return the crack on the uncut film."""
     frames = run.frames(_N_MAP)
     if not frames:
         return missing("No crack map: there are no frames.")
@@ -46,13 +45,11 @@ def crack_map(run: Gathered) -> str:
         kinds = run.splits["kind"]
         places = {str(kind): where[kinds == kind] for kind in np.unique(kinds)}
 
-    def drawn(width: float, dpi: float) -> bytes:
-        return _picture(
-            lambda path: draw_crack_map(path, frames, splits=places, width=width, dpi=dpi)
-        )
-
     try:
-        wide, narrow = drawn(8.0, 110.0), drawn(4.5, 165.0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "map.png"
+            draw_crack_map(path, frames, splits=places, width=6.5, dpi=130.0)
+            png = path.read_bytes()
     except ImportError:
         return missing(_MISSING)
     name = frames[-1].coordinate_name
@@ -62,8 +59,7 @@ def crack_map(run: Gathered) -> str:
         f"open; {len(frames)} of {run.results.n_frame if run.results else 0} frames were read."
     )
     return (
-        f'<figure><picture><source media="(max-width: 40rem)" srcset="{_data(narrow)}">'
-        f'{_image(wide, alt)}</picture><figcaption class="caption">{escape(caption)}</figcaption>'
+        f'<figure>{image(png, alt)}<figcaption class="caption">{escape(caption)}</figcaption>'
         "</figure>"
     )
 
@@ -74,9 +70,7 @@ def film_strip(run: Gathered) -> str:
     if not frames:
         return missing("No film strip: there are no frames.")
     try:
-        look = Look()
-        shape = (round(height_over_width(frames, look) * _STRIP_WIDTH), _STRIP_WIDTH)
-        panels = Panels(frames, shape=shape, look=look)
+        panels = Panels(frames, shape=_STRIP, look=Look())
         views = "".join(
             f"<figure>{_panel(panels.whole(frame), f'The film at {caption_of(frame)[0]}')}"
             f"<figcaption>{escape(' · '.join(caption_of(frame)))}</figcaption></figure>"
@@ -94,7 +88,7 @@ def film_strip(run: Gathered) -> str:
 def _panel(panel: Panel, alt: str) -> str:
     length, share = panel.bar
     bar = f'<span class="bar" style="width:{100.0 * share:.2f}%">{length:g} mm</span>'
-    return f'<div class="panel">{_image(panel.png(), alt)}{bar}</div>'
+    return f'<div class="panel">{image(panel.png(), alt)}{bar}</div>'
 
 
 def _stress(panels: Panels, frames: Sequence[Frame]) -> str:
@@ -124,18 +118,3 @@ def _marks(low: float, high: float) -> Iterator[str]:
 
 def _css(color: Sequence[float]) -> str:
     return "#" + "".join(f"{round(255.0 * part):02x}" for part in color[:3])
-
-
-def _picture(draw: Callable[[Path], None]) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
-        draw(path)
-        return path.read_bytes()
-
-
-def _image(png: bytes, alt: str) -> str:
-    return f'<img alt="{escape(alt)}" src="{_data(png)}">'
-
-
-def _data(png: bytes) -> str:
-    return f"data:image/png;base64,{base64.b64encode(png).decode('ascii')}"

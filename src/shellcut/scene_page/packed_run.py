@@ -51,24 +51,6 @@ class Taken:
     tool: dict[str, Any]
     legend: list[dict[str, Any]]
 
-    def some(self, chosen: Sequence[int]) -> Taken:
-        """Return the part of the chosen frames, places in ``numbers``."""
-
-        def of(rows: Any) -> Any:
-            return [rows[k] for k in chosen]
-
-        return Taken(
-            self.name,
-            of(self.numbers),
-            of(self.captions),
-            of(self.poses),
-            {name: of(rows) for name, rows in self.tables.items()},
-            {name: of(rows) for name, rows in self.values.items()},
-            self.fields,
-            self.tool,
-            self.legend,
-        )
-
 
 def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken:
     """Read frames, one after the other, and keep what a page shows of them."""

@@ -142,7 +142,8 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
     whole = len(html) * len(wanted) / len(taken.numbers)
     while len(html) > room and len(taken.numbers) > 2:
         n = len(taken.numbers)
-        taken = taken.some(spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html))))))
+        fewer = spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html)))))
+        taken = take(results, [taken.numbers[k] for k in fewer], chosen)
         html = _figure(taken, look)
     n = len(taken.numbers)
     if len(html) > room:

@@ -10,7 +10,7 @@ from .curves import Curve, Diagram, draw_curves
 from .look import Look
 from .model_picture import ModelView, draw_model
 from .movie import MOVIES, draw_movie
-from .panels import Panel, Panels, height_over_width
+from .panels import Panel, Panels
 from .snapshot import draw_scene
 
 __all__ = [
@@ -29,7 +29,6 @@ __all__ = [
     "draw_movie",
     "draw_scene",
     "edge_length",
-    "height_over_width",
     "legend_of",
     "number_with_unit",
     "title_parts",

@@ -31,9 +31,8 @@ def draw_movie(
     fps: float = 12.0,
     look: Look = _LOOK,
     size: tuple[int, int] | None = None,
-    progress: bool = True,
 ) -> None:
-    """Draw the frames one after the other, with one camera and one stress scale.
+    """Draw the frames one after the other, with one camera and one scale; say how far it is.
 
     Parameters
     ----------
@@ -49,8 +48,6 @@ def draw_movie(
     size : (int, int), optional
         Width and height, even numbers [pixel]; by default 1920 x 1080 of an MP4, 960 x 540 of
         others.
-    progress : bool
-        Whether to show progress on standard error.
 
     Raises
     ------
@@ -77,7 +74,7 @@ def draw_movie(
         raise ValueError("; ".join(problems))
     series = SnapshotSeries(frames, look=look, size=size)
     images = (series.image(frame) for frame in frames)
-    shown = _followed(images, len(frames), path.name) if progress else images
+    shown = _followed(images, len(frames), path.name)
     with atomic_write(path) as temporary:
         MOVIES[kind](temporary, shown, fps, size)
 

@@ -6,8 +6,6 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from shellcut.arrays import Floats
 from shellcut.frame import Frame
 
@@ -100,11 +98,3 @@ class Panels:
 
     def _panel(self, frame: Frame, camera: Camera) -> Panel:
         return Panel(picture(frame, camera, self.look, self.limits), camera)
-
-
-def height_over_width(frames: Sequence[Frame], look: Look) -> float:
-    """Return the aspect ratio of the visible scene, limited to sensible shapes of a picture."""
-    camera = whole_camera(frames, (1000, 1000), look)
-    at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
-    extent = np.ptp(at, axis=0)
-    return float(np.clip(extent[1] / extent[0] + 0.06, 0.4, 1.0))
