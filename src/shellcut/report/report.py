@@ -19,6 +19,8 @@ from .gathered import Gathered, gather, run_or_say
 from .markup import section
 from .page import page_of
 
+_CONCLUSION, _TRUST = "Conclusion", "What may be trusted"
+
 
 def report_run(
     folder: str | os.PathLike[str],
@@ -96,19 +98,21 @@ def _body(run: Gathered) -> str:
     last = run_or_say(run, "last frame", lambda: run.last_frame)
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
-        "Key figures": lambda: words.figures(run),
-        "Error bars": lambda: error_bars(run.error_bars),
+        _CONCLUSION: str,
         resistance: lambda: curves.resistance(run),
         "Measured curve": lambda: curves.measured(run),
+        "Where the work went": lambda: curves.energy(run),
+        _TRUST: str,
+        "Error bars": lambda: error_bars(run.error_bars),
         "The cut": lambda: pictures.film_strip(run),
         "In three dimensions": lambda: scene.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),
-        "Energy ledger": lambda: curves.energy(run),
+        "Figures": lambda: words.figures(run),
         "What was run": lambda: words.what_was_run(run),
         "Versions": words.versions,
     }
     made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
-    # Last, because it reports the problems of the other sections.
-    verdict = words.judgement(run, last)
-    return "".join(section(title, body) for title, body in {"Verdict": verdict, **made}.items())
+    # Last, because they report the problems of the other sections.
+    made[_CONCLUSION], made[_TRUST] = words.judged(run, last)
+    return "".join(section(title, body) for title, body in made.items())

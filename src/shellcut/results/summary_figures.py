@@ -97,6 +97,31 @@ def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [(label_of(key, window), with_unit(key, summary[key])) for key in [*known, *others]]
 
 
+def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
+    """Return what a run found, and whether its checks hold, in one sentence.
+
+    Examples
+    --------
+    >>> conclusion({"force_peak_N": 3.2, "crack_length_mm": 4.0}, n_doubt=1)
+    'Cutting 4 mm of the film takes a force of 3.2 N at most; 1 check speaks against it.'
+    """
+    crack, takes = summary.get("crack_length_mm", 0.0), []
+    for key in summary:
+        name, _, which = key.rpartition("_")[0].partition("_")
+        if name in ("torque", "force") and which in ("plateau", "peak"):
+            mean = f"on average over {window_of(summary)}" if which == "plateau" else "at most"
+            takes.append((which, f"{with_unit(key, summary[key])} {mean}", name))
+    if not takes:
+        return ""
+    what = f"Cutting {with_unit('crack_mm', crack)} of the film" if crack else "Moving the film"
+    trust = "every check holds"
+    if n_doubt:
+        trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
+        trust += " against it"
+    amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
+    return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
+
+
 def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[tuple[str, float]]:
     """Yield label with unit and value of some figures, in ASCII for any terminal.
 
@@ -140,6 +165,26 @@ def with_unit(key: str, value: Any) -> str:
 def unit_of(key: str) -> str:
     """Return the unit at the end of a figure's name; "" for a pure number."""
     return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+
+
+def figure_name(name: str, figures: Mapping[str, Any]) -> str:
+    """Return the full name of a figure that may be given without its unit.
+
+    Raises
+    ------
+    ValueError
+        If no figure that is a number has this name.
+
+    Examples
+    --------
+    >>> figure_name("torque_peak", {"torque_peak_at_deg": 76.4, "torque_peak_Nmm": 202.3})
+    'torque_peak_Nmm'
+    """
+    numbers = [key for key, value in figures.items() if isinstance(value, int | float)]
+    for key in numbers:
+        if key in (name, *(name + ending for ending in _UNITS)):
+            return key
+    raise ValueError(f"{name} must be a figure of the run, one of {', '.join(sorted(numbers))}")
 
 
 def label_of(key: str, window: str) -> str:

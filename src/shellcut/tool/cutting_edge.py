@@ -61,7 +61,7 @@ class CuttingEdges(NamedTuple):
 
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
     """a [mm], L e [mm], b and k of each segment."""
-    body: Annotated[Ints, "(n_edge,)"]
+    tooth: Annotated[Ints, "(n_edge,)"]
     """Tooth of each segment."""
     solid: TriangleGrid
     """Finds the tool's surface, for :func:`in_the_blade`."""
@@ -79,7 +79,7 @@ class CuttingEdges(NamedTuple):
             return cls(np.zeros((0, 4, 3)), none, solid, 0.0)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
-        return cls(np.stack(rows, axis=1), tool.edge_body, solid, tool.edge_radius)
+        return cls(np.stack(rows, axis=1), tool.edge_tooth, solid, tool.edge_radius)
 
 
 @inline
