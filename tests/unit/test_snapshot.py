@@ -9,10 +9,10 @@ import pytest
 
 from opening_frame import RADIUS, opening_frame
 from shellcut.frame import JOINTED, STRAIGHT, Frame
-from shellcut.view import _panel, draw_scene
-from shellcut.view._close_camera import close_camera
+from shellcut.view import Look, _panel, draw_scene
 from shellcut.view._raster import Camera, Canvas, view_axes
 from shellcut.view.fields import field_limits
+from shellcut.view.snapshot import close_camera
 
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -89,23 +89,19 @@ def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
 
 
 @pytest.mark.parametrize("angle", [10.0, 30.0, 60.0])
-def test_the_close_camera_goes_with_the_tooth(angle, monkeypatch):
-    monkeypatch.setattr("shellcut.view._close_camera._VIEW", (0.0, 0.0))
+def test_the_close_camera_goes_with_the_tooth(angle):
     frame = opening_frame(angle, n_side=20)
     edge = frame.edge_points[:12]
-    camera = close_camera(frame, np.array([0.0, 0.0, 1.0]), (300, 400))
-    middle = edge.mean(axis=(0, 1))
-    # at elevation 0 and bearing 0 one looks back along the circle, with the membrane level
-    theta = np.arctan2(middle[1], middle[0])
-    along = np.array([-np.sin(theta), np.cos(theta), 0.0])
-    assert camera.axes[2] @ along > 0.95  # the wedge's front is taken at the edge, not at theta
-    np.testing.assert_allclose(camera.axes[1], [0.0, 0.0, 1.0], atol=1e-12)
+    whole = _panel.whole_camera([frame], (300, 400), Look())
+    camera = close_camera(frame, whole, (300, 400))
+    np.testing.assert_array_equal(camera.axes, whole.axes)
+    assert camera.scale > whole.scale
+    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
     # most cables of this tooth, and its edge, are in the picture
-    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - middle, axis=1) < 2.0
+    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
     shown = np.concatenate((edge, frame.cable_segments[near_tooth])).reshape(-1, 3)
     at = camera.project(shown)[:, :2]
     assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
-    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
 
 
 def test_default_stress_limits_are_round_and_hold_nearly_all():

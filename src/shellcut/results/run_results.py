@@ -29,7 +29,7 @@ from shellcut.formats.errors import counted
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
 from shellcut.unit import after
-from shellcut.view import Curve, Look, Panels, draw_curves
+from shellcut.view import Curve, Look, draw_curves, png_of
 
 from .cut_quality import UNITS, cut_quality
 from .history import read_history
@@ -111,9 +111,7 @@ class Results:
         picture = ""
         if self.n_frame:
             with suppress(ImportError):  # without Pillow
-                last = self.frame(-1)
-                panel = Panels([last], shape=(220, 340), look=Look()).whole(last)
-                picture = image(panel.png(), "the film in the last frame")
+                picture = image(png_of(self.frame(-1), Look(), (220, 340)), "the last frame")
         return card(f"Results of {self.name}", figures, said, picture)
 
     # ------------------------------------------------------------------ history

@@ -4,14 +4,13 @@ May import ``frame``, ``formats`` and rows below.
 """
 
 from ._figure import with_unit as number_with_unit
-from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool_creases
+from ._panel import edge_length, legend_of, title_parts, tool_creases
 from .crack_map import draw_crack_map
 from .curves import Curve, Diagram, draw_curves
 from .look import Look
 from .model_picture import ModelView, draw_model
 from .movie import MOVIES, draw_movie
-from .panels import Panel, Panels
-from .snapshot import draw_scene
+from .snapshot import draw_scene, png_of
 
 __all__ = [
     "MOVIES",
@@ -19,10 +18,6 @@ __all__ = [
     "Diagram",
     "Look",
     "ModelView",
-    "Panel",
-    "Panels",
-    "Shown",
-    "caption_of",
     "draw_crack_map",
     "draw_curves",
     "draw_model",
@@ -31,6 +26,7 @@ __all__ = [
     "edge_length",
     "legend_of",
     "number_with_unit",
+    "png_of",
     "title_parts",
     "tool_creases",
 ]

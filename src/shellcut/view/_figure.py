@@ -9,8 +9,6 @@ from typing import Any
 from shellcut.files.whole_file import atomic_write
 from shellcut.unit import after
 
-_INCHES = 13.0
-
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
     """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg).
@@ -30,16 +28,6 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
     figure = Figure(figsize=size, dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
-
-
-def inches_of(size: tuple[int, int]) -> tuple[tuple[float, float], float]:
-    """Return size [inch] and dots per inch of a figure with this width and height [pixel].
-
-    Text keeps its size in inches: a width of 13 inches has room for the text of a snapshot.
-    """
-    dpi = size[0] / _INCHES
-    # Half a pixel more, because the canvas rounds down and round-off could lose a whole pixel.
-    return ((size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi), dpi
 
 
 def save(figure: Any, path: str | os.PathLike[str]) -> None:

@@ -208,23 +208,22 @@ def eight_bit(image: Floats) -> npt.NDArray[np.uint8]:
     return np.rint(255.0 * image.clip(0.0, 1.0)).astype(np.uint8)
 
 
-def show(axes: Any, image: Floats, bar: tuple[float, float] | None) -> None:
-    """Show an image in axes of its size; ``bar``: length [mm] and share of the width, or None."""
+def show(axes: Any, image: Floats, across: float) -> None:
+    """Show an image in axes of its size, with a bar of a round length; ``across``: width [mm]."""
     axes.imshow(eight_bit(image), interpolation="none", aspect="equal")
     axes.set_autoscale_on(False)
     axes.set_xticks([])
     axes.set_yticks([])
     for spine in axes.spines.values():
         spine.set_color("0.75")
-    if bar is None:
-        return
     height, width = image.shape[:2]
+    length = round_length(across / 6.0)
     x, y = 0.04 * width, 0.955 * height
-    to = x + bar[1] * width
+    to = x + length / across * width
     axes.plot([x, to], [y, y], color="white", lw=4.5)
     axes.plot([x, to], [y, y], color="black", lw=2.5, solid_capstyle="butt")
     text = {"ha": "center", "va": "bottom", "bbox": PAPER}
-    axes.text(0.5 * (x + to), y - 0.02 * height, f"{bar[0]:g} mm", **text)
+    axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} mm", **text)
 
 
 def add_color_bar(

@@ -2,35 +2,44 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arrays import Floats
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 from shellcut.unit import in_unit
 
-from ._figure import inches_of, new_figure
+from ._figure import new_figure
 from ._panel import (
+    OVERSAMPLING,
     PAPER,
     add_color_bar,
     add_legend,
     color_scale,
+    edge_length,
     eight_bit,
+    picture,
     pixels_of,
     show,
     title_parts,
+    whole_camera,
 )
+from ._raster import Camera
+from ._teeth import teeth_of
 from .look import Look
-from .panels import Panel, Panels
 
 # Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
 _ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
+_INCHES = 13.0  # width of a figure, with room for its text
 _LOOK = Look()
 
 
@@ -79,6 +88,16 @@ def draw_scene(
         Image.fromarray(series.image(frame)).save(temporary)
 
 
+def png_of(frame: Frame, look: Look, shape: tuple[int, int]) -> bytes:
+    """Return a frame without axes and text as a PNG; ``shape`` is height and width [pixel]."""
+    from PIL import Image
+
+    file = io.BytesIO()
+    image = picture(frame, whole_camera([frame], shape, look), look, limits_of([frame], look)[0])
+    Image.fromarray(eight_bit(image)).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
 class SnapshotSeries:
     """Snapshots of a run with one camera, one scale and one legend.
 
@@ -95,40 +114,37 @@ class SnapshotSeries:
     def __init__(
         self, seen: Sequence[Frame], *, look: Look, size: tuple[int, int], close_up: bool = False
     ) -> None:
-        inches, dpi = inches_of(size)
+        dpi = size[0] / _INCHES
+        # Half a pixel more, because the canvas rounds down and round-off could lose a whole pixel.
+        inches = (size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi
         with_edge = close_up and any(len(frame.edge_points) for frame in seen)
         box = _LEFT_BOX if with_edge else _ONLY_BOX
-        self._panels = Panels(
-            seen,
-            shape=pixels_of(box, inches, dpi),
-            close_shape=pixels_of(_RIGHT_BOX, inches, dpi),
-            look=look,
-        )
+        self._camera = whole_camera(seen, pixels_of(box, inches, dpi), look)
+        self._close_shape = pixels_of(_RIGHT_BOX, inches, dpi)
+        self._look, (self._limits, values) = look, limits_of(seen, look)
         self._figure = new_figure(inches, dpi)
         if look.shows("film"):
             field = look.field_of(seen[0])
             bar, label = (0.04, 0.075, 0.30, 0.02), in_unit(field.label, field.unit)
-            scale = color_scale(look, self._panels.limits)
-            add_color_bar(self._figure, scale, self._panels.values, bar, label)
+            add_color_bar(self._figure, color_scale(look, self._limits), values, bar, label)
         add_legend(self._figure, seen, look, bbox_to_anchor=(0.995, 0.025))
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
-        self._circle: Any = None
 
     def figure(self, frame: Frame) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
         self._title.set_text("      ".join(title_parts(frame)))
-        _put(self._left, self._panels.whole(frame))
-        close = None
+        self._put(self._left, frame, self._camera)
         if self._right is not None:
-            close = self._panels.close(frame)
-            self._right.set_visible(close is not None)
-            if self._circle is not None:
-                self._circle.set_visible(close is not None)
-        if close is not None:
-            _put(self._right, close, "tooth 1")
-            self._circle = _circle(self._left, self._circle, *self._panels.mark(close))
+            close = bool(len(frame.edge_points))
+            self._right.set_visible(close)
+            for circle in self._left.patches:
+                circle.remove()
+            if close:
+                camera = close_camera(frame, self._camera, self._close_shape)
+                self._put(self._right, frame, camera, "tooth 1")
+                self._mark(camera)
         return self._figure
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:
@@ -137,21 +153,43 @@ class SnapshotSeries:
         canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
+    def _put(self, axes: Any, frame: Frame, camera: Camera, label: str = "") -> None:
+        image = picture(frame, camera, self._look, self._limits)
+        if axes.images:
+            axes.images[0].set_data(eight_bit(image))
+            return
+        show(axes, image, camera.shape[1] / camera.scale)
+        if label:
+            axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12, bbox=PAPER)
 
-def _put(axes: Any, panel: Panel, label: str = "") -> None:
-    if axes.images:
-        axes.images[0].set_data(eight_bit(panel.image))
-        return
-    show(axes, panel.image, panel.bar)
-    if label:
-        axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12, bbox=PAPER)
+    def _mark(self, close: Camera) -> None:
+        """Draw a circle around what the close-up shows."""
+        from matplotlib.patches import Circle
 
-
-def _circle(axes: Any, circle: Any, x: float, y: float, radius: float) -> Any:
-    from matplotlib.patches import Circle
-
-    if circle is None:
+        at = self._camera.project(close.centre)[:2] / OVERSAMPLING
+        radius = 0.5 * close.shape[0] / close.scale * self._camera.scale / OVERSAMPLING
         look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25", "clip_on": False}
-        circle = axes.add_patch(Circle((x, y), radius, **look))
-    circle.center, circle.radius = (x, y), radius
-    return circle
+        self._left.add_patch(Circle(tuple(at), radius, **look))
+
+
+def limits_of(seen: Sequence[Frame], look: Look) -> tuple[tuple[float, float], list[Floats]]:
+    """Return the ends of the colour scale of some frames, and the numbers that it shows."""
+    field = look.field_of(seen[0])
+    values = [field.values(frame) for frame in seen]
+    return look.limits_for(values, field.sign), values
+
+
+def close_camera(frame: Frame, whole: Camera, shape: tuple[int, int]) -> Camera:
+    """Return a camera that looks the same way at where the edge of the first tooth meets the film.
+
+    shape : height and width of the picture [pixel].
+    """
+    edge = frame.edge_points[teeth_of(frame.edge_points) == 0]
+    middles = edge.mean(axis=1)
+    distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
+    focus = middles[np.argmin(distance.min(axis=1))]
+    length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
+    # From constant data only, so that all pictures of a run have the same scale.
+    across = max(1.25 * length, 8.0 * edge_length(frame))
+    height, width = (OVERSAMPLING * n for n in shape)
+    return replace(whole, centre=focus, scale=height / across, shape=(height, width))
