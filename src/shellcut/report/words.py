@@ -58,13 +58,13 @@ def judged(run: Gathered, last: Frame | None) -> tuple[str, str]:
         lines = verdict(figures)
     told = [("doubt", "missing", problem) for problem in run.problems]
     told += [(line.kind, line.word, line.text) for line in lines]
-    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told))
+    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told), run.shown_in)
     return f"<p>{escape(said)}</p>" if said else "", sentences(told)
 
 
 def figures(run: Gathered) -> str:
     """Return the summary as a table."""
-    rows = key_figures(run.figures)
+    rows = key_figures(run.figures, run.shown_in)
     half = -(-len(rows) // 2)
     tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
     return f'<div class="beside">{tables}</div>' if tables else ""

@@ -87,6 +87,14 @@ class Optimum:
         In the order in which they were proposed, the model as given first.
     confirmed : tuple of Trial
         The first and the best again, with the settings that confirm them.
+
+    Examples
+    --------
+    >>> trials = Trial({}, "a", 202.3), Trial({"tool.half_thickness": 0.2}, "b", 180.0)
+    >>> print(Optimum("torque_peak_Nmm", 1, (), trials))
+    tool.half_thickness = 0.2
+    torque, peak: 202.3 N·mm as given, 180 N·mm at best (-11.0 %)
+    2 runs
     """
 
     figure: str
