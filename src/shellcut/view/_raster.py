@@ -23,7 +23,10 @@ _AMBIENT, _HEAD = 0.35, 0.25  # shares of the light that come from all sides and
 _THROUGH = 0.7  # share of the lamp's light that shines through the film
 _GLEAM, _GLOSS = 0.3, 14.0  # the gleam and its exponent
 _SHADE = 0.4  # of the light that a shadow takes
-_SOFT, _NEAR = 3, 5.0  # half the width of a shadow's rim, and how far its owner is in front [pixel]
+_SOFT, _NEAR = (
+    3,
+    10.0,
+)  # half the width of a shadow's rim, and how far its owner is in front [pixel]
 
 
 @dataclass(frozen=True, eq=False)
