@@ -354,7 +354,7 @@ SWEEP = ["sweep", "study.toml", "-o", ".", "--jobs", "1"]
         (["report", "run", "-o", "run/history.csv"], "run/history.csv"),
         (["view", "run", "--frame", "0"], "run/frame_0000.png"),
         (["view", "run"], "run/view.html"),
-        (["view", "run", "--html", "run/summary.json"], "run/summary.json"),
+        (["view", "run", "-o", "run/summary.json"], "run/summary.json"),
         (["run", "run/used.toml", "-o", "run", "--overwrite"], "run/used.toml"),
     ],
 )
