@@ -110,8 +110,7 @@ def _runs():
 PREDICTION = Prediction(
     title="Two tears that converge",
     source="""[Brau2014] derives w ~ x^(8/11) for two tears at the sides of a flap that is
-pulled, w their distance and x the way to where they meet; experiments are those of Bayart,
-Boudaoud and Adda-Bedia (2011). Where they are so close that the fold between them is bent
+pulled, w their distance and x the way to where they meet; experiments are those of [Bayart2011]. Where they are so close that the fold between them is bent
 across as well it has x^(9/8).""",
     sure="""the abstract says that theory and experiment agree closely; we have not seen the
 tables. The band, 0.70 to 0.78, is ours about 8/11 = 0.727; that the tears meet we call a

@@ -41,8 +41,9 @@ class Figure:
     low, high : float
         Its band.
     short : (float, float), optional
-        Where the page says that our figure misses the band: what the mean of the short runs must
-        lie in, four standard deviations of the mean of as many runs and more about it.
+        What the mean of the short runs must lie in where that is not the band, because our figure
+        misses it or only finer meshes reach it: four standard deviations of such a mean and more
+        about it.
     """
 
     name: str

@@ -155,7 +155,7 @@ TEXT = """# Predictions of what others measured
 
 This page sets what others have published beside what the library gives for it, with error bars,
 hit or miss. No number of a model is taken from the result. `python tests/predictions/run.py` makes
-the page. Each case is a file in `tests/predictions`, its published band committed before the runs that the
+the page. Each case is a file in `tests/predictions`, its band committed before the runs that the
 page shows; `pytest -m slow tests/predictions` runs a short form of each.
 
 **{n_hit} of {n} figures lie in the published band.**

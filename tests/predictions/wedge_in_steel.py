@@ -157,24 +157,24 @@ def picture(results, path):
 
 def _runs():
     for mu in (0.1, 0.2, 0.3):
-        for k in (1, 2, 3):
+        for k in (1, 2):
             yield f"{mu}, shape {k}", Run({"mu": mu, "shape": k}, 2.0, short=k == 1)
         yield f"{mu}, finer", Run({"mu": mu, "size": 4.0 / 3.0}, 4.0 / 3.0)
     yield "0.1, slower", Run({"mu": 0.1, "speed": 5e3}, 2.0, 0.5)
     for k in (1, 2):
         yield f"started slowly, {k}", Run({"mu": 0.1, "share": 0.004, "shape": k}, 2.0)
-        yield f"over the thickness, {k}", Run({"over": "thickness", "shape": k}, 2.0)
-        yield f"over the angle, {k}", Run({"over": "angle", "shape": k}, 2.0)
+    yield "over the thickness", Run({"over": "thickness"}, 2.0)
+    yield "over the angle", Run({"over": "angle"}, 2.0)
     yield "G half as large again", Run({"mu": 0.1, "energy": 1.5}, 2.0)
 
 
 PREDICTION = Prediction(
     title="A wedge in mild steel",
-    source="""Force of a sharp wedge of half-angle θ that has cut a length l into sheet of
-thickness t: Lu and Calladine 1990, W = 2.3 σ_y t^1.7 l^1.3; Wierzbicki and Thomas 1993, F =
-1.67 σ_0 t^1.6 l^0.4 [(tan θ)^0.4 + µ (tan θ)^-0.6] at a tip opening of t; Ohtsubo and Wang
-1995, F = 1.51 σ_0 t^1.5 l^0.5 (sin θ)^0.5 (1 + µ/tan θ). Zheng and Wierzbicki 1996 is for a
-wedge with shoulders in steady cutting, which this one is not.""",
+    source="""Force of a sharp wedge of half-angle θ that has cut a length l into sheet of thickness t:
+[LuCalladine1990], W = 2.3 σ_y t^1.7 l^1.3; [WierzbickiThomas1993], F = 1.67 σ_0 t^1.6 l^0.4
+[(tan θ)^0.4 + µ (tan θ)^-0.6] at a tip opening of t; [OhtsuboWang1995], F = 1.51 σ_0 t^1.5 l^0.5
+(sin θ)^0.5 (1 + µ/tan θ). Zheng and Wierzbicki (1996) is for a wedge with shoulders in steady
+cutting, which this one is not.""",
     sure="""low: written down from memory, no page of the papers was at hand. Wierzbicki and
 Thomas agrees with its own published minimum, 3.28 σ_0 t^1.6 l^0.4 µ^0.4, within 0.2 %, and all
 three have the dimension of a force. They scatter among themselves by 10 to 40 %. The band of
