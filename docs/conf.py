@@ -85,6 +85,7 @@ PAGES = {
     "What to trust": [
         "limits",
         "error-bars",
+        "predictions",
         "verification",
         "theory/yielding-cut",
         "theory/yielding-disc",

@@ -1,9 +1,9 @@
 """A sheet torn by pulling two points of its edge apart: the crack follows a hyperbola."""
 
 import numpy as np
-from prediction import Figure, Prediction, Run
 
 import test_two_point_tear as tear
+from prediction import Figure, Prediction, Run
 from shellcut.view import Curve, Diagram, draw_curves
 
 FAR = 16.0

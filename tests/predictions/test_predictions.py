@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from prediction import Figure, Prediction, Run, found
 from run import CASES, DOCS, case_of
 
