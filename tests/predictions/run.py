@@ -53,7 +53,11 @@ def gather(names, path, jobs):
         futures = {pool.submit(one_run, *one): one for one in due}
         for future in as_completed(futures):
             name, run = futures[future]
-            given, seconds = future.result()
+            try:
+                given, seconds = future.result()
+            except Exception:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
             one = {"key": key_of(name, run), "given": given, "seconds": seconds}
             kept[one["key"]] = one
             file.write(json.dumps(one) + "\n")
@@ -64,10 +68,12 @@ def gather(names, path, jobs):
     return results, sum(kept[key_of(n, r)]["seconds"] for n in names for r in case_of(n).runs)
 
 
-def digits(one: Found):
-    """Return value and half-width as texts, to two digits of the half-width."""
-    n = max(0, 1 - int(f"{one.half_width:e}".partition("e")[2])) if one.half_width else 3
-    return f"{one.value:.{n}f}", f"{one.half_width:.{n}f}"
+def text(one: Found):
+    """Return value and half-width, to two digits of that."""
+    if not one.half_width:
+        return f"{one.value:.3g}, one run"
+    n = max(0, 1 - int(f"{one.half_width:e}".partition("e")[2]))
+    return f"{one.value:.{n}f} ± {one.half_width:.{n}f}"
 
 
 def band(one: Found):
@@ -77,10 +83,9 @@ def band(one: Found):
 
 def row(one: Found):
     """Return the row of a figure."""
-    value, width = digits(one)
     parts = ", ".join(f"{part} {size:.2g}" for part, size in one.parts.items())
     scatter = f"{one.scatter:.2g}" if one.scatter == one.scatter else "–"
-    cells = (one.figure.name, one.figure.published, band(one), f"{value} ± {width}", parts)
+    cells = (one.figure.name, one.figure.published, band(one), text(one), parts)
     return f"| {' | '.join(cells)} | {scatter} | {one.n} | {one.verdict} |"
 
 
@@ -102,12 +107,9 @@ def page(results, seconds):
     ]
     short = []
     for name, one in every:
-        value, width = digits(one)
         title = case_of(name).title
         link = f"[{title}](#{title.lower().replace(' ', '-').replace(',', '')})"
-        short.append(
-            f"| {link} | {one.figure.name} | {band(one)} | {value} ± {width} | {one.verdict} |"
-        )
+        short.append(f"| {link} | {one.figure.name} | {band(one)} | {text(one)} | {one.verdict} |")
     return TEXT.format(
         n=len(every),
         n_hit=sum(one.hits for _, one in every),
@@ -154,8 +156,8 @@ TEXT = """# Predictions of what others measured
 
 This page sets what others have published beside what the library gives for it, with error bars,
 hit or miss. No number of a model is taken from the result. `python tests/predictions/run.py` makes
-the page. Each case is a file in `tests/predictions`, its band committed before the runs that the
-page shows; `pytest -m slow tests/predictions` runs a short form of each.
+the page. Each case is a file in `tests/predictions` and says which results were known before its
+band was written down; `pytest -m slow tests/predictions` runs a short form of each.
 
 **{n_hit} of {n} figures lie in the published band.**
 
@@ -180,8 +182,8 @@ friction and the shell theory, is in no error bar ([how bars are made](howto/con
 - **Trouser tears of LDPE and PET** (Int. J. Fracture 2019, 10.1007/s10704-019-00389-3): the
   paper's numbers were not at hand. That the library sets the legs' work apart is
   [verified](verification.md) (case P08), not predicted.
-- **Wedges with shoulders** (Zheng and Wierzbicki 1996), wedges of more than 40°, blunt ones that
-  push: no formula at hand, or not run.
+- **Wedges with shoulders** (Zheng and Wierzbicki 1996), half-angles of 40° and more (with the edge
+  tilted by 10° the library refuses them), blunt wedges that push: no formula at hand, or not run.
 - **Piercing and sharpness**: [how hard is it to pierce](howto/pierce.md).
 
 All {runs} runs took {minutes:.0f} minutes of CPU time.
