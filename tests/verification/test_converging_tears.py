@@ -39,7 +39,8 @@ def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW, thickness=THICK
     x, y = X[:, 0], np.abs(X[:, 1])
     at_start, flap = x < 1e-9, y < 0.5 * breadth - 1e-6
     rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
-    rate = {"z": lambda time: speed * min(1.0, time * speed / (RISE * SPEED))}
+    rise = RISE * SPEED / speed
+    rate = {"z": lambda time: speed * min(1.0, time / rise)}
     end = np.flatnonzero(at_start & flap).tolist()
     sim = sc.Simulation(
         sc.Mesh.from_arrays(X, mesh.quads),
