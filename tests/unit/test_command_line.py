@@ -214,7 +214,7 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run"], "give a MODEL: a file, or one of guillotine, opening"),
+        (["run"], "give a MODEL: a file, or one of free, guillotine, opening"),
         (["run", "opening"], "-o OUT"),
         (["run", "openign", "-o", "out"], "did you mean opening?"),
         (["run", "opening", "-o", "out", "--set", "tool.teehs=3"], "did you mean teeth?"),

@@ -53,7 +53,7 @@ def test_coordinates_are_a_rotated_frame(k):
     # Round-off at positions of some 10 mm.
     np.testing.assert_allclose([along, lateral, depth], [0.05, -0.2, 0.3], atol=1e-13)
     assert owns
-    assert edges.body[k] == tool.edge_body[k]
+    assert edges.tooth[k] == tool.edge_tooth[k]
 
 
 def test_strips_of_a_curved_edge_leave_no_gap():
@@ -77,6 +77,6 @@ def test_an_edge_point_is_clipped_to_its_segment_and_no_tool_has_none():
         np.testing.assert_allclose(edge_point(along, 0, edges.segments), [0, 0, z], atol=1e-15)
     edges = CuttingEdges.of(None)
     assert edges.segments.shape == (0, 4, 3)
-    assert edges.body.shape == (0,)
+    assert edges.tooth.shape == (0,)
     # A film with cables and without a tool takes the kernels of one with a tool.
     assert nb.typeof(edges) == nb.typeof(CuttingEdges.of(straight_blade()))

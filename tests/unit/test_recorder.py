@@ -307,7 +307,7 @@ def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys)
     said = []
     Case("cut", sim, 10 * END).run(tmp_path, log=said.append, **RECORDS | {"progress": True})
     pairs = [
-        [int(text.split(" %: path ")[0]) for text in (account, line)]
+        [int(text.split(" %: ")[0]) for text in (account, line)]
         for account, line in itertools.pairwise(said)
         if "| E:" in account
     ]
