@@ -107,9 +107,13 @@ def test_the_examples_are_in_order(name, tmp_path, monkeypatch):
     monkeypatch.setattr("sys.argv", [name, "--out", str(tmp_path)])
     spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
     script = importlib.util.module_from_spec(spec)
-    with pytest.raises((Stopped, FileNotFoundError)):
+
+    def whole():
         spec.loader.exec_module(script)
         script.main()
+
+    with pytest.raises((Stopped, FileNotFoundError)):
+        whole()
     assert models
     for simulation, until in models:
         assert shellcut.check_model(simulation, until).findings == ()
