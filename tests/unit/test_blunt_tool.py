@@ -6,6 +6,7 @@ import pytest
 import shellcut as sc
 from shellcut.meshing import rectangle
 from shellcut.models import Case
+from shellcut.tool_shapes import straight_blade
 
 # A box of 2 mm that leans forward with its top: its front pushes the film down.
 CORNERS = [
@@ -79,3 +80,28 @@ def test_checks_report_and_preview_do_without_edges(pushed, tmp_path):
     )
     said = sc.preview(fresh, tmp_path / "bar.png", time=1e-4)
     assert "0 cutting edges" in said
+
+
+def test_a_blunt_body_before_a_cutting_one_stops_no_free_cut():
+    blade = straight_blade(length=4.0, height=3.0)
+    box = np.array([[x, y, z] for x in (-2, 0) for y in (-1, 1) for z in (6, 8)], float)
+    both = sc.Tool.from_triangles(
+        np.concatenate([box, blade.vertices]),
+        np.concatenate([FACES, blade.triangles + len(box)]),
+        edges=blade.edges + len(box),
+    )
+    assert (both.n_tooth, both.edge_tooth.tolist()) == (2, [1])
+    sim = sc.Simulation(
+        rectangle(6.0, 4.0, size=0.5),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        tool=both.translated((-0.05, 0.0, 0.0)),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-4),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+    )
+    sim.notch((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    sim.run(until=5e-4)
+    assert sim.state.crack_length > 1.0
+    assert not sim.tooth_wrenches[0].any()
+    assert sim.tooth_wrenches[1, 0] < 0.0
