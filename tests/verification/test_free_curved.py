@@ -5,7 +5,9 @@
 maps the cylinder onto itself, with a short body, so that in steady cutting the whole deformed film
 moves along with it: all energies stay, and the work of the tool goes into the cables and damping.
 Force from the tool's work and from the cables' over whole node periods, in units of G h, within 2.5
-and 1.5 per cent (discretisation; measured here, on 0.8 mm: 0.4 to 1.7 and at most 0.6).
+and 1.5 per cent (discretisation; the tool's is 0.0 to 2.0 too much on five meshes of 0.8 mm, moved
+at random). The periods begin where all cables of the cut, up to half a drawn one behind
+the edge, are a width of the strip beyond the notch: from 8.8 mm on the start adds 1 per cent.
 
 *Surfaces of revolution*, meshed by Gmsh and read from a file: a blade pierces them from the side
 and cuts them along its mid-plane, which leans against the film by up to 48 degrees.
@@ -75,11 +77,11 @@ def worst(tool, imbalance):
     ],
 )
 def test_force_on_a_cylinder_is_the_tearing_energy(angle, kind, amount):
-    strip = moved(rectangle(24.0, WIDTH, size=SIZE), kind, amount, SIZE)
+    strip = moved(rectangle(28.0, WIDTH, size=SIZE), kind, amount, SIZE)
     sim, roll, per = guillotine(strip, angle)
-    way, tool, cables, imbalance = courses(sim, 16.0, per)
-    last = way[-1]
-    first = last - SIZE * int((last - 8.8) / SIZE)
+    way, tool, cables, imbalance = courses(sim, 20.0, per)
+    last, steady = way[-1], NOTCH + WIDTH + 0.5 * LAW.opening_u
+    first = last - SIZE * int((last - steady) / SIZE)
     unit = LAW.fracture_energy * sim.material.thickness * (last - first)
     by_tool, by_cables = (
         np.diff(np.interp([first, last], way, w))[0] / unit for w in (tool, cables)
