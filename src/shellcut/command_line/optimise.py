@@ -23,7 +23,7 @@ def add_to(commands: Any) -> None:
         "optimise",
         help="seek the values of keys that make a figure least, or largest",
         description="Seek the values of some keys that make a figure least, or largest, within "
-        "limits on others. Optuna proposes the runs, from the model as given on. Writes "
+        "limits on others. The first run is the model as given, Optuna proposes the others. Writes "
         "OUT/optimum.json, and with Matplotlib OUT/optimum.png. Runs are kept: the same call again "
         "repeats none, an interrupted search goes on.",
         epilog="example: shellcut optimise opening --set mesh=quick --vary "

@@ -108,7 +108,7 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int, units: str = "") -> str
     Examples
     --------
     >>> conclusion({"force_peak_N": 3.2, "crack_length_mm": 4.0}, n_doubt=1)
-    'Cutting 4 mm of the film takes a force of 3.2 N at most; 1 check speaks against it.'
+    'A crack of 4 mm takes a force of 3.2 N at most; 1 check speaks against it.'
     """
     crack, takes = summary.get("crack_length_mm", 0.0), []
     for key in summary:
@@ -119,9 +119,7 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int, units: str = "") -> str
             takes.append((which, f"{with_unit(key, summary[key], units)} {mean}", name))
     if not takes:
         return ""
-    what = (
-        f"Cutting {with_unit('crack_mm', crack, units)} of the film" if crack else "Moving the film"
-    )
+    what = f"A crack of {with_unit('crack_mm', crack, units)}" if crack else "Moving the film"
     trust = "every check holds"
     if n_doubt:
         trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"

@@ -15,9 +15,7 @@ from .curve_misfit import FitCurve, compared, nothing_simulated, residuals, wind
 from .engines import Engine
 from .free_parameters import FreeParameters
 from .one_run import Outcome
-from .plan import Plan, planned_runs
-from .progress import StudyProgress
-from .study import carry_out, done_before
+from .study import run_values
 
 
 class OutOfRuns(Exception):
@@ -161,14 +159,9 @@ class FitRuns:
     def _run(self, values: Sequence[dict[str, float]]) -> list[list[tuple[Outcome, Path]]]:
         """Run sets of values with all settings; return outcome and folder by set and setting."""
         combined = [{**settings, **one} for one in values for settings in self._settings]
-        runs = tuple(planned_runs(self._variants, combined))
-        plan = Plan(self._variants, runs)
-        found = done_before(plan, self._folder)
-        progress = StudyProgress(plan, len(found), self._engine.jobs, self._say)
-        carry_out(plan, self._folder, self._engine, found, progress, lambda: None)
-        self.n_run += len(runs)
-        stopped = Outcome("stopped")
-        each = [(found.get(run.number, stopped), run.folder(self._folder)) for run in runs]
+        done = run_values(self._variants, combined, self._folder, self._engine, self._say)
+        self.n_run += len(done)
+        each = [(outcome, run.folder(self._folder)) for run, outcome in done]
         n = len(self._settings)
         return [each[k : k + n] for k in range(0, len(each), n)]
 

@@ -33,16 +33,15 @@ from shellcut.view.curves import Curve, Diagram, draw_curves
 from .engines import engine_of
 from .factors import Factor, factors_of
 from .one_run import STOP, Outcome
-from .plan import Plan, PlannedRun, planned_runs
-from .progress import StudyProgress
-from .study import FEW_FILES, carry_out, done_before
+from .plan import PlannedRun
+from .study import FEW_FILES, run_values
 
 if TYPE_CHECKING:
     from distributed import Client
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
-_AT_A_TIME = 4
+_AT_A_TIME = 4  # sets proposed before their results are told: keeps four processes busy
 _DIGITS = 4  # of a value: nobody makes a tooth more precisely
 _LIMIT = re.compile(r"\s*(\w+)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
 
@@ -239,11 +238,8 @@ def optimise(
 
     def run(several: Sequence[Mapping[str, object]], more: Mapping[str, object]) -> list[Trial]:
         these = ModelVariants(model, {**given, **more})
-        plan = Plan(these, tuple(planned_runs(these, several)))
-        found = done_before(plan, folder)
-        progress = StudyProgress(plan, len(found), engine.jobs, say)
-        carry_out(plan, folder, engine, found, progress, lambda: None)
-        return [_trial(one, found.get(one.number), folder, wanted, limits) for one in plan.runs]
+        done = run_values(these, several, folder, engine, say)
+        return [_trial(one, outcome, folder, wanted, limits) for one, outcome in done]
 
     with closing(FolderLock(folder)):
         claim(folder, [OPTIMUM, PICTURE, STOP])
@@ -305,15 +301,14 @@ def _limit(text: str) -> tuple[str, str, float]:
 
 def _trial(
     run: PlannedRun,
-    outcome: Outcome | None,
+    outcome: Outcome,
     study: Path,
     wanted: str,
     limits: Sequence[tuple[str, str, float]],
 ) -> Trial:
     folder = str(run.folder(study))
-    if outcome is None or outcome.status != "done":
-        why = "stopped" if outcome is None else outcome.reason or outcome.status
-        return Trial(run.values, folder, reason=why)
+    if outcome.status != "done":
+        return Trial(run.values, folder, reason=outcome.reason or outcome.status)
     figures = {**_figures(folder), **outcome.figures}
     missed = 0.0
     for name, sign, bound in limits:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, suppress
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
 from shellcut.files.whole_file import exclusive
+from shellcut.model_file.reader import ModelVariants
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
 from shellcut.recording.signals import Interruption
@@ -21,7 +22,7 @@ from shellcut.recording.signals import Interruption
 from .design import Design
 from .engines import Engine, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import Definition, Plan, PlannedRun, repeated
+from .plan import Definition, Plan, PlannedRun, planned_runs, repeated
 from .progress import StudyProgress
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
@@ -169,6 +170,24 @@ def run_study(
         carry_out(planned, folder, engine, found, progress, keep)
         progress.end(found)
     return StudyResults(folder, planned, found)
+
+
+def run_values(
+    variants: ModelVariants,
+    several: Sequence[Mapping[str, object]],
+    folder: Path,
+    engine: Engine,
+    say: Callable[[str], None] | None,
+) -> list[tuple[PlannedRun, Outcome]]:
+    """Carry out the runs of some sets of values, or find them done; return each with its outcome.
+
+    The folder is locked by the caller. A run that was not begun counts as stopped.
+    """
+    plan = Plan(variants, tuple(planned_runs(variants, several)))
+    found = done_before(plan, folder)
+    progress = StudyProgress(plan, len(found), engine.jobs, say)
+    carry_out(plan, folder, engine, found, progress, lambda: None)
+    return [(run, found.get(run.number, Outcome("stopped"))) for run in plan.runs]
 
 
 def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
