@@ -126,16 +126,6 @@ class TestPage:
         assert f"{summary['crack_length_mm']:.4g} mm" in page
         assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
 
-    def test_figures_and_curves_come_in_the_units_asked_for(self, out, tmp_path):
-        summary = json.loads((out / "summary.json").read_text())
-        page = report_run(out, tmp_path / "us.html", units="in, lbf").read_text(encoding="utf-8")
-        assert f"{summary['crack_length_mm'] / 25.4:.4g} in" in page
-        assert f"{summary['tool_work_Nmm'] / 112.984829:.4g} lbf·in" in page
-        assert "force [lbf]" in page
-        assert "path [in]" in page
-        with pytest.raises(ValueError, match="must have a unit made of"):
-            report_run(out, tmp_path / "no.html", units="furlong")
-
     def test_text_of_the_user_is_escaped(self, page):
         assert "alert(1)</script>" not in page
         assert "&lt;script&gt;alert(1)" in page

@@ -210,7 +210,7 @@ class TestValuesThatGoTogether:
             "wedge half angle",
         ]
         assert study.factors[0].values.tolist() == [40.0, 40.0, 60.0, 60.0, 80.0, 80.0]
-        assert (study.factors[0].unit, study.factors[0].ends) == ("°", (40.0, 80.0))
+        assert (study.factors[0].unit, study.factors[0].ends) == ("deg", (40.0, 80.0))
         page = page_of(folder)
         for head in ("edge inclination [°]", "pitch [mm]", "wedge half angle [°]"):
             assert f">{head}</th>" in page  # the table has every key
