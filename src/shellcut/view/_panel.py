@@ -286,5 +286,5 @@ def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -
         if look.shows(shown.part)
     ]
     if handles:
-        where = {"loc": "lower right", "ncol": len(handles), "frameon": False} | where
+        where = {"loc": "lower right", "ncol": -(-len(handles) // 2), "frameon": False} | where
         figure.legend(handles=handles, **where)
