@@ -175,7 +175,7 @@ class TestWhatIsMissing:
     def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):
         whole = report_run(out).read_text(encoding="utf-8")
         killed = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
-        assert "Shown is the force along (1, 0, 0); positive resists the tool." in whole
+        assert "The curve is the force along (1, 0, 0). Positive values resist the tool." in whole
         reason = shellcut.read(out).summary["no_window"]
         assert reason.startswith("cutting edge 1 has cut ")
         for page in (whole, killed):

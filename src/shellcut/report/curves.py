@@ -41,7 +41,7 @@ def _said_of(run: Gathered) -> str:
     said = []
     if "resistance" in figures:
         resists = "the tool" if "tool_work_Nmm" in figures else "the motion"
-        said.append(f"Shown is the {figures['resistance']}; positive resists {resists}.")
+        said.append(f"The curve is the {figures['resistance']}. Positive values resist {resists}.")
     mean = f"{first}_plateau_{unit.replace('*', '')}"
     if mean in figures:
         shown = with_unit(figures[mean], unit)
@@ -92,8 +92,8 @@ def energy(run: Gathered) -> str:
         return ledger
     missed = imbalance_diagram(h, run.units)
     start = with_unit(h[missed.x_name][trusted][0], run.coordinate[1])
-    missed = replace(missed, name=f"imbalance of the ledger from {start} on")
-    return ledger + _chart(missed, "imbalance of the ledger", 170.0, trusted)
+    missed = replace(missed, name=f"imbalance of the energies from {start} on")
+    return ledger + _chart(missed, "imbalance of the energies", 170.0, trusted)
 
 
 def _chart(
