@@ -396,7 +396,7 @@ Beyond ±3 they are drawn at ±3. Each part of the band is needed:
 {parts}
 
 The median of all runs, with the t distribution of their mean or their largest difference, whichever
-is larger, would hold {by_median:.0f} %: it knows nothing of what a finer mesh still changes.
+is larger, would hold {by_median:.0f} %: it does not contain what a finer mesh still changes.
 
 No number in the band is fitted, two choices stand beside others: with order 2 in place of 1 in the
 part of the mesh it would hold {by_second:.1f} %, for cracks and sawteeth do not converge as shells
