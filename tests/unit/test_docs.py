@@ -189,6 +189,7 @@ def is_kernel(node):
         ("CITATION.cff", r"^version: (.*)$"),
         ("docs/questions.md", r"^  version = \{(.*)\},$"),
         ("docs/same-bits.md", r"^Versions: shellcut ([\d.]+), "),
+        ("CHANGELOG.md", r"(?s)\A.*?^## \[([\d.]+)\]"),
     ],
 )
 def test_pages_name_this_version(page, said):
