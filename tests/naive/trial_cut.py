@@ -6,13 +6,13 @@ from shellcut.fracture.quad_polygon import density, divide, shape_functions, sha
 from shellcut.state import BROKEN
 
 
-def measure(trial, state, tip, segment):
+def measure(trial, state, segment):
     """Return F_c · m over what the cables would carry; a driven cut is due at 1."""
     found = force(trial, state, segment)
     if found is None:
         return -np.inf
     m, length = across(state, segment)
-    return float(found @ m) / (trial.carried * 0.5 * (trial.behind(tip) + length))
+    return float(found @ m) / (trial.carried * 0.5 * length)
 
 
 def force(trial, state, segment):

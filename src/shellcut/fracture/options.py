@@ -31,10 +31,9 @@ from .anisotropy import Anisotropy
 
 Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
-CablePlaces: TypeAlias = Literal["ends", "gauss"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching"
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -98,14 +97,10 @@ class Fracture:
         ),
     ] = None
     anisotropy: Anisotropy | None = None
-    cable_places: Annotated[
-        CablePlaces,
-        Option(
-            "",
-            "cables across a segment of a crack through quads, at its ends or its Gauss points, "
-            "where the force of a cut ripples less",
-        ),
-    ] = "ends"
+    fibres: Annotated[
+        int,
+        Option("", "cables across a quad or side that a crack has cut, evenly along it", least=1),
+    ] = 6
     puncture_force: Annotated[
         float | None,
         Option(

@@ -10,9 +10,10 @@ two flanks at the place P of the tip, and that of a pair of unit forces there:
     d = sum N_a (f_a+ / m_a+ - f_a- / m_a-),      kappa = sum N_a² (1 / m_a+ + 1 / m_a-),
 
 N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
-the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
-with the normal m from the minus to the plus side and the lengths of the segments before and behind
-the tip; the cut is due at 1.
+the force that the new cables take over; those behind the tip are there already and pull with what
+they carry. Its measure is F_c · m / (sigma_F h L / 2) with the normal m from the minus to the plus
+side and the length L of the segment: its cables hand half of their force on to the tip. The cut is
+due at 1.
 
 A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
 the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
@@ -49,9 +50,9 @@ from shellcut.state import BROKEN, State
 from .anisotropy import Anisotropy
 from .cut_state import rows_along, side_under
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, divide, holds, shape_functions
+from .quad_polygon import UNUSED, Point, between, divide, holds, shape_functions
 from .ray_ahead import Aimed
-from .tip import Segment, Tip
+from .tip import Segment
 
 UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
@@ -94,9 +95,6 @@ class TrialCut:
         sigma_F [MPa].
     anisotropy : Anisotropy, optional
         Of the film.
-    held_behind : bool
-        Whether the segment behind a tip has all its cables already, at its Gauss points: L_in is
-        0 then, for the new cables only hold what is ahead.
     """
 
     def __init__(
@@ -106,27 +104,19 @@ class TrialCut:
         loads: LoadSet,
         strength: float,
         anisotropy: Anisotropy | None = None,
-        *,
-        held_behind: bool = False,
     ) -> None:
         self.topology, self._shell, self._loads = topology, shell, loads
-        self._anisotropy, self._held_behind = anisotropy, held_behind
+        self._anisotropy = anisotropy
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
 
-    def behind(self, tip: Tip) -> float:
-        """Return L_in, of the segment behind a tip that has a cable to come [mm]."""
-        return 0.0 if self._held_behind else tip.length
-
-    def factors(self, state: State, tip: Tip, segment: Segment) -> tuple[float, float]:
-        """Return the factors on the strength before and behind a tip, of the way there and on."""
+    def factor(self, state: State, segment: Segment) -> float:
+        """Return the factor on the strength across a segment."""
         if self._anisotropy is None:
-            return 1.0, 1.0
+            return 1.0
         X = state.node.X[state.quads[segment.row]]
         start, stop = (product(shape_functions(p), X) for p in (segment.entry, segment.exit))
-        ways = np.stack([tip.heading, stop - start])
-        before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
-        return before, after
+        return self._anisotropy.factor(stop - start, corner_normals(X))
 
     def corner_mass(self, side: Side) -> Floats:
         """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
@@ -183,23 +173,19 @@ class TrialCut:
         corner = np.array([corner for _, corner in members])
         mine = [tried[row][1] for row, _ in members if row in tried]
 
-        def holds_end(row: int, inward: Floats) -> bool:
-            """Return whether the side has an end: of the row that is tried it is one part."""
-            return row != segment.row or all(holds(part, tuple(inward)) for part in mine)
+        def holds_place(row: int, place: Point) -> bool:
+            """Return whether the side has a place: of the row that is tried it is one part."""
+            return row != segment.row or all(holds(part, place) for part in mine)
 
-        f, c = state.flank, state.cable
-        at = c.row[: c.count] * 4 + c.corner[: c.count]
-        at_corner = (at[..., None] == rows * 4 + corner).any(axis=2)
-        cables = [
-            (k, end, 1.0)
-            for k, end in np.argwhere(at_corner).tolist()
-            if holds_end(c.row[k, end], c.inward[k, end])
-        ]
-        for k in np.flatnonzero((f.row[: f.count, None] == rows).any(axis=1)).tolist():
-            weight = float(f.weight[k, corner[rows == f.row[k]][0]])
-            if weight > UNUSED and holds_end(f.row[k], f.inward[k]):
-                for cable, end in np.argwhere(c.ends[: c.count] == f.node[k]).tolist():
-                    cables.append((cable, end, weight))
+        c, cables = state.cable, []
+        for k, end in np.argwhere(np.isin(c.row[: c.count], rows)).tolist():
+            row, share = int(c.row[k, end]), float(c.share[k])
+            start, stop = c.chord[k, end].tolist()
+            at = int(corner[rows == row][0])
+            first, last = shape_functions(start)[at], shape_functions(stop)[at]
+            weight = first + share * (last - first)
+            if weight > UNUSED and holds_place(row, between(start, stop, share)):
+                cables.append((k, end, weight))
         return Side(
             rows=rows,
             corner=corner,
@@ -213,7 +199,6 @@ class _Sums(NamedTuple):
     """Trial cuts as the kernel takes them."""
 
     tip: Annotated[Ints, "(n_trial,)"]
-    length: Annotated[Floats, "(n_trial,)"]
     start: Annotated[Ints, "(n_trial + 1,)"]
     """First pair of each trial, and the end."""
     weight: Annotated[Floats, "(n_pair,)"]
@@ -259,12 +244,12 @@ class TrialSums:
         self._weigh = BoundOnce(_weigh_trials)
         self.take([])
 
-    def take(self, trials: Sequence[tuple[int, float, list[Pair]]]) -> None:
+    def take(self, trials: Sequence[tuple[int, list[Pair]]]) -> None:
         """Take the trial cuts that are to be weighed from now on.
 
-        Of each: which of the tips, the length of the segment behind it [mm], and its pairs.
+        Of each: which of the tips, and its pairs.
         """
-        tips, lengths, every = zip(*trials, strict=True) if trials else ((), (), ())
+        tips, every = zip(*trials, strict=True) if trials else ((), ())
         pairs = [pair for some in every for pair in some]
         corners: dict[tuple[int, int], int] = {}
         members, cables, shares = [], [], []
@@ -282,7 +267,6 @@ class TrialSums:
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
         self._sums = _Sums(
             tip=np.array(tips, np.int64),
-            length=np.array(lengths, float),
             start=np.cumsum([0, *map(len, every)]),
             weight=np.array([pair.weight for pair in pairs]),
             mass=mass,
@@ -308,10 +292,10 @@ class TrialSums:
         carried = self._trial_cut.carried
         self._weigh(n.x, n.t, n.X, self._sums, aimed, force, c.status, c.force, carried, weighed)
 
-    def of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
+    def of_tear(self, state: State, segment: Segment) -> float:
         """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
-        behind, pairs = self._trial_cut.behind(tip), self._trial_cut.pairs(state, segment)
-        one = self._alone(state, segment, behind, pairs)
+        pairs = self._trial_cut.pairs(state, segment)
+        one = self._alone(state, segment, pairs)
         if one.measure[0] == -np.inf:
             return -np.inf
         force, length = one.force[0], float(one.length[0])
@@ -320,18 +304,18 @@ class TrialSums:
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
-        before, after = self._trial_cut.factors(state, tip, segment)
-        return pull / (self._trial_cut.carried * 0.5 * (before * behind + after * length))
+        carries = self._trial_cut.carried * self._trial_cut.factor(state, segment)
+        return pull / (0.5 * carries * length)
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
         pairs = self._trial_cut.pairs(state, segment)
-        return np.asarray(self._alone(state, segment, 0.0, pairs).force[0])
+        return np.asarray(self._alone(state, segment, pairs).force[0])
 
-    def _alone(self, state: State, segment: Segment, behind: float, pairs: list[Pair]) -> Weighed:
-        """Return what the trial cut along one segment has; behind : length of that before [mm]."""
+    def _alone(self, state: State, segment: Segment, pairs: list[Pair]) -> Weighed:
+        """Return what the trial cut along one segment has."""
         one = Weighed.of(1)
-        self.take([(0, behind, pairs)])
+        self.take([(0, pairs)])
         self.weigh(state, Aimed.along(state, [segment]), one)
         return one
 
@@ -386,8 +370,7 @@ def _weigh_trials(
             weighed.measure[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
-        carries = carried * 0.5 * (sums.length[k] + out)
-        weighed.measure[tip] = dot(d, m) / norm(m) / kappa / carries
+        weighed.measure[tip] = dot(d, m) / norm(m) / kappa / (0.5 * carried * out)
         weighed.length[tip] = out
         store(weighed.normal, tip, scale(1.0 / norm(m), m))
         store(weighed.force, tip, scale(1.0 / kappa, d))
