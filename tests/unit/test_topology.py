@@ -186,8 +186,9 @@ def test_equilibrium_start_takes_over_what_the_node_carried():
             continue
         begins = c.start_force[new] + pull
         np.testing.assert_allclose(at_start @ begins, force, atol=1e-14)
-        # What is more than they pull comes to the start alone.
-        np.testing.assert_allclose(c.share[new] @ c.start_force[new], np.zeros(3), atol=1e-14)
+        # All fibres alike: the other end is closed and the next tip.
+        alike = np.broadcast_to(c.start_force[FIBRES], (FIBRES, 3))
+        np.testing.assert_allclose(c.start_force[new], alike, atol=1e-14)
         assert state.split_log[-1].force_jump == 0.0
 
 

@@ -175,8 +175,12 @@ class Cuts:
             if cut.is_open(state, end):
                 more[end] = force - product(part[end], pull)
         if exactly:
+            # An end that is closed goes on with the same: it is the next tip.
+            more = np.stack([more[k] if more[k].any() else more[1 - k] for k in (0, 1)])
             at_ends = product(pseudo_inverse(product(part, part.T), _ALIKE), more)
             c.start_force[new] = product(part.T, at_ends)
+            c.force[new, 0] += c.start_force[new]
+            c.force[new, 1] -= c.start_force[new]
             more = np.zeros((2, 3))
         jump = float(norm(more).max())
         state.split_log[-1] = replace(state.split_log[-1], force_jump=jump)

@@ -117,8 +117,10 @@ class SegmentCables:
             m = unit(np.cross((1.0 - share) * n.t[start] + share * n.t[stop], way))
             c.m[k], c.branch[k] = m, (m, -m)
             c.birth[k] = state.time
-            # The force that it is about to exert: at zero opening it has done no work yet.
+            # What it is about to exert, which the next trial cut may count. Both its ends move
+            # alike yet: no work is done.
             c.traction[k] = self._law.strength
+            c.force[k] = self._law.strength * c.area[k] * c.branch[k]
 
     def follow(self, state: State, topology: CutTopology, row: int, new: int) -> None:
         """Give what is on a row that has been cut to the part that it belongs to."""
