@@ -21,7 +21,7 @@ from shellcut.numerics.small_matrices import pseudo_inverse
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
-from .cut_state import cut_row, nodes_at, renew_nodes, rows_along, side_under
+from .cut_state import cut_row, nodes_at, parted, renew_nodes, rows_along, side_under
 from .cut_topology import CutTopology
 from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
 from .segment_cables import SegmentCables
@@ -47,11 +47,7 @@ class Cut(NamedTuple):
 
     def is_open(self, state: State, end: int) -> bool:
         """Return whether the flanks part where it starts, end 0, or stops, end 1."""
-        minus, plus = (
-            nodes_at(state, row, chord[end])
-            for row, chord in zip(self.rows, self.chords, strict=True)
-        )
-        return minus != plus
+        return parted(state, self.rows, (chord[end] for chord in self.chords))
 
 
 class Cuts:

@@ -2,13 +2,18 @@
 
 From its tip, a node, it may go on along every side that has whole film on both sides of it and by
 which it does not turn too sharply; if all sides turn by more, along those that turn least, for a
-crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_cut`), and the one
-with the largest measure F_c · m / (sigma_F h L / 2) is taken, the normal traction over the
-strength: what the cables behind the tip do not carry of a uniform stress is F_c = ½ h L sigma · m.
+crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_cut`). With the
+force F at the tip and the chord c from where the crack came to where it would go, m being the normal
+to c in the sheet, the measure is
+
+    F · m / (sigma_F h (L_in + L_out) / 2),
+
+and the side with the largest normal traction F · m / |c| is taken: a uniform stress gives
+F = ½ h |c| sigma · m whatever sides lead along c, where the measure would favour short ones.
 
 By the paper's criterion ([Frangi2010] 4) the measure is sigma_I / sigma_F, the largest principal
 stress of the mid-surface recovered from the node's patch ([ZienkiewiczZhu1992]), and the side is
-the one most nearly normal to the direction of sigma_I. It depends on the mesh, which F_c does not.
+the one most nearly normal to the direction of sigma_I. It depends on the mesh, which F does not.
 """
 
 from __future__ import annotations
@@ -19,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, product, unit
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.nodal_stress import NodalStress, recover
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
@@ -66,6 +71,12 @@ class _Tried(NamedTuple):
     """Sides along which a crack may go on from its tip, and the trial cuts along them."""
 
     segments: list[Segment]
+    nodes: Ints
+    """Of their rows, and of the row whose director counts, shape (n_side + 1, 4)."""
+    ways: Floats
+    """Weights that give of their positions the vectors along them, and the way the crack came."""
+    corner: int
+    """Of that last row, at which the tip is."""
     sums: TrialSums
     aimed: Aimed
     weighed: Weighed
@@ -121,18 +132,22 @@ class SideTears:
             self._known.take(state)
         if tip not in self._tried:
             self._tried[tip] = self._try(state, tip)
-        segments, sums, aimed, weighed = self._tried[tip]
+        segments, nodes, weights, corner, sums, aimed, weighed = self._tried[tip]
         if not segments:
             return None
         sums.weigh(state, aimed, weighed)
+        ways = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
+        chord = ways[:-1] + weighed.behind[:, None] * unit(ways[-1])
+        a, b, c = state.node.t[nodes[-1, corner]].tolist()
+        m = product(chord, np.array([[0.0, c, -b], [-c, 0.0, a], [b, -a, 0.0]]))  # t x chord
+        size = norm(m)
+        pull = (weighed.pull * m).sum(axis=1) / size
         if self.stress is None:
-            k = int(np.argmax(weighed.measure))
-            return Due(segments[k], float(weighed.measure[k]), weighed.force[k])
+            k = int(np.argmax(pull / size))
+            held = 0.5 * (weighed.behind[k] + weighed.length[k]) * self._trial_cut.carried
+            return Due(segments[k], float(pull[k] / held), weighed.force[k])
         measure, direction = self.stress.at(state, [tip], tips)
-        ways = [
-            unit(product(_weights(one), state.node.x[state.quads[one.row]])) for one in segments
-        ]
-        k = int(np.argmin(np.abs(product(np.array(ways), direction[0]))))
+        k = int(np.argmin(np.abs(product(chord, direction[0])) / size))
         return Due(segments[k], float(measure[0]), weighed.force[k])
 
     def _try(self, state: State, tip: Tip) -> _Tried:
@@ -140,7 +155,11 @@ class SideTears:
         segments = self._sides(state, tip)
         sums, aimed = TrialSums(self._trial_cut), Aimed.along(state, segments)
         sums.take([(i, self._trial_cut.pairs(state, one)) for i, one in enumerate(segments)])
-        return _Tried(segments, sums, aimed, Weighed.of(len(segments)))
+        row, entry = self._path.rows_ahead(tip)[0]
+        ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
+        nodes = state.quads[[*(one.row for one in segments), row]]
+        known = segments, nodes, np.array(ways), corner_at(entry)
+        return _Tried(*known, sums, aimed, Weighed.of(len(segments)))
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""

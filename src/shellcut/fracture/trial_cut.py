@@ -11,21 +11,31 @@ two flanks at the place P of the tip, and that of a pair of unit forces there:
 
 N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
 the force that the new cables take over; those behind the tip are there already and pull with what
-they carry. Its measure is F_c · m / (sigma_F h L / 2) with the normal m from the minus to the plus
-side and the length L of the segment: its cables hand half of their force on to the tip. The cut is
-due at 1.
+they carry.
+
+The measure counts both segments that meet at the tip. Their cables hand half of their force on to
+it; those of the segment behind, which pull by B there, hold it closed together with the film ahead.
+So the film pulls at the tip by F = F_c + B, against what the cables of both halves would carry:
+
+    F · m / (sigma_F h (L_in + L_out) / 2),
+
+with the normal m from the minus to the plus side and the lengths of the segments; the cut is due at
+1. F_c alone over sigma_F h L_out / 2 is the same where B = sigma_F h L_in / 2 m. But cables behind
+pull the way the segment has opened, which is straight, and near the tip the film turns from m to
+that: over a length that the mesh need not resolve. What B misses there F_c would have, times
+L_in / L_out: tips whose next segment is short would run without any energy released.
 
 A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
-the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
+the measure is |F| over the same, if F · m >= 0. In front of a process zone that bends, the
 flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
 bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
-its plane F_c · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
-be torn by three times the force. So flanks that are pressed, F_c · m < 0, hold the tip only if F_c
+its plane F · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
+be torn by three times the force. So flanks that are pressed, F · m < 0, hold the tip only if F
 does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
 is taken off the force along the flanks, as in a crack that is sheared under pressure
 ([CamachoOrtiz1996]):
 
-    sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
+    sqrt(|F|² - (F · m)²) - |F · m|      in place of |F|.
 
 At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.options`).
 """
@@ -44,11 +54,11 @@ from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store
+from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
 from .anisotropy import Anisotropy
-from .cut_state import rows_along, side_under
+from .cut_state import parted, rows_along, side_under
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, Point, between, divide, holds, shape_functions
 from .ray_ahead import Aimed
@@ -69,8 +79,9 @@ class Side(NamedTuple):
     """The node there now, shape (n,)."""
     part: Ints
     """UNCUT, RIGHT or LEFT: what of the row belongs to it, shape (n,)."""
-    cables: tuple[tuple[int, int, float], ...]
-    """Cable, its end, and how much of its force goes with the class."""
+    cables: tuple[tuple[int, int, float, float], ...]
+    """Cable, its end, how much of its force goes with the class, and how much of that is handed on
+    where the flanks have not parted: at the tip."""
 
 
 class Pair(NamedTuple):
@@ -106,7 +117,7 @@ class TrialCut:
         anisotropy: Anisotropy | None = None,
     ) -> None:
         self.topology, self._shell, self._loads = topology, shell, loads
-        self._anisotropy = anisotropy
+        self._anisotropy, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
 
@@ -182,10 +193,11 @@ class TrialCut:
             row, share = int(c.row[k, end]), float(c.share[k])
             start, stop = c.chord[k, end].tolist()
             at = int(corner[rows == row][0])
-            first, last = shape_functions(start)[at], shape_functions(stop)[at]
-            weight = first + share * (last - first)
-            if weight > UNUSED and holds_place(row, between(start, stop, share)):
-                cables.append((k, end, weight))
+            parts = (1.0 - share) * shape_functions(start)[at], share * shape_functions(stop)[at]
+            if sum(parts) > UNUSED and holds_place(row, between(start, stop, share)):
+                opened = (parted(state, c.row[k], c.chord[k, :, which]) for which in (0, 1))
+                closed = sum(w for w, is_open in zip(parts, opened, strict=True) if not is_open)
+                cables.append((k, end, sum(parts), closed))
         return Side(
             rows=rows,
             corner=corner,
@@ -208,8 +220,8 @@ class _Sums(NamedTuple):
     """Pair, side, part (UNCUT, RIGHT, LEFT) and row of the corner forces."""
     cable: Annotated[Ints, "(n_link, 4)"]
     """Pair, side, cable and its end."""
-    share: Annotated[Floats, "(n_link,)"]
-    """How much of that cable's force goes with the side."""
+    share: Annotated[Floats, "(n_link, 2)"]
+    """How much of that cable's force goes with the side, and how much of that acts at the tip."""
 
 
 class Weighed(NamedTuple):
@@ -217,17 +229,22 @@ class Weighed(NamedTuple):
 
     force: Annotated[Floats, "(n_tip, 3)"]
     """F_c [N]."""
+    pull: Annotated[Floats, "(n_tip, 3)"]
+    """F [N]."""
     normal: Annotated[Floats, "(n_tip, 3)"]
     """m, the unit normal to the segment in the sheet."""
     length: Annotated[Floats, "(n_tip,)"]
     """Of the segment [mm]."""
+    behind: Annotated[Floats, "(n_tip,)"]
+    """L_in times the factor on its strength [mm]; 0 where no cables hold the segment behind."""
     measure: Annotated[Floats, "(n_tip,)"]
-    """F_c · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
+    """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
 
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        return cls(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.full(n, -np.inf))
+        vectors, numbers = np.zeros((3, n, 3)), np.zeros((2, n))
+        return cls(*vectors, *numbers, np.full(n, -np.inf))
 
 
 class TrialSums:
@@ -261,8 +278,8 @@ class TrialSums:
                 for row, node, part in zip(*columns, strict=True):
                     corner = corners.setdefault((row, node), len(corners))
                     members.append((p, sign, part, corner))
-                cables += [(p, sign, cable, end) for cable, end, _ in side.cables]
-                shares += [share for _, _, share in side.cables]
+                cables += [(p, sign, *link[:2]) for link in side.cables]
+                shares += [link[2:] for link in side.cables]
         held = np.array(list(corners), np.int64).reshape(-1, 2)
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
         self._sums = _Sums(
@@ -272,7 +289,7 @@ class TrialSums:
             mass=mass,
             member=np.array(members, np.int64).reshape(-1, 4),
             cable=np.array(cables, np.int64).reshape(-1, 4),
-            share=np.array(shares),
+            share=np.array(shares, float).reshape(-1, 2),
         )
 
     def weigh(self, state: State, aimed: Aimed, weighed: Weighed) -> None:
@@ -287,25 +304,26 @@ class TrialSums:
         weighed : Weighed
             Written, where a tip has a segment.
         """
-        n, c = state.node, state.cable
-        force = self._trial_cut.corner_forces(state, self._rows, self._nodes)
-        carried = self._trial_cut.carried
-        self._weigh(n.x, n.t, n.X, self._sums, aimed, force, c.status, c.force, carried, weighed)
+        n, c, trial = state.node, state.cable, self._trial_cut
+        cables = c.status, c.force, c.area
+        force = trial.corner_forces(state, self._rows, self._nodes)
+        known = self._sums, aimed, force, *cables, trial.carried, trial.thickness
+        self._weigh(n.x, n.t, n.X, *known, weighed)
 
     def of_tear(self, state: State, segment: Segment) -> float:
-        """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
+        """Return |F| over what the cables would carry; less if it presses. A tear is due at 1."""
         pairs = self._trial_cut.pairs(state, segment)
         one = self._alone(state, segment, pairs)
         if one.measure[0] == -np.inf:
             return -np.inf
-        force, length = one.force[0], float(one.length[0])
+        force, length = one.pull[0], float(one.length[0])
         across, pull = float(product(force, one.normal[0])), sqrt(product(force, force))
         if across < 0.0:
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
-        carries = self._trial_cut.carried * self._trial_cut.factor(state, segment)
-        return pull / (0.5 * carries * length)
+        length *= self._trial_cut.factor(state, segment)
+        return pull / (0.5 * self._trial_cut.carried * (float(one.behind[0]) + length))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
@@ -330,50 +348,60 @@ def _weigh_trials(
     corner_force: Floats,
     status: SmallInts,
     cable_force: Floats,
+    cable_area: Floats,
     carried: float,
+    thickness: float,
     weighed: Weighed,
 ) -> None:
     """Write what trial cuts have at their tips.
 
     x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
-    (n_cable, 2, 3), [N].  carried : sigma_F h [N/mm].
+    (n_cable, 2, 3), [N].  cable_area : (n_cable,), [mm²].  carried : sigma_F h [N/mm].
     """
     sums, aimed, weighed = borrowed(sums), borrowed(aimed), borrowed(weighed)
     n_trial = sums.tip.shape[0]
-    owner = np.empty(sums.weight.shape[0], np.int64)
+    trial = np.empty(sums.weight.shape[0], np.int64)
     for k in range(n_trial):
-        for p in range(sums.start[k], sums.start[k + 1]):
-            owner[p] = sums.tip[k]
-    force = np.zeros((sums.weight.shape[0], 2, 3))
+        trial[sums.start[k] : sums.start[k + 1]] = k
+    force, behind = np.zeros((2, sums.weight.shape[0], 2, 3))
+    held = np.zeros(n_trial)
     for i in range(sums.member.shape[0]):
         p, side, part, corner = _four(sums.member, i)
-        share = _part(part, aimed.right[owner[p]])
+        share = _part(part, aimed.right[sums.tip[trial[p]]])
         for c in range(3):
             force[p, side, c] += share * corner_force[corner, c]
     for i in range(sums.cable.shape[0]):
         p, side, cable, end = _four(sums.cable, i)
-        if status[cable] != BROKEN:
-            for c in range(3):
-                force[p, side, c] += sums.share[i] * cable_force[cable, end, c]
+        if status[cable] == BROKEN:
+            continue
+        held[trial[p]] += sums.share[i, 1] * cable_area[cable]
+        for c in range(3):
+            force[p, side, c] += sums.share[i, 0] * cable_force[cable, end, c]
+            behind[p, side, c] += sums.share[i, 1] * cable_force[cable, end, c]
     for k in range(n_trial):
         tip = sums.tip[k]
-        right, kappa, d = aimed.right[tip], 0.0, (0.0, 0.0, 0.0)
+        right, kappa, d, closed = aimed.right[tip], 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        whole = sums.weight[sums.start[k] : sums.start[k + 1]].sum()
         for p in range(sums.start[k], sums.start[k + 1]):
             for side in range(2):
                 mass = 0.0
                 for part in range(3):
                     mass += _part(part, right) * sums.mass[p, side, part]
-                sign = 1.0 if side else -1.0
-                d = add_scaled(d, sign * sums.weight[p] / mass, load(force[p], side))
+                moves = sums.weight[p] / mass if side else -sums.weight[p] / mass
+                d = add_scaled(d, moves, load(force[p], side))
+                closed = add_scaled(closed, moves, load(behind[p], side))
                 kappa += sums.weight[p] ** 2 / mass
         if kappa == 0.0:
             weighed.measure[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
-        weighed.measure[tip] = dot(d, m) / norm(m) / kappa / (0.5 * carried * out)
-        weighed.length[tip] = out
-        store(weighed.normal, tip, scale(1.0 / norm(m), m))
+        m, pull = scale(1.0 / norm(m), m), scale(1.0 / kappa, sub(d, closed))
+        before = held[k] / (thickness * whole)
+        weighed.measure[tip] = dot(pull, m) / (0.5 * carried * (before + out))
+        weighed.length[tip], weighed.behind[tip] = out, before
+        store(weighed.normal, tip, m)
         store(weighed.force, tip, scale(1.0 / kappa, d))
+        store(weighed.pull, tip, pull)
 
 
 @inline
