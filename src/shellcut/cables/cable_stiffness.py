@@ -90,9 +90,11 @@ def cable_stiffness(
                 k = max(pull / branch, slope) + pull * within.grip / within.stick
             else:
                 k = 2.0 * max(pull / (max(cables.opening[c], 0.0) + within.sharpest), slope)
-            node[n], stiffness[n] = here, (1.0 - share) * k
-            n += 1
-            if share > 0.0:
+            # Where both flanks are at one node, at a tip, the cable holds nothing.
+            if share < 1.0 and cables.ends[c, 0] != cables.ends[c, 1]:
+                node[n], stiffness[n] = here, (1.0 - share) * k
+                n += 1
+            if share > 0.0 and cables.far[c, 0] != cables.far[c, 1]:
                 node[n], stiffness[n] = there, share * k
                 n += 1
     return n

@@ -37,6 +37,7 @@ from .pierce import Begun, Pierce
 from .puncture import bending_length, puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
+from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import Due, LargestStress, SideTears
 from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
@@ -76,8 +77,10 @@ class Cracks:
         motion: Motion | None = None,
         points: PointContact | None = None,
     ) -> None:
-        film = fracture.anisotropy
-        self.cuts = Cuts(state, shell, law, film, loads=loads, fibres=fracture.fibres)
+        film, fibres = fracture.anisotropy, fracture.fibres
+        if fibres is None:
+            fibres = BEFORE_AN_EDGE if tool is not None and tool.n_edge else AT_ENDS
+        self.cuts = Cuts(state, shell, law, film, loads=loads, fibres=fibres)
         """Carries them out."""
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every

@@ -98,9 +98,14 @@ class Fracture:
     ] = None
     anisotropy: Anisotropy | None = None
     fibres: Annotated[
-        int,
-        Option("", "cables across a quad or side that a crack has cut, evenly along it", least=1),
-    ] = 6
+        int | None,
+        Option(
+            "",
+            "cables across a quad or side that is cut, evenly along it; 0: one at each end",
+            least=0,
+            unset="6 where a tool has cutting edges, else 0",
+        ),
+    ] = None
     puncture_force: Annotated[
         float | None,
         Option(

@@ -38,6 +38,12 @@ from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
 from .quad_polygon import UNUSED, Point, between, corner_at, holds, shape_functions
 
+BEFORE_AN_EDGE = 6
+"""Cables of a segment where an edge comes to them one after the other."""
+
+AT_ENDS = 0
+"""Cables of a segment, one at each end, where nothing passes along it."""
+
 # Of the segment: where a flank point belongs when its copy is cut again.
 _INWARD = 0.15
 
@@ -55,7 +61,7 @@ class SegmentCables:
     material : ShellMaterial
         Of the film.
     count : int
-        Fibres of a segment.
+        Fibres of a segment, evenly along it; 0: two cables at its ends.
     anisotropy : Anisotropy, optional
         Of the film; a cable's area is that of the film it holds times f.
     """
@@ -68,7 +74,7 @@ class SegmentCables:
         anisotropy: Anisotropy | None = None,
     ) -> None:
         self._law, self._material, self._anisotropy = law, material, anisotropy
-        self._shares = (np.arange(count) + 0.5) / count
+        self._shares = (np.arange(count) + 0.5) / count if count else np.array([0.0, 1.0])
         self._known = KnownTopology()
 
     def lay(

@@ -3,8 +3,8 @@
 From its tip, a node, it may go on along every side that has whole film on both sides of it and by
 which it does not turn too sharply; if all sides turn by more, along those that turn least, for a
 crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_cut`). With the
-force F at the tip and the chord c from where the crack came to where it would go, m being the normal
-to c in the sheet, the measure is
+force F at the tip and the chord c from where the crack came to where it would go, m being the
+normal to c in the sheet, the measure is
 
     F · m / (sigma_F h (L_in + L_out) / 2),
 

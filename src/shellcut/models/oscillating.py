@@ -42,8 +42,8 @@ that the step is a quarter shorter."""
 FILM: dict[str, Any] = {"young": 2200.0, "poisson": 0.35, "density": 0.9e-9, "thickness": 0.1}
 """Default film: modulus [MPa] and density [t/mm³] as of bi-oriented polypropylene."""
 
-FRACTURE = Fracture(path="free", check_every=20)
-"""Default."""
+FRACTURE = Fracture(path="free", check_every=20, fibres=6)
+"""Default. With cables at the ends of segments quads snap, and 1.5 times as much work is damped."""
 
 CONTACT = Contact(penalty=200.0)
 """Default: the bar presses with tenths of a newton."""
