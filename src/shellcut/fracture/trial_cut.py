@@ -243,8 +243,8 @@ class Weighed(NamedTuple):
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        vectors, numbers = np.zeros((3, n, 3)), np.zeros((2, n))
-        return cls(*vectors, *numbers, np.full(n, -np.inf))
+        (force, pull, normal), (length, behind) = np.zeros((3, n, 3)), np.zeros((2, n))
+        return cls(force, pull, normal, length, behind, np.full(n, -np.inf))
 
 
 class TrialSums:
