@@ -62,6 +62,7 @@ PAGES = {
         "howto/tensile",
         "howto/studies",
         "howto/converge",
+        "howto/optimise",
         "howto/fit",
         "howto/trust",
     ],

@@ -78,7 +78,7 @@ def _one_grid_for_equal_tools():
     build, known = ClosestTriangleGrid.build, {}
 
     def built(tool):
-        arrays = tool.vertices, tool.triangles, tool.triangle_body, tool.flank
+        arrays = tool.vertices, tool.triangles, tool.triangle_tooth, tool.flank
         key = tuple(array.tobytes() for array in arrays)
         if key not in known:
             if len(known) >= _MOST_GRIDS:

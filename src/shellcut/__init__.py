@@ -57,6 +57,7 @@ from .study.converge import converge
 from .study.curve_misfit import FitCurve
 from .study.design import Design
 from .study.fit import Search, fit
+from .study.optimise import Optimum, optimise
 from .study.report import report_study
 from .study.study import StudyResults, sweep
 from .tensile import TensileTest, evaluate_tensile
@@ -94,6 +95,7 @@ __all__ = [
     "ModelFileError",
     "NodalForce",
     "NodalMoment",
+    "Optimum",
     "Orthotropic",
     "Plastic",
     "Pressure",
@@ -127,6 +129,7 @@ __all__ = [
     "mesh_quality",
     "meshing",
     "opening_test",
+    "optimise",
     "oscillating",
     "preset_film",
     "preview",

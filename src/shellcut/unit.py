@@ -277,6 +277,52 @@ def conversion(unit: str, to: str) -> float:
     return float(size / target)
 
 
+def shown_in(unit: str, wanted: str) -> tuple[str, float]:
+    """Return the unit in which numbers in ``unit`` are shown, and the factor to it.
+
+    Parameters
+    ----------
+    unit : str
+        Of the numbers.
+    wanted : str
+        Units with commas, as ``"in, lbf"``: lengths and forces, and what is made of them, take
+        these; a unit of the same dimension, as ``"psi"`` for a stress, goes first. What none is for
+        keeps its unit.
+
+    Raises
+    ------
+    ValueError
+        If one of those wanted is no unit.
+
+    Examples
+    --------
+    >>> for unit in ("N*mm", "N/mm", "mm^2", "MPa", "deg"):
+    ...     print(*shown_in(unit, "in, lbf, psi"))
+    lbf*in 0.00885074579132...
+    lbf/in 5.71014715473...
+    in^2 0.00155000310...
+    psi 145.03773773...
+    deg 1.0
+    """
+    if not wanted:
+        return unit, 1.0
+    named = {parsed(one)[1]: one.strip() for one in wanted.split(",") if one.strip()}
+    try:
+        size, exponents = parsed(unit)
+    except ValueError:
+        return unit, 1.0
+    length, force, *others = exponents
+    basic = {(1, 0, 0, 0): length, (0, 1, 0, 0): force}
+    new = named.get(exponents, "")
+    if not new and not any(others) and any(of and named.get(one) for one, of in basic.items()):
+        arm, push = (named.get(one, si) for one, si in zip(basic, ("mm", "N"), strict=True))
+        power = arm if abs(length) == 1 else f"{arm}^{abs(length)}"
+        over = push if force == 1 else f"{push}^{force}" if force else "1"
+        new = f"{over}/{power}" if length < 0 else f"{over}*{power}" if length else over
+        new = new.removeprefix("1*")
+    return (new, float(size / parsed(new)[0])) if new else (unit, 1.0)
+
+
 def pretty(unit: str) -> str:
     """Return a unit as printed: "N*mm" becomes "N·mm"; "" for a pure number."""
     return unit.replace("*", "·").replace("deg", "°").replace("^2", "²").removeprefix("-")

@@ -77,5 +77,5 @@ def node_force(x, tool, pose, side, area, penalty, g_m, radius=0.0, share=1.0):
                 planes = tool.vertices[tool.triangles[allowed, 0]], tool.triangle_normals[allowed]
                 depth, normal = rounded_depth(p, planes, radius)
             size = share * penalty * area * smoothed(max(depth, 0.0), g_m)
-            answers.append((size * (pose.rotation @ normal), depth, int(tool.triangle_body[k])))
+            answers.append((size * (pose.rotation @ normal), depth, int(tool.triangle_tooth[k])))
     return answers

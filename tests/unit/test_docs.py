@@ -103,9 +103,10 @@ def test_commands_of_the_pages_are_understood(words, tmp_path, monkeypatch, caps
     if getattr(arguments, "model", None) in shipped_models():
         if arguments.command == "sweep":
             assert main([*words, "--dry-run"]) == 0, capsys.readouterr().err
-        else:
+        elif arguments.command != "optimise":  # which varies files that are not there
             settings = settings_of(arguments)
             for file in (str(v) for v in settings.values() if re.search(r"\.(stl|msh)$", str(v))):
+                Path(file).parent.mkdir(exist_ok=True)
                 Path(file).touch()
             assert read_model(arguments.model, settings).head.model == arguments.model
 

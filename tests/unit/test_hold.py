@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.checks.hold import check_hold, pieces_of
+from shellcut.checks.hold import check_held_film, check_hold, pieces_of
+from shellcut.checks.sweep import Sweep
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -60,6 +61,16 @@ def test_every_piece_must_be_held():
     assert "the piece of 8 quads about (2, 5, 0) mm, which nothing holds" in str(finding)
     whole = held((SIDE["left"], CLAMPED), (SIDE["left"] + n, CLAMPED), n_node=2 * n)
     assert list(check_hold(both, whole)) == []
+
+
+def test_a_blade_that_cuts_held_film_is_told():
+    case = sc.guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=3.0)
+    mesh = case.simulation.mesh
+    sweep = Sweep.of(mesh, case.simulation.tool, case.simulation.motion, case.duration)
+    assert list(check_held_film(sweep, case.simulation.state.node.support[: mesh.n_node])) == []
+    support = held((np.flatnonzero(mesh.nodes[:, 0] > 1.5), POSITION), n_node=mesh.n_node)
+    (finding,) = check_held_film(sweep, support)
+    assert "quads under their path with all four nodes held, the first at (2" in str(finding)
 
 
 def test_a_film_that_is_held_here_and_there_is_told_what_it_can_do():

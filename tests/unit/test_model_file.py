@@ -267,12 +267,12 @@ k = 2
 
 def test_shipped_models_are_package_data_and_told():
     shipped = shipped_models()
-    assert set(shipped) == {"guillotine", "opening", "oscillating", "trouser"}
+    assert set(shipped) == {"free", "guillotine", "opening", "oscillating", "trouser"}
     for name, text in shipped.items():
         assert text == files("shellcut.models").joinpath(f"{name}.toml").read_text("utf-8")
         assert all(len(line) <= 90 for line in text.splitlines())
     (line,) = refusal("openign")
-    assert "guillotine, opening, oscillating, trouser; did you mean opening?" in line
+    assert "free, guillotine, opening, oscillating, trouser; did you mean opening?" in line
 
 
 @pytest.mark.parametrize(

@@ -23,8 +23,9 @@ from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.view import Curve, Diagram, Panels, draw_snapshot, snapshot_limits, title_parts
 from shellcut.view.curves import outline
 
-SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, In three dimensions,
-Crack map, Quality of the cut, Energy ledger, What was run, Versions""".replace("\n", " ")
+SECTIONS = """Conclusion, Force, Measured curve, Where the work went, What may be trusted, The cut,
+In three dimensions, Crack map, Quality of the cut, Figures, What was run, Versions"""
+SECTIONS = SECTIONS.replace("\n", " ")
 SECTIONS = SECTIONS.split(", ")
 
 
@@ -127,13 +128,25 @@ class TestPage:
         assert f"{summary['crack_length_mm']:.4g} mm" in page
         assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
 
+    def test_figures_and_curves_come_in_the_units_asked_for(self, out, tmp_path):
+        summary = json.loads((out / "summary.json").read_text())
+        page = report_run(out, tmp_path / "us.html", units="in, lbf").read_text(encoding="utf-8")
+        assert f"{summary['crack_length_mm'] / 25.4:.4g} in" in page
+        assert f"{summary['tool_work_Nmm'] / 112.984829:.4g} lbf·in" in page
+        assert "force [lbf]" in page
+        assert "path [in]" in page
+        with pytest.raises(ValueError, match="must have a unit made of"):
+            report_run(out, tmp_path / "no.html", units="furlong")
+
     def test_text_of_the_user_is_escaped(self, page):
         assert "alert(1)</script>" not in page
         assert "&lt;script&gt;alert(1)" in page
 
-    def test_a_good_run_is_told_to_hold(self, page):
-        kinds = [kind for kind, _ in sentences(page)]
+    def test_the_verdict_is_ordered_and_its_doubts_counted(self, page):
+        kinds = [kind for kind, _ in sentences(page[page.index("What may be trusted") :])]
         assert kinds.count("good") >= 3
+        assert kinds.count("doubt") == 1
+        assert "; 1 check speaks against it.</p>" in page
         assert kinds == sorted(kinds, key=["doubt", "good", "note"].index)
 
 
@@ -175,7 +188,7 @@ class TestWhatIsMissing:
         page = report_run(copy_without(out, tmp_path, *lost)).read_text(encoding="utf-8")
         assert any(said in text for kind, text in sentences(page) if kind == "doubt")
         titles = Outline(page).titles
-        assert {"Verdict", "Versions", "Energy ledger"} <= set(titles)
+        assert {"What may be trusted", "Versions", "Where the work went"} <= set(titles)
 
     def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
         whole = report_run(out).read_text(encoding="utf-8")

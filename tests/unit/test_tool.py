@@ -109,6 +109,19 @@ class TestCuttingEdge:
         side = np.sign(tool.triangle_normals @ tool.edge_normal[0])
         np.testing.assert_array_equal(tool.flank, np.where(abs(side) > 0.5, side, 0.0))
 
+    def test_a_tooth_is_a_cutting_edge_with_its_surface_or_a_blunt_body(self):
+        dagger = prism([(1.0, 0.0), (0.0, 0.2), (-1.0, 0.0), (0.0, -0.2)])
+        block = prism([(9.0, 1.0), (8.0, 1.0), (8.0, 0.0), (9.0, 0.0)])
+        tool = Tool.from_triangles(*joined(block, dagger))
+        assert (tool.n_body, tool.n_tooth) == (2, 3)
+        assert set(tool.triangle_tooth[tool.triangle_body == 0]) == {0}
+        assert sorted(tool.edge_tooth) == [1, 2]
+        x = tool.vertices[tool.triangles].mean(axis=1)[:, 0]
+        for tooth, edge in zip(tool.edge_tooth, tool.edges, strict=True):
+            mine = x[tool.triangle_tooth == tooth]
+            assert mine.size >= 4
+            assert (mine * tool.vertices[edge[0], 0] >= -1e-12).all()
+
     def test_point_runs_from_the_first_vertex_to_the_second(self):
         tool = Tool.from_triangles(*wedge())
         np.testing.assert_allclose(tool.point(0, 0.25), [0.0, 0.0, 0.5], atol=1e-15)

@@ -69,7 +69,7 @@ class CableForces(NamedTuple):
     """What the cables did in one evaluation."""
 
     wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_tooth, 6)."""
     couple: Floats
     """Sum of the couples F x w of straight cables and short branches [N·mm], shape (3,)."""
     work: float
@@ -136,7 +136,7 @@ class CableSet(ForceTerm):
         self._hold = Holder()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
-        self.touch = Touch.none(tool.n_body if tool is not None else 1, _N_SUM)
+        self.touch = Touch.none(tool.n_tooth if tool is not None else 1, _N_SUM)
         self._touch = Holder()(self.touch)
         self.n_joint_made = self.n_broken = 0
         """Joints made and cables broken so far."""
@@ -367,12 +367,12 @@ def _add_cable_forces(
 
         # Forces on both ends and the tool sum to zero; their moments leave the named couple.
         if jointed:
-            p, body = joint.place, tables.edges.body[cables.edge[c]]
+            p, tooth = joint.place, tables.edges.tooth[cables.edge[c]]
             if radius > 0.0:
-                react(f_minus, minus, body, pose, wrench)
-                react(f_plus, plus, body, pose, wrench)
+                react(f_minus, minus, tooth, pose, wrench)
+                react(f_plus, plus, tooth, pose, wrench)
             else:
-                react(add(f_minus, f_plus), p, body, pose, wrench)
+                react(add(f_minus, f_plus), p, tooth, pose, wrench)
                 rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
                 for k in range(3):
                     couple[k] += rest[k]

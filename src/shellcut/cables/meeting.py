@@ -26,7 +26,6 @@ from shellcut.tool.cutting_edge import (
     START,
     edge_point,
     in_the_blade,
-    is_near,
     segment_part,
     strip_coordinates,
 )
@@ -62,31 +61,27 @@ def find_joint(
     plus = to_body(x_plus, pose)
     across = turn_back(m, pose)
     shallowest = np.inf
-    middle, length = combine(0.5, minus, 0.5, plus), norm(sub(plus, minus))
-    for chain in range(edges.box.shape[0]):
-        if not is_near(middle, chain, edges, reach + 2.0 * (deepest + length)):
+    for k in range(segments.shape[0]):
+        a = segment_part(segments, k, START)
+        b = segment_part(segments, k, NORMAL)
+        side_minus = dot(sub(minus, a), b)
+        side_plus = dot(sub(plus, a), b)
+        share = 0.5
+        if side_minus * side_plus <= 0.0:
+            gap = side_minus - side_plus
+            share = side_minus / gap if gap != 0.0 else 0.5
+        elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
             continue
-        for k in range(edges.first[chain], edges.first[chain + 1]):
-            a = segment_part(segments, k, START)
-            b = segment_part(segments, k, NORMAL)
-            side_minus = dot(sub(minus, a), b)
-            side_plus = dot(sub(plus, a), b)
-            share = 0.5
-            if side_minus * side_plus <= 0.0:
-                gap = side_minus - side_plus
-                share = side_minus / gap if gap != 0.0 else 0.5
-            elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
-                continue
-            crossing = combine(1.0 - share, minus, share, plus)
-            along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
-            if not owns or depth >= shallowest:
-                continue
-            if not in_the_blade(crossing, lateral, k, edges):
-                continue
-            shallowest = depth
-            cables.edge[c] = k
-            cables.overshoot[c] = depth
-            store(cables.joint_body, c, edge_point(along, k, segments))
+        crossing = combine(1.0 - share, minus, share, plus)
+        along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
+        if not owns or depth >= shallowest:
+            continue
+        if not in_the_blade(crossing, lateral, k, edges):
+            continue
+        shallowest = depth
+        cables.edge[c] = k
+        cables.overshoot[c] = depth
+        store(cables.joint_body, c, edge_point(along, k, segments))
     if not shallowest < np.inf:
         return False
     if tables.joint.slips:

@@ -1,4 +1,4 @@
-"""Rigid motions that supports leave free, and the check that no piece of the film has any.
+"""Checks of supports: no piece of the film is free to move away, no blade comes down on held film.
 
 A rigid motion has six parameters, a velocity a and an angular velocity w: a node at x moves with
 v = a + w × (x - c), its director with the part of w normal to it, because a director has no
@@ -17,6 +17,7 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 from .finding import DOUBT, Finding
+from .sweep import Sweep
 
 _LEVER = 1e-4
 """Arm of a held node over the size of its piece that is round-off of a file, and holds nothing."""
@@ -51,6 +52,28 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
             "every piece of the film must be held, or the tool pushes it away instead of cutting",
             came,
             "clamp some of its nodes ([membrane] clamp, [[supports]], or Support in Python)",
+        )
+
+
+def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
+    """Yield a doubt if a cutting edge goes through quads that cannot give way.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    support : ndarray of bool, shape (n_node, 6)
+        As for :func:`check_hold`.
+    """
+    node = np.asarray(support[:, :3].all(axis=1))
+    held = np.flatnonzero(node[sweep.mesh.quads[sweep.quad]].all(axis=1))
+    if held.size:
+        x, y, z = sweep.place[held[0]]
+        yield Finding(
+            DOUBT,
+            "the cutting edges must go through film that can give way",
+            f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes "
+            f"held, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            "hold fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
         )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from shellcut.arguments import checked
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
-from .hold import check_hold
+from .hold import check_held_film, check_hold
 from .path import check_path
 from .piercing import check_piercing
 from .plausible import check_numbers
@@ -117,6 +117,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     yield from check_hold(mesh, support)
     if sweep is None:
         return  # a blunt tool has no edges whose way could be checked
+    yield from check_held_film(sweep, support)
     along_edges = sim.fracture.path == "edges"
     if law is not None:
         yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture)

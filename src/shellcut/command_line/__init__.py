@@ -1,3 +1,4 @@
+# PYTHON_ARGCOMPLETE_OK
 """The ``shellcut`` command: one file per subcommand; each calls the public Python interface.
 
 May import everything.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -14,6 +16,7 @@ from . import (
     doctor,
     fit,
     keys,
+    optimise,
     preview,
     report,
     resume,
@@ -32,6 +35,7 @@ _COMMANDS = (
     sweep,
     converge,
     fit,
+    optimise,
     preview,
     keys,
     compare,
@@ -55,7 +59,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    arguments = parser_of_all().parse_args(argv)
+    parser = parser_of_all()
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
+        with contextlib.suppress(ImportError):
+            import argcomplete
+
+            argcomplete.autocomplete(parser)
+    arguments = parser.parse_args(argv)
     try:
         with ignore_closed_pipe():
             code: int = arguments.run(arguments)

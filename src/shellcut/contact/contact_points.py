@@ -51,14 +51,14 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     surface = Surface(tool.vertices, tool.triangles)
     vertex, turn_at_vertex, ends_cut = _corners(tool, surface)
     spacing = SPACING * edge_length
-    places, normals, turns, bodies, segments = _along_edges(tool, surface, spacing)
+    places, normals, turns, teeth, segments = _along_edges(tool, surface, spacing)
     at_vertex = np.zeros_like(tool.vertices)
     at_vertex[tool.triangles] = ClosestTriangleGrid.of(tool).arrays.surface.pseudo_normals[:, 1:4]
-    body_of = np.zeros(tool.n_vertex, np.int64)
-    body_of[tool.triangles] = tool.triangle_body[:, None]
+    tooth_of = np.zeros(tool.n_vertex, np.int64)
+    tooth_of[tool.triangles] = tool.triangle_tooth[:, None]
     place = np.concatenate([tool.vertices[vertex], places])
     outward = np.concatenate([unit(at_vertex[vertex]), normals])
-    body = np.concatenate([body_of[vertex], bodies])
+    tooth = np.concatenate([tooth_of[vertex], teeth])
     at_end = np.full(tool.n_vertex, -1)
     at_end[tool.edges] = np.arange(tool.n_edge)[:, None]
     segment = np.concatenate([np.where(ends_cut, at_end[vertex], -1), segments])
@@ -68,7 +68,7 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     return ToolPoints(
         place=np.ascontiguousarray(place[kept]),
         outward=np.ascontiguousarray(outward[kept]),
-        body=np.ascontiguousarray(body[kept]),
+        tooth=np.ascontiguousarray(tooth[kept]),
         segment=np.ascontiguousarray(segment[kept]),
         is_tip=np.ascontiguousarray(is_tip[kept]),
         share=_shares(place[kept], outward[kept], edge_length),
@@ -123,7 +123,7 @@ def _along_edges(
         (1.0 - share) * start[of] + share * end[of],
         normal[of],
         turn[rows][of],
-        tool.triangle_body[surface.forward[rows]][of],
+        tool.triangle_tooth[surface.forward[rows]][of],
         segment_of[rows][of],
     )
 

@@ -34,7 +34,7 @@ class Carriers(NamedTuple):
     """Nodes that carry the place."""
     weight: Annotated[Floats, "(n_row, 4)"]
     """Their shape functions there."""
-    body: Annotated[Ints, "(n_row,)"]
+    tooth: Annotated[Ints, "(n_row,)"]
     """Tooth on which it presses."""
     stiffness: Annotated[Floats, "(n_row,)"]
     """k of the penalty [N/mm]."""
@@ -49,8 +49,8 @@ class Carriers(NamedTuple):
         n = len(node)
         weight = np.zeros((n, 4))
         weight[:, 0] = 1.0
-        body, normal = np.zeros(n, np.int64), np.zeros((n, 3))
-        return cls(node.copy(), weight, body, np.zeros(n), np.zeros(n), normal)
+        tooth, normal = np.zeros(n, np.int64), np.zeros((n, 3))
+        return cls(node.copy(), weight, tooth, np.zeros(n), np.zeros(n), normal)
 
 
 class Looks(NamedTuple):
@@ -151,7 +151,7 @@ class ContactTool(NamedTuple):
     """Cells of the grid from each to the next from which anything is."""
     round_off: float
     """Subtracted from a distance from the surface [mm]."""
-    triangle_body: Annotated[Ints, "(n_triangle,)"]
+    triangle_tooth: Annotated[Ints, "(n_triangle,)"]
     """Tooth of each triangle."""
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
     """As in :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
@@ -206,7 +206,7 @@ class ToolPoints(NamedTuple):
     """[mm]"""
     outward: Annotated[Floats, "(n_of_tool, 3)"]
     """Mean unit normal of the surface there."""
-    body: Annotated[Ints, "(n_of_tool,)"]
+    tooth: Annotated[Ints, "(n_of_tool,)"]
     """Tooth of each."""
     segment: Annotated[Ints, "(n_of_tool,)"]
     """Segment of the cutting edge on which each lies, -1 for none."""
@@ -287,7 +287,7 @@ class PressForces(NamedTuple):
     """Results of one evaluation."""
 
     wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_tooth, 6)."""
     node_work: float
     """Work of the contact on the nodes since t_{n-1} [N·mm]."""
     absorbed: float
@@ -312,7 +312,7 @@ class PressTerm(ForceTerm):
     ----------
     name : str
         Of the term.
-    n_body : int
+    n_tooth : int
         Teeth of the tool.
     carriers : Carriers
         Where it presses.
@@ -334,9 +334,9 @@ class PressTerm(ForceTerm):
     kept_values: ClassVar[tuple[str, ...]] = ()
     """... and arrays and numbers."""
 
-    def __init__(self, name: str, n_body: int, carriers: Carriers, kept: Ints | None) -> None:
+    def __init__(self, name: str, n_tooth: int, carriers: Carriers, kept: Ints | None) -> None:
         self.name, self.carriers, self.kept = name, carriers, kept
-        self.touch = Touch.none(n_body, len(PressForces._fields) - 1)
+        self.touch = Touch.none(n_tooth, len(PressForces._fields) - 1)
         self._touch = Holder()(self.touch)
 
     @property

@@ -153,7 +153,7 @@ class FrictionForces(NamedTuple):
     """Results of one evaluation of the friction."""
 
     wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_tooth, 6)."""
     node_work: float
     """Work of the friction on the nodes since t_{n-1} [N·mm]."""
     dissipated: float
@@ -431,7 +431,7 @@ def _add_friction(
                 dissipated += 0.5 * k_t * dot(new, sub(d, new))
                 for c in range(4):
                     add_to(nodes.force, carriers.node[i, c], scale(carriers.weight[i, c], f))
-                react(f, x, carriers.body[i], pose, wrench)
+                react(f, x, carriers.tooth[i], pose, wrench)
         store(springs.slip, row, new)
         store(springs.force, row, f)
         springs.holds[i] = pressure > 0.0

@@ -84,7 +84,7 @@ class EdgeContact(PressTerm):
         self._contact = contact
         nothing = np.zeros(0, np.int64)
         super().__init__(
-            "edges", contact.tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing
+            "edges", contact.tool.n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), nothing
         )
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)

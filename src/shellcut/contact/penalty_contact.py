@@ -104,7 +104,7 @@ class PenaltyContact(PressTerm):
         crack_aside: float = 0.0,
         part_of: Callable[[int], Part] | None = None,
     ) -> None:
-        super().__init__("contact", tool.n_body, Carriers.of(np.zeros((0, 4), np.int64)), None)
+        super().__init__("contact", tool.n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), None)
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self.thickness = film.thickness
@@ -118,7 +118,7 @@ class PenaltyContact(PressTerm):
             reach=self.grid.reach,
             empty_around=self.grid.empty_around,
             round_off=_ROUND_OFF * float(np.abs(tool.vertices).max()),
-            triangle_body=tool.triangle_body,
+            triangle_tooth=tool.triangle_tooth,
             segments=CuttingEdges.of(tool).segments,
             around=ConvexNeighbours.of(tool),
             undecided=_UNDECIDED + crack_aside,

@@ -152,7 +152,7 @@ def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench:
     else:
         for c in range(2):
             add_to(force, carriers.node[i, c], scale(carriers.weight[i, c], f))
-    react(f, x, carriers.body[i], pose, wrench)
+    react(f, x, carriers.tooth[i], pose, wrench)
 
 
 @always_inline
@@ -238,7 +238,7 @@ def add_press_forces(
         f = scale(magnitude, out)
         work += 0.5 * dt * dot(add(old, f), moved)
         store(carriers.normal, i, outward)
-        carriers.body[i], carriers.pressure[i] = tool.triangle_body[triangle], magnitude
+        carriers.tooth[i], carriers.pressure[i] = tool.triangle_tooth[triangle], magnitude
         _put_on(i, x, f, pose, tables, wrench)
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return deepest

@@ -94,7 +94,7 @@ class SheetContact(PressTerm):
     law : SheetLaw
     points : ToolPoints
         None of a term whose points are nodes.
-    n_body : int
+    n_tooth : int
         Teeth of the tool.
     margin : float
         Of the search [mm].
@@ -110,14 +110,14 @@ class SheetContact(PressTerm):
         name: str,
         law: SheetLaw,
         points: ToolPoints,
-        n_body: int,
+        n_tooth: int,
         margin: float,
         outline: FilmOutline,
     ) -> None:
         nothing = np.zeros(0, np.int64)
-        super().__init__(name, n_body, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
+        super().__init__(name, n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
-        self._of_tool = n_body > 0
+        self._of_tool = n_tooth > 0
         self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
         self._pairs, self._memory = Pairs.none(), Memory.blank(0)
         self._met: Bools = np.zeros(0, np.bool_)
@@ -291,7 +291,7 @@ class PointContact(SheetContact):
             undecided=_UNDECIDED * edge_length,
         )
         points, tool = contact_points(contact.tool, edge_length), contact.tool
-        super().__init__("points", law, points, tool.n_body, _SLACK * edge_length, FilmOutline())
+        super().__init__("points", law, points, tool.n_tooth, _SLACK * edge_length, FilmOutline())
         self._contact = contact
 
     def felt_nodes(self) -> Ints:

@@ -104,9 +104,9 @@ def add_sheet_forces(
             normal = scale(-1.0, out)
             if rigid:
                 q = corners_of(nodes.x, tables.quads, way.row)
-                carriers.body[sheet] = tables.points.body[point]
+                carriers.tooth[sheet] = tables.points.tooth[point]
                 s = place_in(q, way.xi, way.eta)
-                react(scale(force, normal), s, carriers.body[sheet], pose, wrench)
+                react(scale(force, normal), s, carriers.tooth[sheet], pose, wrench)
                 normal = turn_back(normal, pose)
             store(carriers.normal, sheet, normal)
             count += 1

@@ -111,7 +111,7 @@ class Pierce:
         quad = table_of(state, path, [(0, (0.0, 0.0))], [()])  # of any whole quad
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
-        ends = [both[edges.body == b] for b in range(int(edges.body.max()) + 1)]
+        ends = [both[chain == c] for c in range(int(chain.max()) + 1)]
         self._low = np.array([one.min(axis=(0, 1)) - size for one in ends])
         self._high = np.array([one.max(axis=(0, 1)) + size for one in ends])
         n_most = len(ends) * _CANDIDATES
@@ -215,6 +215,7 @@ class Pierce:
             tips,
             pose,
             self._edges,
+            self._chain,
             self._low,
             self._high,
             self._quad,
@@ -384,6 +385,7 @@ def _pierced(
     tips: Floats,
     pose: Pose,
     edges: CuttingEdges,
+    chain: Ints,
     low: Floats,
     high: Floats,
     quad: RowsAhead,
@@ -394,13 +396,13 @@ def _pierced(
 ) -> int:
     """Write the rows that edges go through, their segments and the places in them; return how many.
 
-    whole, first : (n,), rows and their first nodes.  low, high : (n_body, 3), boxes around the
-    edges.  quad, chord : tables of one row and two rays, written.  row, segment : (n_most,).
-    place : (n_most, 2), xi and eta.
+    whole, first : (n,), rows and their first nodes.  chain : (n_edge,), of each segment.  low,
+    high : (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
+    written.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
     """
     pose, edges = borrowed(pose), borrowed(edges)
     quad, chord = borrowed(quad), borrowed(chord)
-    segments, body = edges.segments, edges.body
+    segments = edges.segments
     n_found = 0
     for i in range(whole.shape[0]):
         e, here, far = whole[i], load(x, first[i]), True
@@ -410,14 +412,14 @@ def _pierced(
         if not far:
             continue
         corner = to_body(here, pose)
-        for b in range(low.shape[0]):
-            if not in_box(corner, low, high, b):
+        for c in range(low.shape[0]):
+            if not in_box(corner, low, high, c):
                 continue
             second = to_body(load(x, quads[e, 1]), pose)
             third = to_body(load(x, quads[e, 2]), pose)
             fourth = to_body(load(x, quads[e, 3]), pose)
             for k in range(segments.shape[0]):
-                if body[k] != b or n_found == row.shape[0]:
+                if chain[k] != c or n_found == row.shape[0]:
                     continue
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))

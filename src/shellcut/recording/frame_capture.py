@@ -133,11 +133,11 @@ def _placed(tool: Tool | None, pose: Pose) -> dict[str, Any]:
     return {
         "tool_points": points,
         "tool_triangles": tool.triangles,
-        "tool_tooth": tool.triangle_body + 1,
+        "tool_tooth": tool.triangle_tooth + 1,
         "tool_rotation": pose.rotation,
         "tool_translation": pose.translation,
         "edge_points": points[tool.edges],
-        "edge_tooth": tool.edge_body + 1,
+        "edge_tooth": tool.edge_tooth + 1,
     }
 
 

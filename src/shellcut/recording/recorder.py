@@ -365,7 +365,7 @@ class Recorder:
             self._progress.close()
 
     def _note_status(self, progress: Progress) -> None:
-        progress.note(status_line(self._sim, self.resistance, self._share))
+        progress.status(status_line(self._sim, self.resistance, self._share))
         self._status_step = self._sim.state.step
 
     def _show_progress(self, progress: Progress) -> None:

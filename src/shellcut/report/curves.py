@@ -11,8 +11,8 @@ from shellcut.arrays import Bools, Floats
 from shellcut.results.comparison_table import rows_of, scope_of
 from shellcut.results.energy_account import account
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
-from shellcut.results.summary_figures import window_of
-from shellcut.unit import after, in_unit, pretty
+from shellcut.results.summary_figures import window_of, with_unit
+from shellcut.unit import in_unit, pretty
 from shellcut.view import Curve, Diagram
 
 from .chart import chart
@@ -30,6 +30,7 @@ def resistance(run: Gathered) -> str:
         x, y = found.measured_curve
         measured = Curve("measured", y, "measured", x=x)
         diagram = replace(diagram, curves=[*diagram.curves, measured])
+    diagram = diagram.shown_in(run.shown_in)
     drawn = _chart(diagram, f"{diagram.name} over {diagram.x_name}")
     return f'{drawn}<p class="caption">{escape(_said_of(run))}</p>'
 
@@ -42,11 +43,11 @@ def _said_of(run: Gathered) -> str:
     if "resistance" in figures:
         resists = "the tool" if "tool_work_Nmm" in figures else "the motion"
         said.append(f"Shown is the {figures['resistance']}; positive resists {resists}.")
-    mean = figures.get(f"{first}_plateau_{unit.replace('*', '')}")
-    if mean is not None:
-        said.append(
-            f"The mean over the steady window, {window_of(figures)}, is {mean:.4g}{after(unit)}."
-        )
+    mean = f"{first}_plateau_{unit.replace('*', '')}"
+    if mean in figures:
+        window = window_of(figures, run.shown_in)
+        shown = with_unit(mean, figures[mean], run.shown_in)
+        said.append(f"The mean over the steady window, {window}, is {shown}.")
     elif "no_window" in figures:
         said.append(f"There is no steady window, so there is no mean: {figures['no_window']}.")
     return " ".join(said)
@@ -82,17 +83,20 @@ def energy(run: Gathered) -> str:
     if "tool_work" not in h:
         return missing("No ledger: the history is missing.")
     rows = [
-        (words, f"{energy:.4g} N·mm", f"{100.0 * share:.1f} %")
+        (words, with_unit("_Nmm", energy, run.shown_in), f"{100.0 * share:.1f} %")
         for lines in account(run.figures)
         for words, energy, share in lines
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
-    ledger = at_end + _chart(energy_diagram(h, run.units), "energies and the work put in")
+    ledger = at_end + _chart(
+        energy_diagram(h, run.units).shown_in(run.shown_in), "energies and the work put in"
+    )
     trusted = run.trusted
     if trusted.sum() < 2:
         return ledger
     missed = imbalance_diagram(h, run.units)
     start = figure_of(h[missed.x_name][trusted][0], run.coordinate[1])
+    missed = missed.shown_in(run.shown_in)
     missed = replace(missed, name=f"imbalance of the ledger from {start} on")
     return ledger + _chart(missed, "imbalance of the ledger", 170.0, trusted)
 

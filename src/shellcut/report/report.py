@@ -11,7 +11,7 @@ from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.scene_page import scene_scripts, scene_style
-from shellcut.unit import after
+from shellcut.unit import after, shown_in
 
 from . import curves, pictures, scene, words
 from .error_bars import error_bars
@@ -19,12 +19,15 @@ from .gathered import Gathered, gather, run_or_say
 from .markup import section
 from .page import page_of
 
+_CONCLUSION, _TRUST = "Conclusion", "What may be trusted"
+
 
 def report_run(
     folder: str | os.PathLike[str],
     path: str | os.PathLike[str] | None = None,
     *,
     measured: str | os.PathLike[str] | MeasuredCurve | Comparison | None = None,
+    units: str = "",
 ) -> Path:
     """Write one self-contained HTML file about a run: model, verdict, results.
 
@@ -41,6 +44,8 @@ def report_run(
     measured : path, MeasuredCurve or Comparison, optional
         A measured curve to show and compare with the simulated one, or the result of
         :func:`compare`, if columns and units have to be given.
+    units : str, optional
+        For figures and curves, with commas, as ``"in, lbf"``; sentences and pictures keep mm and N.
 
     Returns
     -------
@@ -66,6 +71,8 @@ def report_run(
     run = gather(Path(folder))
     inputs = [measured] if isinstance(measured, str | os.PathLike) else []
     out = target(path, run.folder / "report.html", inputs)
+    shown_in("mm", units)  # refuses what is no unit
+    run.shown_in = units
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
     body = _body(run)
@@ -96,19 +103,21 @@ def _body(run: Gathered) -> str:
     last = run_or_say(run, "last frame", lambda: run.last_frame)
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
-        "Key figures": lambda: words.figures(run),
-        "Error bars": lambda: error_bars(run.error_bars),
+        _CONCLUSION: str,
         resistance: lambda: curves.resistance(run),
         "Measured curve": lambda: curves.measured(run),
+        "Where the work went": lambda: curves.energy(run),
+        _TRUST: str,
+        "Error bars": lambda: error_bars(run.error_bars),
         "The cut": lambda: pictures.film_strip(run),
         "In three dimensions": lambda: scene.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),
-        "Energy ledger": lambda: curves.energy(run),
+        "Figures": lambda: words.figures(run),
         "What was run": lambda: words.what_was_run(run),
         "Versions": words.versions,
     }
     made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
-    # Last, because it reports the problems of the other sections.
-    verdict = words.judgement(run, last)
-    return "".join(section(title, body) for title, body in {"Verdict": verdict, **made}.items())
+    # Last, because they report the problems of the other sections.
+    made[_CONCLUSION], made[_TRUST] = words.judged(run, last)
+    return "".join(section(title, body) for title, body in made.items())

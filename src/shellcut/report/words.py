@@ -11,7 +11,7 @@ import numpy as np
 from shellcut.frame import Frame
 from shellcut.results.cut_quality import UNITS as CUT_UNITS
 from shellcut.results.cut_quality import cut_quality
-from shellcut.results.summary_figures import key_figures
+from shellcut.results.summary_figures import conclusion, key_figures
 from shellcut.results.verdict import Line, verdict
 from shellcut.unit import in_unit
 from shellcut.view import edge_length
@@ -47,8 +47,8 @@ def what_was_run(run: Gathered) -> str:
     )
 
 
-def judgement(run: Gathered, last: Frame | None) -> str:
-    """Return the verdict, doubts first, and the list of missing data."""
+def judged(run: Gathered, last: Frame | None) -> tuple[str, str]:
+    """Return the conclusion; the verdict with the list of missing data, doubts first."""
     if "verdict" in run.summary:  # the run's own verdict
         lines = [Line(**line) for line in run.summary["verdict"]]
     else:
@@ -56,13 +56,15 @@ def judgement(run: Gathered, last: Frame | None) -> str:
         if last is not None:
             figures = {"edge_length_mm": edge_length(last), **figures}
         lines = verdict(figures)
-    problems = [("doubt", "missing", problem) for problem in run.problems]
-    return sentences([*problems, *((line.kind, line.word, line.text) for line in lines)])
+    told = [("doubt", "missing", problem) for problem in run.problems]
+    told += [(line.kind, line.word, line.text) for line in lines]
+    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told), run.shown_in)
+    return f"<p>{escape(said)}</p>" if said else "", sentences(told)
 
 
 def figures(run: Gathered) -> str:
     """Return the summary as a table."""
-    rows = key_figures(run.figures)
+    rows = key_figures(run.figures, run.shown_in)
     half = -(-len(rows) // 2)
     tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
     return f'<div class="beside">{tables}</div>' if tables else ""

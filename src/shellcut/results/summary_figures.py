@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from shellcut.unit import after, shown_in
+
 from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
 
 # The end of a name gives the unit; longer ones first.
@@ -83,8 +85,10 @@ _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path"
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 
 
-def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+def key_figures(summary: Mapping[str, Any], units: str = "") -> list[tuple[str, str]]:
     """Return label and value with unit: the known figures in order, then the others by name.
+
+    ``units`` as of :func:`shellcut.unit.shown_in`.
 
     Examples
     --------
@@ -93,8 +97,37 @@ def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """
     known = [key for key in LABELS if key in summary and key not in _ELSEWHERE]
     others = [key for key in summary if key not in LABELS and key not in _ELSEWHERE]
-    window = window_of(summary)
-    return [(label_of(key, window), with_unit(key, summary[key])) for key in [*known, *others]]
+    window = window_of(summary, units)
+    rows = [*known, *others]
+    return [(label_of(key, window), with_unit(key, summary[key], units)) for key in rows]
+
+
+def conclusion(summary: Mapping[str, Any], n_doubt: int, units: str = "") -> str:
+    """Return what a run found, and whether its checks hold, in one sentence.
+
+    Examples
+    --------
+    >>> conclusion({"force_peak_N": 3.2, "crack_length_mm": 4.0}, n_doubt=1)
+    'Cutting 4 mm of the film takes a force of 3.2 N at most; 1 check speaks against it.'
+    """
+    crack, takes = summary.get("crack_length_mm", 0.0), []
+    for key in summary:
+        name, _, which = key.rpartition("_")[0].partition("_")
+        if name in ("torque", "force") and which in ("plateau", "peak"):
+            over = f"on average over {window_of(summary, units)}"
+            mean = over if which == "plateau" else "at most"
+            takes.append((which, f"{with_unit(key, summary[key], units)} {mean}", name))
+    if not takes:
+        return ""
+    what = (
+        f"Cutting {with_unit('crack_mm', crack, units)} of the film" if crack else "Moving the film"
+    )
+    trust = "every check holds"
+    if n_doubt:
+        trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
+        trust += " against it"
+    amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
+    return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
 
 
 def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[tuple[str, float]]:
@@ -113,7 +146,7 @@ def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[
             yield f"{label} [{unit}]" if unit else label, summary[name]
 
 
-def window_of(summary: Mapping[str, Any]) -> str:
+def window_of(summary: Mapping[str, Any], units: str = "") -> str:
     """Return the steady window of a summary as text; "" without one.
 
     Examples
@@ -123,23 +156,44 @@ def window_of(summary: Mapping[str, Any]) -> str:
     """
     for unit in ("deg", "mm"):
         if f"window_from_{unit}" in summary:
-            low, high = summary[f"window_from_{unit}"], summary[f"window_to_{unit}"]
-            return f"{low:.3g}-{high:.3g}{_UNITS[f'_{unit}'].replace('mm', ' mm')}"
+            shown, factor = shown_in(unit, units)
+            low, high = (factor * summary[f"window_{end}_{unit}"] for end in ("from", "to"))
+            return f"{low:.3g}-{high:.3g}{after(shown)}"
     return ""
 
 
-def with_unit(key: str, value: Any) -> str:
-    """Return a figure of ``summary.json`` with the unit at the end of its name."""
+def with_unit(key: str, value: Any, units: str = "") -> str:
+    """Return a figure of ``summary.json`` with the unit at the end of its name, or another."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
-    unit = unit_of(key)
-    number = f"{value:,}" if isinstance(value, int) else f"{value:.4g}"
-    return f"{number}{'' if unit in ('', '°') else ' '}{unit}"
+    unit, factor = shown_in(unit_of(key), units)
+    number = f"{value:,}" if isinstance(value, int) else f"{factor * value:.4g}"
+    return f"{number}{after(unit)}"
 
 
 def unit_of(key: str) -> str:
     """Return the unit at the end of a figure's name; "" for a pure number."""
     return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+
+
+def figure_name(name: str, figures: Mapping[str, Any]) -> str:
+    """Return the full name of a figure that may be given without its unit.
+
+    Raises
+    ------
+    ValueError
+        If no figure that is a number has this name.
+
+    Examples
+    --------
+    >>> figure_name("torque_peak", {"torque_peak_at_deg": 76.4, "torque_peak_Nmm": 202.3})
+    'torque_peak_Nmm'
+    """
+    numbers = [key for key, value in figures.items() if isinstance(value, int | float)]
+    for key in numbers:
+        if key in (name, *(name + ending for ending in _UNITS)):
+            return key
+    raise ValueError(f"{name} must be a figure of the run, one of {', '.join(sorted(numbers))}")
 
 
 def label_of(key: str, window: str) -> str:

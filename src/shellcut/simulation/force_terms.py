@@ -75,7 +75,7 @@ class ForceTerms:
 
     @property
     def wrench(self) -> Floats:
-        """Wrench on each tooth, of all terms together, shape (n_body, 6)."""
+        """Wrench on each tooth, of all terms together, shape (n_tooth, 6)."""
         first, *others = (term.touch.wrench for term in self.on_tool)
         return np.asarray(sum(others, first.copy()))
 
@@ -128,7 +128,7 @@ class WorkBook(NamedTuple):
     works: Annotated[Floats, "(n_term,)"]
     """Of each term on the tool over the step [N·mm], written."""
     wrenches: tuple[Floats, ...]
-    """Of each term, (n_body, 6)."""
+    """Of each term, (n_tooth, 6)."""
     sums: tuple[Floats, ...]
     """Of each term, see :class:`shellcut.tool.touch.Touch`."""
     row: Annotated[Ints, "(n_booked, 3)"]

@@ -377,7 +377,7 @@ class Simulation:
 
     @property
     def tooth_wrenches(self) -> Floats:
-        """Wrench on each body of the tool, contact and joints together, shape (n_body, 6).
+        """Wrench on each tooth of the tool, contact and joints together, shape (n_tooth, 6).
 
         Force [N] and moment [N·mm] about the origin of the body frame.
         """

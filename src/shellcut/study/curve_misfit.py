@@ -63,19 +63,20 @@ class FitCurve:
     """Keys that this experiment had otherwise, such as another speed."""
 
 
-def window_of(folder: Path, figures: Mapping[str, Any], n_body: int, curve: FitCurve) -> float:
+def window_of(folder: Path, figures: Mapping[str, Any], curve: FitCurve) -> float:
     """Return the width over which to average a run's curve, in the unit of its coordinate.
 
     Two node spacings: an edge of the film along the cut, as the coordinate of the motion.
     """
     results = read(folder)
     x = results.history[curve.x or results.coordinate_name]
-    per_body = figures.get("crack_length_mm", 0.0) / n_body
+    n_tooth = sum("_tooth_" in column for column in results.history)
+    per_tooth = figures.get("crack_length_mm", 0.0) / max(n_tooth, 1)
     edge = figures.get("edge_length_mm", 0.0)
     across = float(x.max() - x.min())
-    if not per_body > 0.0 or not edge > 0.0:
+    if not per_tooth > 0.0 or not edge > 0.0:
         return 0.0
-    return float(min(_PERIODS * edge * across / per_body, _LARGEST_WINDOW * across))
+    return float(min(_PERIODS * edge * across / per_tooth, _LARGEST_WINDOW * across))
 
 
 def compared(

@@ -130,15 +130,16 @@ class FitResult:
             for now, before, settings in zip(
                 self.comparisons, self.at_start, self.settings, strict=True
             ):
-                (x, measured), start = now.measured_curve, before.simulated_curve
                 curves = [
-                    Curve("measured", measured, "measured"),
-                    Curve("at the start", start[1], "contact", x=start[0]),
-                    Curve("fitted", now.simulated_curve[1], x=now.simulated_curve[0]),
+                    Curve("measured", now.measured, "measured"),
+                    Curve("at the start", before.simulated, "contact", x=before.x),
+                    Curve("fitted", now.simulated),
                 ]
-                said = ", ".join(f"{key} = {value}" for key, value in settings.items())
+                said = [f"{key} = {value}" for key, value in settings.items()]
+                if now.window:
+                    said.append(f"all averaged over {now.window:.3g} {now.x_unit}")
                 names = now.x_name, now.x_unit, now.y_name, now.y_unit
-                diagrams.append(Diagram(x, curves, *names, title=said))
+                diagrams.append(Diagram(now.x, curves, *names, title=", ".join(said)))
             draw_curves(folder / PICTURE, diagrams, size=(9.0, 4.0 * len(diagrams)))
 
 

@@ -93,10 +93,8 @@ class FitRuns:
                 raise RuntimeError(f"the run at the start has {outcome.status}: {outcome.reason}")
         problems = []
         for curve, which in zip(self.curves, self._run_of, strict=True):
-            model = self._variants.read(curve.settings, try_out=False)
-            n_body = int(getattr(model.sections.get("tool"), "teeth", 1))
             outcome, folder = done[which]
-            window = window_of(folder, outcome.figures, n_body, curve)
+            window = window_of(folder, outcome.figures, curve)
             self._windows.append(window)
             try:
                 self._points.append(compared(folder, curve, window).x)

@@ -22,7 +22,6 @@ mid-plane, whereas behind the edge it leads sideways, through a flank.
 
 from __future__ import annotations
 
-import itertools
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -62,12 +61,8 @@ class CuttingEdges(NamedTuple):
 
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
     """a [mm], L e [mm], b and k of each segment."""
-    body: Annotated[Ints, "(n_edge,)"]
+    tooth: Annotated[Ints, "(n_edge,)"]
     """Tooth of each segment."""
-    first: Annotated[Ints, "(n_chain + 1,)"]
-    """First segment of every chain, and the end."""
-    box: Annotated[Floats, "(n_chain, 2, 3)"]
-    """Least and largest coordinates of each chain [mm]."""
     solid: TriangleGrid
     """Finds the tool's surface, for :func:`in_the_blade`."""
     radius: float
@@ -81,33 +76,16 @@ class CuttingEdges(NamedTuple):
             # Read-only, as those of a tool: for another type the cables' kernel is compiled again.
             none = np.zeros(0, np.int64)
             none.flags.writeable = False
-            nowhere = np.zeros((0, 2, 3))
-            return cls(np.zeros((0, 4, 3)), none, np.zeros(1, np.int64), nowhere, solid, 0.0)
+            return cls(np.zeros((0, 4, 3)), none, solid, 0.0)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
-        first = np.searchsorted(tool.edge_chain, np.arange(tool.n_chain + 1))
-        box = np.zeros((tool.n_chain, 2, 3))
-        for k, (i, j) in enumerate(itertools.pairwise(first.tolist())):
-            if j > i:
-                points = np.concatenate([start[i:j], end[i:j]])
-                box[k] = points.min(axis=0), points.max(axis=0)
-        solid_at = np.stack(rows, axis=1), tool.edge_body, first, box, solid
-        return cls(*solid_at, tool.edge_radius)
+        return cls(np.stack(rows, axis=1), tool.edge_tooth, solid, tool.edge_radius)
 
 
 @inline
 def segment_part(segments: Floats, k: int, part: int) -> Vec3:
     """Return a (``START``), L e (``VECTOR``), b (``NORMAL``) or k (``BACK``) of segment k."""
     return segments[k, part, 0], segments[k, part, 1], segments[k, part, 2]
-
-
-@inline
-def is_near(p: Vec3, chain: int, edges: CuttingEdges, reach: float) -> bool:
-    """Return whether a point is within reach [mm] of the box of a chain."""
-    for k in range(3):
-        if not edges.box[chain, 0, k] - reach <= p[k] <= edges.box[chain, 1, k] + reach:
-            return False
-    return True
 
 
 @inline

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from shellcut.arrays import Floats, Ints, SmallInts, angles, norm, product, unit
+from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, product, unit
 from shellcut.formats.errors import counted, point_text
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
@@ -213,22 +213,44 @@ class Surface:
     def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
         """Return +1, -1 or 0 per triangle: its side of the nearest cutting edge."""
         # a path across a cutting edge meets a seed of the other side first: no need to block it
-        smooth = self.manifold & (np.abs(self.turn) < largest_turn)
-        a, b = self.forward[smooth], self.backward[smooth]
-        centre = self.vertices[self.triangles].mean(axis=1)
-        way = np.linalg.norm(centre[a] - centre[b], axis=1)
-        n = self.triangles.shape[0]
-        graph = scipy.sparse.coo_array((way, (a, b)), shape=(n, n)).tocsr()
+        graph = self._over_centres(self.manifold & (np.abs(self.turn) < largest_turn))
         to_plus = scipy.sparse.csgraph.dijkstra(
             graph, directed=False, indices=np.unique(plus), min_only=True
         )
         to_minus = scipy.sparse.csgraph.dijkstra(
             graph, directed=False, indices=np.unique(minus), min_only=True
         )
-        flank = np.zeros(n, dtype=np.int8)
+        flank = np.zeros(len(self.triangles), dtype=np.int8)
         flank[np.isfinite(to_plus) & (to_plus <= to_minus)] = 1
         flank[to_minus < to_plus] = -1
         return flank
+
+    def teeth(self, plus: Ints, minus: Ints, chain: Ints) -> tuple[Ints, Ints]:
+        """Return the teeth of triangles and segments: the nearest chain, or a body without one."""
+        beside, first = np.unique(np.concatenate([plus, minus]), return_index=True)
+        nearest = np.full(len(self.triangles), -1)
+        if beside.size:
+            _, _, nearest = scipy.sparse.csgraph.dijkstra(
+                self._over_centres(self.manifold),
+                directed=False,
+                indices=beside,
+                min_only=True,
+                return_predecessors=True,
+            )
+        tooth, reached = -1 - self.body, nearest >= 0
+        of_triangle = np.zeros(len(self.triangles), np.int64)
+        of_triangle[beside] = np.concatenate([chain, chain])[first]
+        tooth[reached] = of_triangle[nearest[reached]]
+        of_all = by_first_appearance(np.concatenate([tooth, chain]))
+        return of_all[: len(tooth)], of_all[len(tooth) :]
+
+    def _over_centres(self, rows: Bools) -> scipy.sparse.csr_array:
+        """Return the ways between the centres of triangles over some edges [mm]."""
+        a, b = self.forward[rows], self.backward[rows]
+        centre = self.vertices[self.triangles].mean(axis=1)
+        way = np.linalg.norm(centre[a] - centre[b], axis=1)
+        n = len(self.triangles)
+        return scipy.sparse.coo_array((way, (a, b)), shape=(n, n)).tocsr()
 
     def _holes(self, rows: Ints) -> str:
         # connected rims of open edges with middle and size, largest first

@@ -1,8 +1,9 @@
 """The cutting tool: a rigid closed triangulated surface with its cutting edges, in its body frame.
 
-Terms: a *body* (tooth) is a connected component of the surface; a *cutting edge* is a chain of
-*segments*, edges where the surface folds back sharply; the triangle that runs along a segment in
-the direction of its chain is the *plus* flank there, the other one the *minus* flank.
+Terms: a *body* is a connected component of the surface; a *cutting edge* is a chain of *segments*,
+edges where the surface folds back sharply; the triangle that runs along a segment in the direction
+of its chain is the *plus* flank there, the other one the *minus* flank. A *tooth* is a cutting edge
+with the surface nearest to it, or a body without a cutting edge: forces are summed tooth by tooth.
 
 =====================  ==================================================================
 n+, n-                 outward unit normals of the two triangles at a segment
@@ -99,13 +100,17 @@ class Tool:
     triangle_normals: Floats
     """Outward unit normals, shape (n_triangle, 3)."""
     triangle_body: Ints
-    """Body (tooth) of each triangle, numbered by first appearance, shape (n_triangle,)."""
+    """Body of each triangle, numbered by first appearance, shape (n_triangle,)."""
+    triangle_tooth: Ints
+    """Tooth of each triangle, numbered by first appearance, shape (n_triangle,)."""
     flank: SmallInts
     """+1 and -1 on the flanks beside the cutting edges, 0 elsewhere, shape (n_triangle,), int8."""
     edges: Ints
     """Vertex ids of the cutting segments, chain after chain, in order, shape (n_edge, 2)."""
     edge_body: Ints
     """Body of each segment, shape (n_edge,)."""
+    edge_tooth: Ints
+    """Tooth of each segment, shape (n_edge,)."""
     edge_chain: Ints
     """Chain of each segment, shape (n_edge,)."""
     edge_flank_plus: Ints
@@ -147,8 +152,13 @@ class Tool:
 
     @property
     def n_body(self) -> int:
-        """Number of bodies (teeth)."""
+        """Number of bodies."""
         return int(self.triangle_body.max()) + 1
+
+    @property
+    def n_tooth(self) -> int:
+        """Number of teeth."""
+        return int(max(self.triangle_tooth.max(), self.edge_tooth.max(initial=0))) + 1
 
     @property
     def n_edge(self) -> int:
@@ -230,14 +240,17 @@ class Tool:
                 segments = reverse_chains(segments, chain, reverse)
                 plus, minus = surface.sides(segments)
                 normal, back = surface.mid_planes(segments, plus, minus)
+        tooth, edge_tooth = surface.teeth(plus, minus, chain)
         return cls(
             vertices=surface.vertices,
             triangles=surface.triangles,
             triangle_normals=surface.normals,
             triangle_body=surface.body,
+            triangle_tooth=tooth,
             flank=surface.flanks(plus, minus, radians(flank_angle_deg)),
             edges=segments,
             edge_body=surface.body[plus],
+            edge_tooth=edge_tooth,
             edge_chain=chain,
             edge_flank_plus=plus,
             edge_flank_minus=minus,

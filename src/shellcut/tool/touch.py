@@ -24,15 +24,15 @@ ON_TOOL = -1
 class Touch(NamedTuple):
     """Results of the last evaluation of a term; zeros before the first."""
 
-    wrench: Annotated[Floats, "(n_body, 6)"]
+    wrench: Annotated[Floats, "(n_tooth, 6)"]
     """Force [N] and moment about the body origin [N·mm] on each tooth."""
     sums: Annotated[Floats, "(n_sum,)"]
     """Works since t_{n-1} and energies [N·mm], counts and depths, in the term's own order."""
 
     @classmethod
-    def none(cls, n_body: int, n_sum: int) -> Touch:
+    def none(cls, n_tooth: int, n_sum: int) -> Touch:
         """Return one that nothing has been written to."""
-        return cls(np.zeros((n_body, 6)), np.zeros(n_sum))
+        return cls(np.zeros((n_tooth, 6)), np.zeros(n_sum))
 
     def take(self, saved: Mapping[str, Any]) -> None:
         """Take over ``_asdict()`` of another, in place."""
@@ -40,13 +40,13 @@ class Touch(NamedTuple):
 
 
 @always_inline
-def react(f: Vec3, x: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
+def react(f: Vec3, x: Vec3, tooth: int, pose: Pose, wrench: Floats) -> None:
     """Add minus a force f on film or cable at x [N, mm] to the wrench on a tooth."""
     r = pose.translation
     moment = cross(sub(x, (r[0], r[1], r[2])), f)
     for c in range(3):
-        wrench[body, c] -= f[c]
-        wrench[body, 3 + c] -= moment[c]
+        wrench[tooth, c] -= f[c]
+        wrench[tooth, 3 + c] -= moment[c]
 
 
 class Booking(NamedTuple):

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats
-from shellcut.unit import in_unit
+from shellcut.unit import in_unit, shown_in
 
 from ._figure import new_figure, save
 
@@ -92,6 +92,20 @@ class Diagram:
     title: str = ""
     height: float = 1.0
     zero: bool = True
+
+    def shown_in(self, units: str) -> Diagram:
+        """Return it in other units, as of :func:`shellcut.unit.shown_in`."""
+        (x_unit, along), (unit, up) = shown_in(self.x_unit, units), shown_in(self.unit, units)
+        curves = [
+            replace(
+                c,
+                values=up * np.asarray(c.values),
+                x=c.x if c.x is None else along * np.asarray(c.x),
+            )
+            for c in self.curves
+        ]
+        x = along * np.asarray(self.x)
+        return replace(self, x=x, curves=curves, x_unit=x_unit, unit=unit)
 
 
 def draw_curves(

@@ -105,6 +105,13 @@ class Progress:
             self._log(text)
         self._guard(lambda: self._bar.note(text) if self._bar else self._write(text))
 
+    def status(self, text: str) -> None:
+        """Log a line of figures at once; show it only where no bar shows such figures."""
+        if self._log is not None:
+            self._log(text)
+        if self._bar is None:
+            self._guard(lambda: self._write(text))
+
     def close(self) -> None:
         """Show the last update and end the display; a second call does nothing."""
         if self._latest is not None:
@@ -142,7 +149,12 @@ class Progress:
         share, step, figures = self._latest
         self._latest = None
         now = self._clock()
-        texts = [
+        began, start = self._first
+        texts = []
+        if share > start:
+            left = (now - began) * (1.0 - share) / (share - start)
+            texts.append(f"{_duration(left)} left")
+        texts += [
             f"{name} {_number(value, self._figure_units.get(name, ''))}"
             for name, value in figures.items()
         ]
@@ -150,10 +162,6 @@ class Progress:
             speed = (step - self._shown[1]) / (now - self._shown[0])
             texts.append(f"{_speed(speed)} {self._step_name}/s")
         self._shown = now, step
-        began, start = self._first
-        if share > start:
-            left = (now - began) * (1.0 - share) / (share - start)
-            texts.append(f"{_duration(left)} left")
         text = ", ".join(texts)
         if self._bar:
             self._bar.draw(share, text)
@@ -182,18 +190,24 @@ class _Bar:
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn
             from rich.progress import Progress as RichProgress
+            from rich.table import Column
         except ImportError:  # rich comes with meshio, but that is not guaranteed
             return None
         console = Console(file=stream)
         if not console.is_terminal or console.is_dumb_terminal:
             return None
+        whole = Column(no_wrap=True)
         columns = (
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
-            TextColumn("{task.fields[done]} %"),
-            TextColumn("{task.fields[text]}", markup=False),
+            TextColumn("{task.description}", table_column=whole),
+            BarColumn(bar_width=12),
+            TextColumn("{task.fields[done]} %", table_column=whole),
+            TextColumn(  # it gives way first on a narrow terminal
+                "{task.fields[text]}",
+                markup=False,
+                table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1),
+            ),
         )
-        return cls(RichProgress(*columns, console=console, auto_refresh=False), label)
+        return cls(RichProgress(*columns, console=console, auto_refresh=False, expand=True), label)
 
     def draw(self, share: float, text: str) -> None:
         done = percent(share)

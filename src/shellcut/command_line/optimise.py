@@ -1,0 +1,97 @@
+"""``shellcut optimise``: the values of some keys that make a figure least, or largest."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+from .exit_code import DONE, FAILED, refuse
+from .shared_arguments import (
+    add_engine_to,
+    add_settings_to,
+    engine_given,
+    key_and_value,
+    named,
+    settings_of,
+)
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser."""
+    parser = commands.add_parser(
+        "optimise",
+        help="seek the values of keys that make a figure least, or largest",
+        description="Seek the values of some keys that make a figure least, or largest, within "
+        "limits on others. Optuna proposes the runs, from the model as given on. Writes "
+        "OUT/optimum.json, and with Matplotlib OUT/optimum.png. Runs are kept: the same call again "
+        "repeats none, an interrupted search goes on.",
+        epilog="example: shellcut optimise opening --set mesh=quick --vary "
+        "tool.half_thickness=0.2:0.5 --minimise torque_peak --subject-to 'n_loose == 1' -o OUT",
+    )
+    parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
+    parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
+    parser.add_argument(
+        "--vary",
+        metavar="KEY=LOW:HIGH",
+        action="append",
+        required=True,
+        help="a key and its range, or values to choose from, with commas; any number of times",
+    )
+    aim = parser.add_mutually_exclusive_group(required=True)
+    for word in ("minimise", "maximise"):
+        aim.add_argument(f"--{word}", metavar="FIGURE", default="", help="name in summary.json")
+    parser.add_argument(
+        "--subject-to",
+        metavar="LIMIT",
+        action="append",
+        default=[],
+        help="FIGURE <= NUMBER, or with >= or ==; any number of times",
+    )
+    add_settings_to(parser)
+    parser.add_argument(
+        "--confirm",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="run the model as given and the best values again with this key, as mesh=M1",
+    )
+    parser.add_argument(
+        "--max-runs", metavar="N", type=int, default=60, help="runs to take at most [60]"
+    )
+    add_engine_to(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Search, print the best values."""
+    from shellcut.files.folder_lock import FolderInUse
+    from shellcut.model_file.source import parse_value
+    from shellcut.study.optimise import OPTIMUM, optimise
+
+    try:
+        confirm = dict(map(key_and_value, arguments.confirm))
+        with engine_given(arguments) as executor:
+            found = optimise(
+                arguments.model,
+                dict(map(key_and_value, arguments.vary)),
+                arguments.out,
+                minimise=arguments.minimise,
+                maximise=arguments.maximise,
+                subject_to=arguments.subject_to,
+                settings=settings_of(arguments),
+                confirm={key: parse_value(value) for key, value in confirm.items()},
+                max_runs=arguments.max_runs,
+                executor=executor,
+            )
+    except KeyboardInterrupt:
+        print("interrupted; to continue, call it again", file=sys.stderr)
+        raise
+    except (FolderInUse, OSError, ImportError, ValueError) as problem:
+        return refuse(problem)
+    except RuntimeError as problem:
+        refuse(problem)
+        return FAILED
+    print(found)
+    print(f"in {arguments.out}: {OPTIMUM}")
+    return DONE

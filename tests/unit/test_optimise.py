@@ -1,0 +1,105 @@
+"""The search for the best values: limits on figures, their names, and a search of real runs."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.command_line import main
+from shellcut.study.optimise import OPTIMUM, Optimum, Trial
+from tiny_study import SETTINGS, in_words
+
+optuna = pytest.importorskip("optuna")
+PLATEAU, ANGLE = "cohesive.plateau", "wedge_half_angle_deg"
+
+
+def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
+    # The force is the plateau times h: the least within the limit is at the limit.
+    lines = []
+
+    def found():
+        return sc.optimise(
+            "guillotine",
+            {PLATEAU: "6:12", ANGLE: [10, 14]},
+            tmp_path,
+            minimise="force_peak",
+            subject_to=["cohesive_work >= 0.75", "n_loose == 0"],
+            settings=SETTINGS,
+            max_runs=9,
+            executor=1,
+            say=lines.append,
+        )
+
+    optimum = found()
+    best, given = optimum.best, optimum.trials[0]
+    assert (len(optimum.trials), given.values) == (9, {})
+    for one in optimum.trials:
+        work = sc.read(one.folder).summary["cohesive_work_Nmm"]
+        assert one.missed == pytest.approx(max(0.75 - work, 0.0))
+    assert {one.missed > 0.0 for one in optimum.trials} == {True, False}
+    within = [one.figure for one in optimum.trials if one.missed == 0.0]
+    assert best.figure == min(within) < given.figure
+    assert f"{best.figure:.4g} N at best" in str(optimum)
+    kept = json.loads((tmp_path / OPTIMUM).read_text())
+    assert [one["figure"] for one in kept["trials"]] == [one.figure for one in optimum.trials]
+    assert (tmp_path / "optimum.png").exists()
+    lines.clear()
+    assert str(found()) == str(optimum)
+    assert not [line for line in lines if line.startswith("[")]
+
+
+def test_the_command_confirms_on_another_mesh(tmp_path, capsys):
+    asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
+    asked += [*in_words(SETTINGS), "--vary", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
+    assert main([*asked, "--confirm", "size=1"]) == 0
+    said = capsys.readouterr().out
+    assert "force, peak: " in said
+    assert "confirmed: force, peak: " in said
+    kept = json.loads((tmp_path / OPTIMUM).read_text())["confirmed"]
+    assert [sc.read(one["folder"]).frame(0).quads.shape[0] for one in kept] == [24, 24]
+
+
+def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
+    trials = (Trial({}, "a", 3.0, 0.5), Trial({"k": 1}, "b", reason="refused"))
+    optimum = Optimum("force_peak_N", 1, ("n_loose == 1",), trials)
+    assert optimum.best is None
+    assert str(optimum) == "none of 2 runs keeps to n_loose == 1"
+    within = Optimum("force_peak_N", -1, (), (*trials, Trial({"k": 2}, "c", 2.0)))
+    assert within.best.folder == "c"
+    beyond, inside, best = (np.asarray(one.values, float) for one in within.diagram().curves)
+    np.testing.assert_array_equal(np.isnan(beyond), [False, True, True])
+    np.testing.assert_array_equal(np.isnan(inside), [True, True, False])
+    assert best[2] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"minimise": "a", "maximise": "b"}, "either minimise or maximise"),
+        ({}, "either minimise or maximise"),
+        ({"minimise": "a", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
+        ({"minimise": "a", "subject_to": ["n_loose = 1"]}, "a limit must be FIGURE <= NUMBER"),
+        ({"minimise": "a", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
+        ({"minimise": "a", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
+    ],
+)
+def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
+    keys = given.pop("keys", {PLATEAU: "6:12"})
+    with pytest.raises(ValueError, match=said):
+        sc.optimise("guillotine", keys, tmp_path / "none", settings=SETTINGS, **given)
+    assert not Path(tmp_path / "none").exists()
+
+
+def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
+    with pytest.raises(ValueError, match=r"torque_peak must be a figure .* force_peak_N"):
+        sc.optimise(
+            "guillotine",
+            {PLATEAU: "6:12"},
+            tmp_path,
+            minimise="torque_peak",
+            settings=SETTINGS,
+            executor=1,
+            say=lambda _: None,
+        )
