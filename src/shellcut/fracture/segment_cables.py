@@ -27,16 +27,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shellcut.arrays import Floats, product, unit
+from shellcut.arrays import Floats, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.state import NOT_MET, KnownTopology, State
 
-from .anisotropy import Anisotropy
+from .anisotropy import Anisotropy, factor_along
 from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
-from .quad_polygon import UNUSED, Point, between, corner_at, holds, shape_functions
+from .quad_polygon import UNUSED, Point, between, corner_at, holds
 
 BEFORE_AN_EDGE = 6
 """Cables of a segment where an edge comes to them one after the other."""
@@ -112,7 +111,8 @@ class SegmentCables:
                 f.twin[one], f.twin[other] = other, one
         (start, _), (stop, _) = ends
         way = n.x[stop] - n.x[start]
-        area = self._material.thickness * length * self._factor(state, rows[0], chords[0])
+        area = self._material.thickness * length
+        area *= factor_along(self._anisotropy, n.X[state.quads[rows[0]]], chords[0])
         for share in self._shares.tolist():
             k = state.cable.append_blank()
             c = state.cable
@@ -174,14 +174,6 @@ class SegmentCables:
             changed = self._known.changed_quads(state)
             tie(state, changed, areas, self._material.area_density)
         self._known.take(state)
-
-    def _factor(self, state: State, row: int, chord: tuple[Point, Point]) -> float:
-        """Return f for a segment."""
-        if self._anisotropy is None:
-            return 1.0
-        X = state.node.X[state.quads[row]]
-        start, stop = (product(shape_functions(p), X) for p in chord)
-        return self._anisotropy.factor(stop - start, corner_normals(X))
 
     def restore(self) -> None:
         """Take a state from a checkpoint."""

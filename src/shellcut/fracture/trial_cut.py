@@ -50,14 +50,13 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
 from shellcut.loads.loads import LoadSet
-from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
-from .anisotropy import Anisotropy
+from .anisotropy import Anisotropy, factor_along
 from .cut_state import parted, rows_along, side_under
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, Point, between, divide, holds, shape_functions
@@ -117,17 +116,9 @@ class TrialCut:
         anisotropy: Anisotropy | None = None,
     ) -> None:
         self.topology, self._shell, self._loads = topology, shell, loads
-        self._anisotropy, self.thickness = anisotropy, shell.material.thickness
+        self.film, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
-
-    def factor(self, state: State, segment: Segment) -> float:
-        """Return the factor on the strength across a segment."""
-        if self._anisotropy is None:
-            return 1.0
-        X = state.node.X[state.quads[segment.row]]
-        start, stop = (product(shape_functions(p), X) for p in (segment.entry, segment.exit))
-        return self._anisotropy.factor(stop - start, corner_normals(X))
 
     def corner_mass(self, side: Side) -> Floats:
         """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
@@ -231,8 +222,6 @@ class Weighed(NamedTuple):
     """F_c [N]."""
     pull: Annotated[Floats, "(n_tip, 3)"]
     """F [N]."""
-    normal: Annotated[Floats, "(n_tip, 3)"]
-    """m, the unit normal to the segment in the sheet."""
     length: Annotated[Floats, "(n_tip,)"]
     """Of the segment [mm]."""
     behind: Annotated[Floats, "(n_tip,)"]
@@ -243,8 +232,7 @@ class Weighed(NamedTuple):
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        (force, pull, normal), (length, behind) = np.zeros((3, n, 3)), np.zeros((2, n))
-        return cls(force, pull, normal, length, behind, np.full(n, -np.inf))
+        return cls(*np.zeros((2, n, 3)), *np.zeros((2, n)), np.full(n, -np.inf))
 
 
 class TrialSums:
@@ -316,14 +304,15 @@ class TrialSums:
         one = self._alone(state, segment, pairs)
         if one.measure[0] == -np.inf:
             return -np.inf
-        force, length = one.pull[0], float(one.length[0])
-        across, pull = float(product(force, one.normal[0])), sqrt(product(force, force))
+        trial, force, length = self._trial_cut, one.pull[0], float(one.length[0])
+        held, pull = 0.5 * trial.carried * float(one.behind[0]), sqrt(product(force, force))
+        across = float(one.measure[0]) * (held + 0.5 * trial.carried * length)
         if across < 0.0:
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
-        length *= self._trial_cut.factor(state, segment)
-        return pull / (0.5 * self._trial_cut.carried * (float(one.behind[0]) + length))
+        chord, X = (segment.entry, segment.exit), state.node.X[state.quads[segment.row]]
+        return pull / (held + 0.5 * trial.carried * length * factor_along(trial.film, X, chord))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
@@ -395,11 +384,10 @@ def _weigh_trials(
             weighed.measure[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
-        m, pull = scale(1.0 / norm(m), m), scale(1.0 / kappa, sub(d, closed))
+        pull = scale(1.0 / kappa, sub(d, closed))
         before = held[k] / (thickness * whole)
-        weighed.measure[tip] = dot(pull, m) / (0.5 * carried * (before + out))
+        weighed.measure[tip] = dot(pull, m) / norm(m) / (0.5 * carried * (before + out))
         weighed.length[tip], weighed.behind[tip] = out, before
-        store(weighed.normal, tip, m)
         store(weighed.force, tip, scale(1.0 / kappa, d))
         store(weighed.pull, tip, pull)
 

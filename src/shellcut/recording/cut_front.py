@@ -136,10 +136,7 @@ class CutFront:
         return rows
 
     def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> tuple[int, float]:
-        """Return which of tips : (n, 3) a zone's edge drives, and its lead [mm], inf if none.
-
-        zone : cables.
-        """
+        """Return which tip, of (n, 3), an edge at cables drives, and its lead [mm], inf if none."""
         if not len(tips):
             return -1, np.inf
         cable = sim.state.cable
@@ -155,10 +152,7 @@ class CutFront:
         return best, float(nearest[best])
 
     def _velocity(self, sim: Simulation, place: Floats, t: Floats) -> Floats:
-        """Return the tool's velocity along the film at places, 0 where it only passes through.
-
-        place : in the reference film [mm].  t : directors of it there.
-        """
+        """Return the tool's velocity along the film at places with directors t, 0 if through it."""
         assert sim.motion is not None
         spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
         whole = velocity + np.cross(spin, place - sim.pose.translation)

@@ -369,5 +369,4 @@ class CableTable(_Table):
     def at_ends(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the nodes at the ends of all cables, (n_cable, 2, k)."""
         ends, far, share = (a[: self.count] for a in (self.ends, self.far, self.share))
-        one, other = rows[ends], rows[far]
-        return np.asarray(one + share[:, None, None] * (other - one))
+        return np.asarray(rows[ends] + share[:, None, None] * (rows[far] - rows[ends]))
