@@ -86,6 +86,7 @@ PAGES = {
     "What to trust": [
         "limits",
         "error-bars",
+        "predictions",
         "verification",
         "theory/yielding-cut",
         "theory/yielding-disc",

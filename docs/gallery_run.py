@@ -9,6 +9,7 @@ from sphinx_gallery.scrapers import figure_rst
 QUICK = {
     "opening_test": ["--mesh", "quick", "--angle", "40", "--duration", "2.5e-3"],
     "guillotine": ["--size", "0.8", "--length", "14"],
+    "in_a_notebook": [],
     "trouser": ["--size", "0.75", "--length", "15"],
     "own_tooth": [],
     "cut_quality": [],
@@ -35,6 +36,7 @@ QUICK = {
 that is missing is an error."""
 
 OWN_PICTURES = {
+    "in_a_notebook": [],
     "own_tooth": ["torque.png"],
     "cut_quality": ["quality.png"],
     "compare_with_measured": ["comparison.png"],

@@ -94,7 +94,7 @@ def _figures(name):
             f"{one.stress:.3g} MPa at {100 * one.strain:.0f} % ({one.pull})"
             for one in (along, plane)
         )
-    return f"{1e3 * film.thickness:.3g} µm", f"{modulus:.4g} MPa", largest
+    return f"{1e3 * film.thickness:.4g} µm", f"{modulus:.4g} MPa", largest
 
 
 def _keys(keys):

@@ -20,7 +20,7 @@ NOTES = {
     "fracture": "cracks; checks before a run; runs read back",
     "mitc4": "the forces, and the integrator that follows them",
     "state": "fields in time; film, tool and motion; pictures",
-    "numerics": "compiled kernels, file formats, one picture of a run",
+    "numerics": "kernels, file formats, a picture of a run, cards",
     "arguments": "leaves: kinds of arguments, arrays, units, whole files",
 }
 """Subject of each row, by its first room."""

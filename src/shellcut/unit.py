@@ -325,7 +325,13 @@ def shown_in(unit: str, wanted: str) -> tuple[str, float]:
 
 def pretty(unit: str) -> str:
     """Return a unit as printed: "N*mm" becomes "N·mm"; "" for a pure number."""
-    return unit.replace("*", "·").replace("deg", "°").replace("^2", "²").removeprefix("-")
+    return (
+        unit.replace("*", "·")
+        .replace("deg", "°")
+        .replace("^2", "²")
+        .replace("^3", "³")
+        .removeprefix("-")
+    )
 
 
 def after(unit: str) -> str:

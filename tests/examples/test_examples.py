@@ -57,6 +57,13 @@ def test_guillotine(run_example, tmp_path):
     assert (tmp_path / "force.png").stat().st_size > 10_000
 
 
+def test_in_a_notebook(run_example, tmp_path):
+    told = run_example("in_a_notebook.py", tmp_path)
+    # G h of a short cut, with the peak where the blade meets the notch.
+    assert float(re.search(r"largest force ([\d.]+) N", told)[1]) == pytest.approx(3.22, rel=0.25)
+    assert "cut.html" in told
+
+
 def test_trouser(run_example, tmp_path):
     run_example("trouser.py", tmp_path, "--size", "0.75", "--length", "15")
     summary = figures(tmp_path / "summary.json")

@@ -36,11 +36,19 @@ def test_warmup_says_where_the_cache_is(capsys):
     assert "done in" in said
 
 
-@pytest.mark.parametrize("wrong", [[], ["wramup"]])
-def test_bad_arguments_leave_with_two(wrong):
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ([], "required: COMMAND"),
+        (["wramup"], "invalid choice: 'wramup'"),
+        (["run", "opening", "mesh=quick"], "keys of the model are set by --set mesh=quick"),
+    ],
+)
+def test_bad_arguments_leave_with_two(wrong, said, capsys):
     with pytest.raises(SystemExit) as left:
         main(wrong)
     assert left.value.code == 2
+    assert said in capsys.readouterr().err
 
 
 def test_help_version_and_bad_arguments(capsys):
@@ -346,7 +354,7 @@ SWEEP = ["sweep", "study.toml", "-o", ".", "--jobs", "1"]
         (["report", "run", "-o", "run/history.csv"], "run/history.csv"),
         (["view", "run", "--frame", "0"], "run/frame_0000.png"),
         (["view", "run"], "run/view.html"),
-        (["view", "run", "--html", "run/summary.json"], "run/summary.json"),
+        (["view", "run", "-o", "run/summary.json"], "run/summary.json"),
         (["run", "run/used.toml", "-o", "run", "--overwrite"], "run/used.toml"),
     ],
 )

@@ -1,13 +1,12 @@
-"""Crack map and film strip: when edges opened, where teeth went, and that they are drawn."""
+"""Crack map: when edges opened, where teeth went, and that it is drawn."""
 
 import dataclasses
-import itertools
 
 import numpy as np
 import pytest
 
 from opening_frame import RADIUS, opening_frame
-from shellcut.view import draw_crack_map, draw_film_strip
+from shellcut.view import draw_crack_map
 from shellcut.view._teeth import teeth_of, tooth_paths
 from shellcut.view.crack_map import crack_history
 
@@ -86,41 +85,3 @@ def test_the_picture_has_the_colours_of_early_and_late(tmp_path, frames):
 def test_no_frames_are_refused(tmp_path):
     with pytest.raises(ValueError, match="at least one frame"):
         draw_crack_map(tmp_path / "map.png", [])
-
-
-FRAMES = [opening_frame(angle, n_side=8) for angle in (0.0, 20.0, 40.0, 60.0)]
-
-
-def pixels(path):
-    image = pytest.importorskip("matplotlib.image", reason="needs shellcut[plot]")
-    return image.imread(path)[..., :3]
-
-
-def test_frames_stand_in_rows_and_differ(tmp_path):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-    draw_film_strip(tmp_path / "strip.png", FRAMES, columns=2, width=8.0, dpi=50)
-    image = pixels(tmp_path / "strip.png")
-    assert image.shape[1] == 400
-    used = image.shape[0] - int(0.95 * 50)  # without the foot
-    panels = [
-        half[:, part]
-        for half in np.array_split(image[:used], 2)
-        for part in (slice(0, 200), slice(200, 400))
-    ]
-    for panel in panels:
-        assert (panel < 0.97).any(axis=2).mean() > 0.2
-    size = min(panel.shape[0] for panel in panels)
-    for one, other in itertools.pairwise(panels):
-        assert np.abs(one[:size] - other[:size]).mean() > 0.005  # the cut goes on
-
-
-def test_one_frame_is_a_strip_too(tmp_path):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-    draw_film_strip(tmp_path / "strip.png", FRAMES[:1], width=6.0, dpi=50)
-    assert pixels(tmp_path / "strip.png").shape[1] == 300
-
-
-@pytest.mark.parametrize(("frames", "columns"), [([], 3), (FRAMES, 0)])
-def test_nothing_to_draw_is_refused(tmp_path, frames, columns):
-    with pytest.raises(ValueError, match="at least one frame and one column"):
-        draw_film_strip(tmp_path / "strip.png", frames, columns=columns)

@@ -13,7 +13,12 @@ WITHOUT = {"Recorder", "Results"}
 
 MODULES = sorted(
     {inspect.getmodule(getattr(shellcut, name)).__name__ for name in shellcut.__all__}
-    | {"shellcut.unit", "shellcut.formats.length_unit", "shellcut.formats.number_table"}
+    | {
+        "shellcut.card",
+        "shellcut.unit",
+        "shellcut.formats.length_unit",
+        "shellcut.formats.number_table",
+    }
 )
 
 

@@ -151,7 +151,7 @@ def test_pictures(page):
     case.run("out", n_row=50, n_frame=2, n_snapshot=0, curves=False, progress=False)
     Path("cap.csv").write_text("path [mm],force [N]\n0.0,0.0\n0.5,0.2\n1.0,0.3\n")
     page("pictures.md")
-    for name in ("crack.png", "strip.png", "scene.png", "cut.gif", "report.html"):
+    for name in ("crack.png", "scene.png", "cut.webp", "report.html"):
         assert Path(name).stat().st_size > 1000
     assert "<h2>Measured curve</h2>" in Path("out/report.html").read_text(encoding="utf-8")
 

@@ -222,6 +222,19 @@ def test_waiting_misses_nothing():
     np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
 
 
+def test_film_that_the_tool_drags_along_needs_no_search():
+    sim, points, s, _ = pressing()
+    listed, force, x = points.n_search, points.forces.wrench[0, :3], s.node.x[:, 0].copy()
+    for way in np.linspace(0.1, 3.0, 30):
+        s.node.x[:, 0] = x + way
+        dragged = press(sim, 0.02, (way, 0.0)).wrench[0, :3]
+    assert points.n_search == listed
+    # Round-off: a depth of some micrometres from places of some millimetres.
+    np.testing.assert_allclose(dragged, force, rtol=1e-7, atol=1e-9)
+    press(sim, 0.02, (way + 0.5, 0.0))
+    assert points.n_search == listed + 1
+
+
 def test_a_needle_between_nodes_is_felt_at_first_touch():
     wires = ToolWires(needle().translated((2.37, 0.21, GAP)))
     deepest = {}

@@ -9,18 +9,16 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import shellcut
 from browser import opened
 from shellcut import MeasuredCurve
 from shellcut.command_line import main
-from shellcut.files import run_folder
 from shellcut.report import pictures, report_run, scene
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
 from shellcut.results.summary_figures import key_figures, with_unit
-from shellcut.view import Curve, Diagram, Panels, draw_snapshot, snapshot_limits, title_parts
+from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
 
 SECTIONS = """Conclusion, Force, Measured curve, Where the work went, What may be trusted, The cut,
@@ -114,7 +112,7 @@ class TestPage:
 
     def test_pictures_are_embedded_and_described(self, page):
         images = Outline(page).images
-        assert len(images) == 6 + 1  # strip, map
+        assert len(images) == 3 + 1  # snapshots, map
         for image in images:
             assert image["src"].startswith("data:image/png;base64,iVBOR")
             assert len(image["alt"]) > 20
@@ -151,26 +149,13 @@ class TestPage:
 
 
 @pytest.fixture
-def scales(monkeypatch, out):
-    """Ends of the stress scales that pictures are drawn on; the pictures take no time."""
+def undrawn(monkeypatch, out):
+    """Pictures that take no time, for tests of the words around them."""
     picture = (out / "snapshot_00.png").read_bytes()
-    found = []
 
-    class Quick(Panels):
-        def __init__(self, frames, *, shape, stress_limits):
-            super().__init__(frames[:1], shape=(20, 30), stress_limits=stress_limits)
-            found.append(stress_limits)
-
-    monkeypatch.setattr(pictures, "Panels", Quick)
     monkeypatch.setattr(
         pictures, "draw_crack_map", lambda path, *_, **__: path.write_bytes(picture)
     )
-    return found
-
-
-@pytest.fixture
-def undrawn(scales):
-    """Pictures that take no time, for tests of the words around them."""
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -229,50 +214,19 @@ class TestWhatIsMissing:
         lost = {"Force", "Measured curve"}
         assert Outline(page).titles == [title for title in SECTIONS if title not in lost]
 
-    def test_without_matplotlib_there_are_curves_but_no_pictures(self, out, tmp_path):
+    def test_without_matplotlib_there_are_curves_but_no_map(self, out, tmp_path):
+        folder = copy_without(out, tmp_path, *(f"snapshot_0{k}.png" for k in range(3)))
         script = (
-            "import sys; sys.modules['matplotlib'] = None\n"
+            "import sys; sys.modules['matplotlib'] = sys.modules['PIL'] = None\n"
             "from shellcut.report import report_run\n"
             "report_run(sys.argv[1], sys.argv[2])\n"
         )
         path = tmp_path / "r.html"
-        subprocess.run([sys.executable, "-c", script, out, path], check=True)
+        subprocess.run([sys.executable, "-c", script, folder, path], check=True)
         page = path.read_text(encoding="utf-8")
-        assert page.count("pip install shellcut[plot]") == 2
+        assert page.count("pip install shellcut[plot]") == 1
+        assert "the run has drawn none" in page
         assert page.count('<figure class="chart">') == 3
-
-
-class TestStressScale:
-    """All pictures of frames have one."""
-
-    def test_is_that_of_the_snapshots_from_nothing_to_the_strength(self, out, tmp_path, scales):
-        kept = run_folder.snapshots(out)
-        assert {snapshot_limits(path) for path in kept} == {(0.0, 12.0)}
-        report_run(out, tmp_path / "r.html")
-        assert scales == [(0.0, 12.0)]
-
-    @pytest.mark.parametrize("limits", [(0.0, 1e4), None])
-    def test_is_that_of_the_frames_where_the_snapshots_have_no_use(
-        self, out, tmp_path, scales, limits
-    ):
-        # Of a film that is nowhere near its strength, or of snapshots that do not tell theirs.
-        folder = copy_without(out, tmp_path)
-        frame = shellcut.read(folder).frame(-1)
-        for path in run_folder.snapshots(folder):
-            if limits:
-                draw_snapshot(path, frame, stress_limits=limits, size=(2.0, 1.0), dpi=50)
-            else:
-                Image.new("RGB", (2, 2)).save(path)
-        report_run(folder)
-        (of_strip,) = scales
-        assert 5.0 < of_strip[1] < 100.0
-
-    def test_is_written_below_the_pictures(self, page):
-        part = page[page.index("<h2>The cut</h2>") :].split("</section>")[0]
-        assert re.search(r"<span>0</span>.*<span>12</span></div>largest principal", part)
-        colors = re.search(r"linear-gradient\(to right, (.*?)\)", part)[1].split(", ")
-        assert len(set(colors)) == 12
-        assert "crack flank" in part
 
 
 class TestMeasuredCurve:
@@ -450,7 +404,7 @@ class TestInABrowser:
         assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
         assert page.evaluate(CUT) == []
         widths = page.evaluate("[...document.images].map((image) => image.naturalWidth)")
-        assert len(widths) == 7
+        assert len(widths) == 4
         assert min(widths) > 400
 
     def test_values_are_read_by_pointing(self, tried):
@@ -528,9 +482,9 @@ def test_a_large_run_has_fewer_frames_in_the_scene(out, monkeypatch):
     monkeypatch.setattr(scene, "_LARGEST", round(0.6 * len(whole)))
     said = scene.scene(gather(out))
     assert scene.MARK in said
-    assert said.endswith("a &amp; b&#x27; --html FILE</code> writes.</p>")
+    assert said.endswith("a &amp; b&#x27; -o FILE.html</code> writes.</p>")
     monkeypatch.setattr(scene, "_LARGEST", 3_000)
     said = scene.scene(gather(out))
     assert scene.MARK not in said
-    assert "No scene: 2 frames with 9 fields must fit" in said
+    assert "No scene: 2 frames must fit" in said
     assert "<code>shellcut view" in said

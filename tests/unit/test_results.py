@@ -202,19 +202,6 @@ def test_what_is_not_there_is_said(tmp_path):
         _ = results.resistance_name
 
 
-def test_pandas_is_optional(tmp_path, monkeypatch):
-    leave(tmp_path)
-    results = shellcut.read(tmp_path)
-    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
-    table = results.to_pandas()
-    assert table.torque.tolist() == results.history["torque"].tolist()
-    assert table.attrs["units"]["torque"] == "N*mm"
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    assert pandas is not None
-    with pytest.raises(ImportError, match="pip install pandas"):
-        results.to_pandas()
-
-
 def test_curves_are_drawn_from_what_was_read(run, tmp_path):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
     folder, *_ = run

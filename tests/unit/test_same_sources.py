@@ -24,6 +24,7 @@ BESIDE = {
     "study": "plans runs and reads results",
     "tensile": "reads tensile tests",
     "view": "draws results",
+    "card.py": "shows objects in notebooks",
     "checks/hold.py": "a doubt about supports",
     "checks/path.py": "a doubt about the path",
     "checks/piercing.py": "a doubt about a film that is tight",

@@ -16,8 +16,10 @@ from opening_frame import opening_frame
 from shellcut.command_line import main, view
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.scene_page import packed_scene, scene_scripts
+from shellcut.scene_page import page as page_module
 from shellcut.scene_page.tables import pack_ids, pack_numbers
-from shellcut.view.fields import chosen_fields, field_limits, fields_of
+from shellcut.view import Look
+from shellcut.view.fields import at_corners, field_limits, fields_of
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
 CUT = 17  # a quad that is a pentagon in the last frame
@@ -121,8 +123,7 @@ class TestFile:
         html = page.path.read_text(encoding="utf-8")
         assert page.n_byte == page.path.stat().st_size
         assert (page.frames, page.dropped) == ([0, 1, 2, 3, 4], "")
-        assert page.fields == list(fields_of(results.frame(-1)))
-        assert str(page).endswith("5 of 5 frames, 10 fields")
+        assert str(page).endswith("5 of 5 frames")
         assert "<h1>a &lt;cut&gt;</h1>" in html
         assert "default-src 'none'" in html
         # the name of the element's language is no address that is loaded
@@ -133,23 +134,31 @@ class TestFile:
         assert "The MIT License" in html
         assert "three.js authors" in html
 
-    def test_frames_and_fields_are_chosen(self, folder, tmp_path):
-        page = shellcut.view_html(
-            folder, tmp_path / "cut.html", frames=3, fields=["damage", "von Mises", "damage"]
-        )
-        assert (page.frames, page.fields) == ([0, 2, 4], ["damage", "von Mises"])
+    def test_frames_and_look_are_chosen(self, folder, results, tmp_path):
+        look = Look(field="damage", high=0.5, hide=["tool"], flat=True, elevation=20.0)
+        page = shellcut.view_html(folder, tmp_path / "cut.html", frames=3, look=look)
+        assert page.frames == [0, 2, 4]
         html = page.path.read_text(encoding="utf-8")
         content = json.loads(re.search(r'class="content">(.*)</script>', html)[1])
         assert [frame["number"] for frame in content["frames"]] == [0, 2, 4]
-        assert [field["unit"] for field in content["fields"]] == ["-", "MPa"]
+        fields = {field["name"]: field for field in content["fields"]}
+        assert list(fields) == list(fields_of(results.frame(-1)))
+        assert (fields["damage"]["unit"], fields["damage"]["limits"]) == ("-", [0.0, 0.5])
+        assert fields["largest principal"]["limits"][1] != 0.5
+        shown = content["look"]
+        assert (shown["field"], shown["hide"], shown["smooth"]) == ("damage", ["tool"], False)
+        assert shown["camera"] == [20.0, -60.0, 1.0]
 
-    def test_a_page_that_is_too_large_gets_fewer_frames_and_says_so(self, results, tmp_path):
+    def test_a_page_that_is_too_large_gets_fewer_frames_and_says_so(
+        self, results, tmp_path, monkeypatch
+    ):
         whole = shellcut.view_html(results, tmp_path / "whole.html")
-        room = len(scene_scripts()) + 20_000 + 0.6 * (whole.n_byte - len(scene_scripts()))
-        page = shellcut.view_html(results, tmp_path / "cut.html", max_mb=room / 1e6)
+        room = round(0.6 * whole.n_byte + 0.4 * len(scene_scripts()))
+        monkeypatch.setattr(page_module, "_LARGEST", room)
+        page = shellcut.view_html(results, tmp_path / "cut.html")
         assert 2 <= len(page.frames) < 5
         assert (page.frames[0], page.frames[-1]) == (0, 4)
-        assert page.n_byte <= room
+        assert page.n_byte <= room + 20_000  # style and texts
         assert re.match(
             r"all 5 frames would take 0\.\d+ MB, there is room for 0\.\d+ MB", page.dropped
         )
@@ -158,13 +167,11 @@ class TestFile:
     def test_what_cannot_be_written_is_refused(self, results, tmp_path):
         path = tmp_path / "cut.html"
         with pytest.raises(ValueError, match=r"one of largest principal; .*damage; got 'tresca'"):
-            shellcut.view_html(results, path, fields=["tresca"])
+            shellcut.view_html(results, path, look=Look(field="tresca"))
         with pytest.raises(ValueError, match="at least one frame, got frames=0"):
             shellcut.view_html(results, path, frames=0)
-        with pytest.raises(ValueError, match=r"more than 0\.\d+, .* got 0\.5"):
-            shellcut.view_html(results, path, max_mb=0.5)
-        with pytest.raises(ValueError, match=r"2 frames with 10 fields .* fewer fields"):
-            packed_scene(results, None, None, 5_000)
+        with pytest.raises(ValueError, match=r"2 frames must fit into 0\.005 MB, they take"):
+            packed_scene(results, None, 5_000)
         with pytest.raises(FileNotFoundError, match="folder of a run"):
             shellcut.view_html(tmp_path / "none", path)
         assert not path.exists()
@@ -172,18 +179,13 @@ class TestFile:
     def test_the_command_writes_it(self, folder, tmp_path, capsys):
         path = str(tmp_path / "cut.html")
         run = ["view", str(folder)]
-        assert main([*run, "--html", path, "--frames", "2", "--field", "speed"]) == 0
-        assert re.fullmatch(
-            r".*cut\.html \(0\.\d MB\), 2 of 5 frames, 1 field\n", capsys.readouterr().out
-        )
+        assert main([*run, "-o", path, "--frames", "2", "--field", "speed"]) == 0
+        assert re.fullmatch(r".*cut\.html \(0\.\d MB\), 2 of 5 frames\n", capsys.readouterr().out)
         for wrong, said in [
-            (["--html", path, "-o", "a.png"], "give only one"),
-            (["--frame", "0", "--field", "speed"], "a picture takes --stress"),
-            (["--html", path, "--stress", "von Mises"], "the page takes --field"),
-            (["--frames", "3", "--frame", "0"], "--frames belongs to the page"),
-            (["--html", path, "--limits", "0", "1"], "one changes them in the page"),
+            (["--low", "1", "--high", "0"], "low must be below high"),
+            (["--colormap", "no"], "one of Matplotlib's"),
         ]:
-            assert main([*run, *wrong]) == 2
+            assert main([*run, "-o", path, *wrong]) == 2
             assert said in capsys.readouterr().err
 
     def test_without_a_name_it_is_opened_where_there_is_a_screen(self, folder, monkeypatch):
@@ -201,9 +203,7 @@ class TestFile:
 def test_scales_enclose_nearly_all_numbers_of_all_frames():
     frame = opening_frame(5.0, n_side=10)
     zero = np.zeros(len(frame.quads))
-    (damage,) = chosen_fields(
-        dataclasses.replace(frame, quad_history={"damage [-]": zero}), ["damage"]
-    )
+    damage = fields_of(dataclasses.replace(frame, quad_history={"damage [-]": zero}))["damage"]
     assert (damage.unit, damage.of) == ("-", "quad")
     for arrays, sign, limits in (
         ([zero], 0, (0.0, 1.0)),
@@ -317,7 +317,7 @@ class TestInABrowser:
     def test_flanks_and_tool_are_drawn_and_switched(self, scene):
         choose(scene, frame=3, field="largest principal stress")
         whole = canvas(scene)
-        assert ((whole[..., 1] - whole[..., 2]) > 0.1).mean() > 0.1  # the film is green
+        assert (np.ptp(whole, axis=2) > 0.2).mean() > 0.1  # the film has colours
         dark = (whole.max(axis=2) < 0.15).sum()
         red = ((whole[..., 0] > 0.7) & (whole[..., 1] < 0.3)).sum()
         assert dark > 150
@@ -341,6 +341,41 @@ class TestInABrowser:
         low, high = (float(scene.page.input_value(end)) for end in (".low", ".high"))
         assert low == 0.0
         assert 0.5 < high < 5.0
+
+    def test_lines_have_the_colours_of_the_legend(self, scene):
+        told = scene.page.evaluate(
+            "() => { const { content, view } = document.querySelector('.scene3d').panel;"
+            " return content.legend.filter(({ area }) => !area).map((entry) => ["
+            "  entry.switch, entry.color, view.parts[entry.switch].material.color.getStyle()]); }"
+        )
+        assert {"flanks", "edges"} < {name for name, *_ in told}
+        for name, color, drawn in told:
+            rgb = [int(number) for number in re.findall(r"\d+", drawn)]
+            np.testing.assert_allclose(rgb, 255.0 * np.array(color), atol=1.0, err_msg=name)
+
+    def test_the_film_is_hidden_and_its_colours_are_flat_on_request(self, scene, results):
+        choose(scene, frame=3, field="largest principal stress")
+        scene.page.get_by_role("button", name="mesh").click()
+        smooth = canvas(scene)
+        for name, least, most in [("smooth colours", 0.002, 0.1), ("film", 0.1, 1.0)]:
+            button = scene.page.get_by_role("button", name=name)
+            button.click()
+            assert least < np.abs(canvas(scene) - smooth).mean() < most, name
+            button.click()
+            np.testing.assert_allclose(canvas(scene), smooth, atol=0.02)
+        scene.page.get_by_role("button", name="mesh").click()
+        frame = results.frame(3)
+        means = scene.page.evaluate(
+            "() => { const { film } = document.querySelector('.scene3d').panel.view;"
+            " const length = film.quads.length / film.width;"
+            " const quads = Float32Array.from({ length }, (_, k) => k);"
+            " return Array.from(film.means(quads, 'quad')); }"
+        )
+        numbers = dataclasses.replace(
+            fields_of(frame)["thickness"], values=lambda frame: np.arange(len(frame.quads))
+        )
+        corners = at_corners(numbers, frame, smooth=True)
+        np.testing.assert_allclose(np.asarray(means)[frame.quads], corners, rtol=1e-6)
 
     def test_dragging_turns_and_reset_turns_back(self, scene):
         choose(scene, frame=3)

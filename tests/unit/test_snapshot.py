@@ -9,10 +9,10 @@ import pytest
 
 from opening_frame import RADIUS, opening_frame
 from shellcut.frame import JOINTED, STRAIGHT, Frame
-from shellcut.view import _panel, draw_snapshot
-from shellcut.view._close_camera import close_camera
-from shellcut.view._raster import Camera, Canvas, view_axes
+from shellcut.view import Look, _panel, draw_scene
+from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
 from shellcut.view.fields import field_limits
+from shellcut.view.snapshot import close_camera
 
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -49,6 +49,51 @@ class TestCanvas:
             wanted[inside] = np.maximum(wanted[inside], (triangle[:, 2] @ weight)[inside])
         # Round-off of single precision, of depths up to 9 pixels.
         np.testing.assert_allclose(canvas.depth, wanted, rtol=0.0, atol=9.0 * 2.0**-23)
+
+    def test_values_run_from_corner_to_corner_and_light_follows_the_normal(self):
+        corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
+        greys = np.linspace(0.0, 1.0, 256)[:, None] * np.ones(3)
+        canvas = Canvas((40, 40))
+        canvas.draw(corners, greys, np.array([[0.0, 1.0, 0.5]]))
+        y, x = np.divmod(np.arange(40 * 40), 40)
+        wanted = ((x + 0.5) + 0.5 * (y + 0.5)) / 40.0  # slow twin: barycentric
+        seen = np.isfinite(canvas.depth)
+        assert seen.sum() > 700
+        np.testing.assert_allclose(canvas.color[seen, 0], wanted[seen], atol=0.5 / 255.0 + 1e-6)
+
+        def bright(normal):
+            lit = Canvas((40, 40))
+            normals = np.broadcast_to(np.asarray(normal, float), (1, 3, 3))
+            lit.draw(corners, 0.5 * np.ones(3), normals=normals)
+            return float(lit.color[0, 0])
+
+        aside = [0.3, -0.2, 0.9]
+        assert bright(3.0 * LAMP) > bright([0.0, 0.0, 1.0]) > bright(aside)
+        # The film has two sides alike; the length of a normal does not matter.
+        for factor in (-1.0, 7.0):
+            assert bright(factor * np.array(aside)) == pytest.approx(bright(aside), rel=1e-6)
+
+    def test_a_shadow_falls_where_the_lamp_does_not_see(self):
+        square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+        ground, lid = 10.0 * square, square + np.array([0.0, 0.0, 3.0])
+        camera = Camera(np.eye(3), np.zeros(3), 10.0, (200, 200))
+        lamp = Camera(view_axes(LAMP, np.array([0.0, 1.0, 0.0])), np.zeros(3), 10.0, (400, 400))
+        fan = np.array([[0, 1, 2], [0, 2, 3]])
+        canvas, seen = Canvas(camera.shape), Canvas(lamp.shape)
+        canvas.draw(camera.project(ground[fan]), np.ones(3))
+        for part in (ground, lid):
+            seen.draw(lamp.project(part[fan]), np.zeros(3))
+        canvas.darken(camera, lamp, seen)
+        y, x = np.divmod(np.arange(200 * 200), 200)
+        at = camera.points(np.stack((x + 0.5, y + 0.5, canvas.depth), axis=1))
+        # slow twin: where the ray to the lamp meets the plane of the lid
+        over = at + LAMP / LAMP[2] * 3.0
+        inside = np.abs(over[:, :2]).max(axis=1)
+        dark = canvas.color[:, 0] < 0.99
+        assert dark[inside < 0.5].all()
+        # The lid ends at 1; its soft rim is four pixels of 0.1 mm wide, drawn out by 1 / 0.66.
+        assert not dark[inside > 1.0 + 0.4 / LAMP[2]].any()
+        np.testing.assert_allclose(camera.project(at)[:, :2], np.stack((x + 0.5, y + 0.5), 1))
 
     def test_a_layer_shows_only_in_front_unless_through(self):
         sheet = np.array([[[0.0, 0, 0], [8, 0, 0], [0, 8, 0]]])
@@ -89,23 +134,19 @@ def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
 
 
 @pytest.mark.parametrize("angle", [10.0, 30.0, 60.0])
-def test_the_close_camera_goes_with_the_tooth(angle, monkeypatch):
-    monkeypatch.setattr("shellcut.view._close_camera._VIEW", (0.0, 0.0))
+def test_the_close_camera_goes_with_the_tooth(angle):
     frame = opening_frame(angle, n_side=20)
     edge = frame.edge_points[:12]
-    camera = close_camera(frame, np.array([0.0, 0.0, 1.0]), (300, 400))
-    middle = edge.mean(axis=(0, 1))
-    # at elevation 0 and bearing 0 one looks back along the circle, with the membrane level
-    theta = np.arctan2(middle[1], middle[0])
-    along = np.array([-np.sin(theta), np.cos(theta), 0.0])
-    assert camera.axes[2] @ along > 0.95  # the wedge's front is taken at the edge, not at theta
-    np.testing.assert_allclose(camera.axes[1], [0.0, 0.0, 1.0], atol=1e-12)
+    whole = _panel.whole_camera([frame], (300, 400), Look())
+    camera = close_camera(frame, whole, (300, 400))
+    np.testing.assert_array_equal(camera.axes, whole.axes)
+    assert camera.scale > whole.scale
+    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
     # most cables of this tooth, and its edge, are in the picture
-    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - middle, axis=1) < 2.0
+    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
     shown = np.concatenate((edge, frame.cable_segments[near_tooth])).reshape(-1, 3)
     at = camera.project(shown)[:, :2]
     assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
-    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
 
 
 def test_default_stress_limits_are_round_and_hold_nearly_all():
@@ -134,7 +175,7 @@ def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
     )
     counts = []
     for shown in (frame, uncut):
-        draw_snapshot(path, shown, size=(10.0, 5.0), dpi=80)
+        draw_scene(path, shown, close_up=True, size=(800, 400))
         image = pixels(path)
         assert image.shape == (400, 800, 3)
         right = image[50:350, 455:785]
@@ -147,13 +188,14 @@ def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
     assert drawn[1] > 10
     assert min(drawn[2], missing[2]) > 40
     assert drawn[3] > missing[3] + 80
-    assert missing[:2] == [0, 0]
+    assert missing[0] < 0.1 * drawn[0]  # yellow film
+    assert missing[1] == 0
 
 
 def test_a_membrane_alone_is_drawn_in_one_panel(tmp_path):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
     path = tmp_path / "snap.png"
-    draw_snapshot(path, membrane_only(), size=(6.0, 4.0), dpi=60)
+    draw_scene(path, membrane_only(), close_up=True, size=(360, 240))
     assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
 
 

@@ -3,7 +3,8 @@
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
 towards the other until they meet and the strip comes off. [Brau2014] has w ~ x^(8/11) for an
 elastic ridge, x being the way to where the strip ends; a fold in a sheet that stays flat gives 2/3.
-The law is that of a sheet wide beside the strip, and of a process zone short beside the fold.
+The law is that of a sheet wide beside the strip, and of a process zone short beside the fold. How
+near whole runs come to it is on the page of predictions (tests/predictions/converging_tears.py).
 """
 
 import functools
@@ -31,14 +32,15 @@ def film(thickness):
     return sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=thickness)
 
 
-def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW, thickness=THICKNESS):
+def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW, thickness=THICKNESS, speed=SPEED):
     """A flap of some breadth in a sheet; its end goes straight up, and along as it likes."""
     mesh = rectangle(length, breadth + 2.0 * margin, size=size)
     X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
     x, y = X[:, 0], np.abs(X[:, 1])
     at_start, flap = x < 1e-9, y < 0.5 * breadth - 1e-6
     rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
-    rate = {"z": lambda time: SPEED * min(1.0, time / RISE)}
+    rise = RISE * SPEED / speed
+    rate = {"z": lambda time: speed * min(1.0, time / rise)}
     end = np.flatnonzero(at_start & flap).tolist()
     sim = sc.Simulation(
         sc.Mesh.from_arrays(X, mesh.quads),
@@ -93,22 +95,6 @@ def test_two_tears_that_converge_pinch_the_strip_off():
     assert max(upper[-1, 0], lower[-1, 0]) < 4.0 + 2.2 + 0.5
     assert len(sim.cracks.tips) < 2
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [0.5, 0.3])
-def test_a_strip_narrows_by_a_power_law_until_its_tears_meet(size):
-    sim = pulled_up(size, 12.0, notch=6.0, length=44.0, margin=6.0, law=SHORT, thickness=0.14)
-    upper, lower = torn_off(sim, 2.5e-2)
-    assert len(Pieces.of(sim.state).mass) == 2
-    x, w = breadths(upper, lower, 6.0)
-    # Measured 0.16 and 0.11 mm.
-    assert w[-1] < 0.25
-    left = max(upper[:, 0].max(), lower[:, 0].max()) - x
-    decade = (w > 1.0) & (w < 10.0)
-    power = np.polyfit(np.log(left[decade]), np.log(w[decade]), 1)[0]
-    # Around the 8/11 of [Brau2014]; measured 0.775 and 0.780.
-    assert 0.70 < power < 0.80
 
 
 @functools.cache

@@ -41,7 +41,6 @@ _EXTRAS = {
     "gmsh": ("meshes of outlines, no tools from STEP and IGES", "pip install shellcut[mesh]"),
     "ezdxf": ("outlines from DXF", "pip install shellcut[outline]"),
     "svgpathtools": ("outlines from SVG", "pip install shellcut[outline]"),
-    "pandas": ("histories as tables", "pip install pandas"),
 }
 
 

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 from io import TextIOWrapper
+from typing import NoReturn
 
 from . import (
     compare,
@@ -47,6 +48,15 @@ _COMMANDS = (
 )
 
 
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """End as argparse does, and name the option for a key without one."""
+        keys = [word for word in message.split() if "=" in word]
+        if message.startswith("unrecognized arguments") and keys:
+            message += f"; keys of the model are set by --set {' --set '.join(keys)}"
+        super().error(message)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with the given arguments, or with those of the process.
 
@@ -81,7 +91,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def parser_of_all() -> argparse.ArgumentParser:
     """Return the parser with all subcommands."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="shellcut",
         description="Explicit dynamics of thin shells cut by a sharp rigid blade.",
         epilog=in_lines(),

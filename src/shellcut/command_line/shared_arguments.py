@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
 
@@ -74,15 +74,19 @@ def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **fl
     """Add arguments of a class, by the names of its parameters: type, choices, default, help."""
     for name, flag in flags.items():
         kind, option, default = declared(owner)[name]
+        is_list = get_origin(kind) is Sequence
+        kind = get_args(kind)[0] if is_list else kind
         first = (get_args(kind) or (kind,))[0]
         given: dict[str, Any] = {"dest": f"{owner.__name__}.{name}", "default": None}
-        unless = "" if default in (None, False) else f" [{default}]"
+        unless = "" if default in (None, False, ()) else f" [{default}]"
         if kind is bool:
             given["action"] = "store_true"
         elif isinstance(first, str):
             given |= {"choices": get_args(kind), "metavar": f"{{{','.join(get_args(kind))}}}"}
         else:
-            given |= {"type": first, "metavar": "N"}
+            given |= {"type": first, "metavar": "NAME" if first is str else "N"}
+        if is_list:
+            given["action"] = "append"
         parser.add_argument(flag, help=f"{option.text}{unless}", **given)
 
 

@@ -36,8 +36,8 @@ class ListAge:
     way : float
         That film and tool together may go until then [mm].
     radius : float, optional
-        Of the farthest point of the tool around the body's origin [mm]; without one the tool does
-        not count.
+        Of the farthest point of the tool around the body's origin [mm]. With 0 film moves as the
+        tool sees it, and all that may come near is tracked; without one the tool does not count.
     """
 
     def __init__(self, way: float, radius: float | None = None) -> None:
@@ -101,17 +101,12 @@ class NearNodes:
         self._margin = margin
         self._low, self._high = low - margin, high + margin
         corner = np.maximum(abs(self._low), abs(self._high))
-        self._age = ListAge(self.half_margin, float(np.linalg.norm(corner, axis=1).max()))
+        self._age = ListAge(0.5 * margin, float(np.linalg.norm(corner, axis=1).max()))
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
         self.n_search = 0
         """Searches so far."""
         self._within = BoundOnce(_within)
-
-    @property
-    def half_margin(self) -> float:
-        """Way that tool and listed nodes may go together before the list is made anew [mm]."""
-        return 0.5 * self._margin
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
@@ -137,7 +132,7 @@ class NearNodes:
 
         They depend on the present positions only, not on when the list was made.
         """
-        return self._in_boxes(self.ids, state, pose, self.half_margin)
+        return self._in_boxes(self.ids, state, pose, 0.5 * self._margin)
 
     def _in_boxes(self, ids: Ints, state: State, pose: Pose, inner: float) -> Ints:
         """Return those of some nodes that are inside boxes narrower by so much [mm]."""
@@ -170,8 +165,7 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
 def tool_way(pose: Pose, then: Pose, radius: float) -> float:
     """Return a bound on the motion of the tool within a radius around its origin [mm]."""
     # No point of the tool has moved by more than the origin plus rotation times radius.
-    turn = 0.0
-    shift = 0.0
+    turn = shift = 0.0
     for i in range(3):
         shift += (pose.translation[i] - then.translation[i]) ** 2
         for j in range(3):
@@ -193,12 +187,15 @@ def largest_speed(ids: Ints, velocity: Floats) -> float:
 def _farthest(
     nodes: Ints, x: Floats, then: Floats, pose: Pose, before: Pose, radius: float
 ) -> float:
-    """Return how far some nodes, and the tool within a radius, have moved at most together [mm]."""
-    way = 0.0
+    """Return how far nodes and tool have moved together, or nodes as the tool sees them [mm]."""
+    pose, before, way = borrowed(pose), borrowed(before), 0.0
     for i in range(nodes.shape[0]):
-        moved = sub(load(x, nodes[i]), load(then, nodes[i]))
+        here, there = load(x, nodes[i]), load(then, nodes[i])
+        if radius == 0.0:
+            here, there = to_body(here, pose), to_body(there, before)
+        moved = sub(here, there)
         way = max(way, dot(moved, moved))
-    return sqrt(way) + tool_way(pose, before, radius)
+    return sqrt(way) + tool_way(pose, before, radius) if radius > 0.0 else sqrt(way)
 
 
 @kernel

@@ -19,7 +19,8 @@ the nodes of the quad the opposite by their shape functions: the gradient of k â
 in the tool.
 
 *Search and waiting.* Pairs of points and quads (:mod:`.pair_search`) are listed until something may
-have moved by half of the margin (:class:`.near_nodes.ListAge`). A step adds to the way *walked*
+have moved by half of the margin (:class:`.near_nodes.ListAge`), against the tool where points are
+the tool's: film that it drags along needs no search. A step adds to the way *walked*
 what points and film may have come nearer to each other. Of the points found, it looks only at those
 that may touch: a look says how far the point may go before it does, and until that has been walked
 it is skipped.
@@ -123,9 +124,9 @@ class SheetContact(PressTerm):
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
-        self._age = ListAge(0.5 * margin, self._radius if self._of_tool else None)
+        self._age = ListAge(0.5 * margin, 0.0 if self._of_tool else None)
         self._pose: Pose | None = None
-        self._walked = 0.0
+        self._walked, self._list = 0.0, 0
         self._find, self._hold = PairSearch(), Holder()
         self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
         self.tables: SheetTables | None = None
@@ -140,7 +141,8 @@ class SheetContact(PressTerm):
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        lost = self._search(state, pose) if self._age.is_over(state, pose, self._tracked) else 0.0
+        over = self._list != self._of_list() or self._age.is_over(state, pose, self._tracked)
+        lost = self._search(state, pose) if over else 0.0
         found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
         self._walked, n_looked = found
         self.touch.sums[ABSORBED] += lost
@@ -157,6 +159,10 @@ class SheetContact(PressTerm):
         The last are the nodes whose motion makes the list of pairs old.
         """
         raise NotImplementedError
+
+    def _of_list(self) -> int:
+        """Return which list of near film partners are looked for in, if there is one."""
+        return 0
 
     def _stiffness_of(self, state: State) -> Floats:
         """Return k of every pair [N/mm]."""
@@ -248,7 +254,7 @@ class SheetContact(PressTerm):
             carriers=self.carriers,
             presses=self._presses,
         )
-        self.held = self._hold(self.tables)
+        self.held, self._list = self._hold(self.tables), self._of_list()
 
     def _places(self) -> Floats:
         """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5)."""
@@ -323,9 +329,12 @@ class PointContact(SheetContact):
         near, place = self._contact.near, pose.to_space(self.points.place)
         rows = near.rows(state)
         halved = state.node.halved[state.quads[rows]].any(axis=1)
-        whole = (state.quad.share[rows] >= 1.0) & ~halved
+        whole = rows[(state.quad.share[rows] >= 1.0) & ~halved]
         points = Points(np.arange(len(place)), place, np.full(len(place), -1))
-        return points, rows[whole], near.ids
+        return points, whole, np.unique(state.quads[whole]).astype(np.int64)
+
+    def _of_list(self) -> int:
+        return self._contact.near.n_search
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)

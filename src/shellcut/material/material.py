@@ -10,6 +10,7 @@ import numpy as np
 
 from shellcut.arguments import Option
 from shellcut.arrays import Floats
+from shellcut.card import card, figures_of
 from shellcut.numerics.small_matrices import inverse
 
 from .point_law import PointLaw
@@ -46,6 +47,9 @@ class Material(ABC):
     @abstractmethod
     def transverse_shear(self) -> Floats:
         """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
+
+    def _repr_html_(self) -> str:
+        return card(type(self).__name__, figures_of(self))
 
     @property
     def stretching_modulus(self) -> float:

@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, norm
+from shellcut.card import FILM, Figures, card, drawing, extent
 from shellcut.formats.errors import named
 
 from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place
@@ -98,6 +99,17 @@ class Mesh:
             f"Mesh({self.n_node} nodes, {self.n_quad} quads, node_sets={sorted(self.node_sets)}, "
             f"quad_sets={sorted(self.quad_sets)})"
         )
+
+    def _repr_html_(self) -> str:
+        lengths = edge_lengths(self.nodes, self.quads)
+        figures: Figures = [
+            ("nodes", self.n_node, ""),
+            ("quads", self.n_quad, ""),
+            ("edges, least and median", f"{lengths.min():.4g}, {np.median(lengths):.4g}", "mm"),
+            extent(self.nodes),
+            ("sets", ", ".join([*self.node_sets, *self.quad_sets]) or "none", ""),
+        ]
+        return card("Mesh", figures, picture=drawing([(self.nodes, self.quads, FILM)]))
 
     @classmethod
     @checked

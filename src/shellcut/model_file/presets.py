@@ -20,7 +20,7 @@ def presets() -> dict[str, dict[str, Any]]:
     Examples
     --------
     >>> sorted(presets())
-    ['aluminium_foil', 'foil_ldpe', 'frangi2010', 'ldpe', 'pet']
+    ['aluminium_foil', 'aluminium_sheet', 'foil_ldpe', 'frangi2010', 'ldpe', 'mild_steel', 'pet']
     """
     text = (files("shellcut.model_file") / "presets.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)

@@ -139,7 +139,7 @@ class Recorder:
         self._draws_curves = chosen.curves and self._can_draw
         # One stress scale for all pictures: from 0 to the strength. Without a law the maximum is
         # not known beforehand, so each picture has its own scale.
-        self._stress_limits = None if sim.law is None else (0.0, sim.law.strength)
+        self._strength = None if sim.law is None else sim.law.strength
         self._schedule = Schedule.at_start(
             until=until,
             n_row=chosen.n_row,
@@ -392,11 +392,12 @@ class Recorder:
     def _draw(self, frame: Frame) -> None:
         if not self._can_draw:
             return
-        from shellcut.view import draw_snapshot
+        from shellcut.view import Look, draw_scene
 
         began = time.perf_counter()
         path = self._files.new_picture(self._schedule.n_picture)
-        draw_snapshot(path, frame, stress_limits=self._stress_limits)
+        look = Look(low=0.0, high=self._strength)
+        draw_scene(path, frame, look=look, close_up=True, size=(1170, 630))
         self._schedule.n_picture += 1
         self._schedule.drawing += time.perf_counter() - began
 

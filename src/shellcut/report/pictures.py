@@ -1,45 +1,26 @@
-"""Sections with pictures: crack map, film strip.
-
-The pictures of frames contain no text: captions, scale and legend are HTML, equally readable on a
-phone and on a desktop.
-"""
+"""Sections with pictures: crack map, snapshots of the run."""
 
 from __future__ import annotations
 
-import base64
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
+from shellcut.card import image
 from shellcut.files import run_folder
-from shellcut.frame import Frame
-from shellcut.view import (
-    Panel,
-    Panels,
-    caption_of,
-    draw_crack_map,
-    height_over_width,
-    legend_of,
-    limits_for,
-    snapshot_limits,
-)
+from shellcut.view import draw_crack_map
 
 from .gathered import Gathered
 from .markup import missing
 
 _N_MAP = 100  # frames read for the crack map
-_N_FRAME = 6  # frames in the film strip
-_LEAST_SHARE = 0.2  # part of a stress scale that stresses should reach to show colours
-_STRIP_WIDTH = 480  # pixels of a picture in the film strip
-_N_COLOR = 12  # colours of the stress scale; CSS interpolates between them
 _MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
 
 def crack_map(run: Gathered) -> str:
-    """Return the crack on the uncut film, in one format for desktops and one for phones."""
+    """Return the crack on the uncut film."""
     frames = run.frames(_N_MAP)
     if not frames:
         return missing("No crack map: there are no frames.")
@@ -49,13 +30,11 @@ def crack_map(run: Gathered) -> str:
         kinds = run.splits["kind"]
         places = {str(kind): where[kinds == kind] for kind in np.unique(kinds)}
 
-    def drawn(width: float, dpi: float) -> bytes:
-        return _picture(
-            lambda path: draw_crack_map(path, frames, splits=places, width=width, dpi=dpi)
-        )
-
     try:
-        wide, narrow = drawn(8.0, 110.0), drawn(4.5, 165.0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "map.png"
+            draw_crack_map(path, frames, splits=places, width=6.5, dpi=130.0)
+            png = path.read_bytes()
     except ImportError:
         return missing(_MISSING)
     name = frames[-1].coordinate_name
@@ -65,96 +44,18 @@ def crack_map(run: Gathered) -> str:
         f"open; {len(frames)} of {run.results.n_frame if run.results else 0} frames were read."
     )
     return (
-        f'<figure><picture><source media="(max-width: 40rem)" srcset="{_data(narrow)}">'
-        f'{_image(wide, alt)}</picture><figcaption class="caption">{escape(caption)}</figcaption>'
+        f'<figure>{image(png, alt)}<figcaption class="caption">{escape(caption)}</figcaption>'
         "</figure>"
     )
 
 
-def film_strip(run: Gathered) -> str:
-    """Return a few frames side by side."""
-    frames = run.frames(_N_FRAME)
-    if not frames:
-        return missing("No film strip: there are no frames.")
-    try:
-        shape = (round(height_over_width(frames) * _STRIP_WIDTH), _STRIP_WIDTH)
-        panels = Panels(frames, shape=shape, stress_limits=_scale(run, frames))
-        views = "".join(
-            f"<figure>{_panel(panels.whole(frame), f'The film at {caption_of(frame)[0]}')}"
-            f"<figcaption>{escape(' · '.join(caption_of(frame)))}</figcaption></figure>"
-            for frame in frames
-        )
-        words = _stress(panels, frames)
-    except ImportError:
-        return missing(_MISSING)
-    return (
-        f'<div class="strip">{views}</div>{words}<p class="caption">All with the same camera, and '
-        "with one stress scale for all pictures of this report.</p>"
+def snapshots(run: Gathered) -> str:
+    """Return the pictures that the run has drawn, side by side."""
+    pictures = [path.read_bytes() for path in run_folder.snapshots(run.folder)]
+    if not pictures:
+        return missing("No pictures: the run has drawn none. shellcut view draws them.")
+    shown = "".join(
+        f"<figure>{image(png, f'Film and tool, picture {k} of {len(pictures)}')}</figure>"
+        for k, png in enumerate(pictures, 1)
     )
-
-
-def _scale(run: Gathered, frames: Sequence[Frame]) -> tuple[float, float]:
-    """Return the stress limits of all pictures [MPa]: those of the run's snapshots.
-
-    These end at the strength, which was known before the run. If the stresses stay far below it,
-    nothing could be seen: then, or if the snapshots have no limits, use those of the frames.
-    """
-    own = limits_for(frames, "largest principal")
-    try:
-        said = {snapshot_limits(path) for path in run_folder.snapshots(run.folder)}
-    except OSError:
-        return own
-    if len(said) != 1 or (theirs := said.pop()) is None:
-        return own
-    return theirs if own[1] >= _LEAST_SHARE * theirs[1] else own
-
-
-def _panel(panel: Panel, alt: str) -> str:
-    length, share = panel.bar
-    bar = f'<span class="bar" style="width:{100.0 * share:.2f}%">{length:g} mm</span>'
-    return f'<div class="panel">{_image(panel.png(), alt)}{bar}</div>'
-
-
-def _stress(panels: Panels, frames: Sequence[Frame]) -> str:
-    """Return the stress scale and the legend."""
-    low, high = panels.stress_limits
-    colors = panels.scale.to_rgba(np.linspace(low, high, _N_COLOR))
-    ramp = ", ".join(_css(color) for color in colors)
-    largest = max(float(frame.quad_principal[:, 0].max()) for frame in frames)
-    beyond = f"; the largest is {largest:.3g} MPa" if largest > high else ""
-    marks = "".join(f"<span>{mark}</span>" for mark in _marks(low, high))
-    items = "".join(
-        f'<li><span class="swatch{" area" * shown.is_area}" style="background:{_css(shown.color)}">'
-        f"</span>{escape(shown.name)}</li>"
-        for shown in legend_of(frames)
-    )
-    return (
-        f'<div class="stress"><div class="scale"><div class="ramp" style="background:'
-        f'linear-gradient(to right, {ramp})"></div><div class="marks">{marks}</div>'
-        f'largest principal stress [MPa]{beyond}</div><ul class="legend">{items}</ul></div>'
-    )
-
-
-def _marks(low: float, high: float) -> Iterator[str]:
-    """Yield evenly spaced numbers including the ends, with as few digits as possible."""
-    ways = [[f"{value:.4g}" for value in np.linspace(low, high, n + 1)] for n in (4, 5, 3, 6)]
-    yield from min(ways, key=lambda way: max(map(len, way)))
-
-
-def _css(color: Sequence[float]) -> str:
-    return "#" + "".join(f"{round(255.0 * part):02x}" for part in color[:3])
-
-
-def _picture(draw: Callable[[Path], None]) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
-        draw(path)
-        return path.read_bytes()
-
-
-def _image(png: bytes, alt: str) -> str:
-    return f'<img alt="{escape(alt)}" src="{_data(png)}">'
-
-
-def _data(png: bytes) -> str:
-    return f"data:image/png;base64,{base64.b64encode(png).decode('ascii')}"
+    return f'<div class="strip">{shown}</div>'

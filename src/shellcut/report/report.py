@@ -32,8 +32,8 @@ def report_run(
     """Write one self-contained HTML file about a run: model, verdict, results.
 
     Pictures are embedded; nothing is loaded from the network. The report of an interrupted or
-    incomplete run says so. Curves and the scene in three dimensions need no extra; crack map and
-    film strip need Matplotlib.
+    incomplete run says so. Curves and the scene in three dimensions need no extra; the crack map
+    needs Matplotlib.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _body(run: Gathered) -> str:
         "Where the work went": lambda: curves.energy(run),
         _TRUST: str,
         "Error bars": lambda: error_bars(run.error_bars),
-        "The cut": lambda: pictures.film_strip(run),
+        "The cut": lambda: pictures.snapshots(run),
         "In three dimensions": lambda: scene.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),

@@ -20,9 +20,9 @@ def scene(run: Gathered) -> str:
     """Return the scene, of fewer frames if all need too much room, or why there is none."""
     if run.results is None or not run.results.n_frame:
         return missing("No scene: there are no frames.")
-    command = f"<code>shellcut view {escape(shlex.quote(str(run.folder)))} --html FILE</code>"
+    command = f"<code>shellcut view {escape(shlex.quote(str(run.folder)))} -o FILE.html</code>"
     try:
-        packed = packed_scene(run.results, None, None, _LARGEST)
+        packed = packed_scene(run.results, None, _LARGEST)
     except ValueError as error:
         return missing(f"No scene: {error}.") + f"<p>{command} writes a page with it alone.</p>"
     said = f"<p>Every frame is in the page that {command} writes.</p>" if packed.dropped else ""

@@ -36,7 +36,7 @@ class Part(NamedTuple):
     def of(self, entries: Mapping[str, Energy]) -> Energy:
         """Return its energy; histories of older versions lack some entries."""
         zero: Energy = 0.0 * next(iter(entries.values()))
-        return reduce(add, (entries[name] for name in self.entries if name in entries), zero)
+        return reduce(add, [entries[name] for name in self.entries if name in entries], zero)
 
 
 PUT_IN = (

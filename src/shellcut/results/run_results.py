@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,21 +21,27 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.card import Figures, card, image
 from shellcut.files.file_list import names_in
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
+from shellcut.formats.errors import counted
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
 from shellcut.unit import after
-from shellcut.view.curves import Curve, draw_curves
+from shellcut.view import Curve, Look, draw_curves, png_of
 
 from .cut_quality import UNITS, cut_quality
 from .history import read_history
 from .run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_figures, steady_window
-from .summary_figures import window_of
+from .summary_figures import LABELS, label_of, window_of, with_unit
+from .verdict import Line
 from .vtkhdf_reader import VtkHdfReader
+
+_IN_CARD = "_plateau_|_peak_[A-Z]|^crack_length|_end_|^tool_work|^n_loose"
+"""Figures that a notebook shows."""
 
 
 class FrameFigures(dict[str, Floats]):
@@ -89,6 +97,23 @@ class Results:
         ended = f"{len(self.summary)} figures" if self.summary else "none, the run has not ended"
         return "\n".join([*lines, frames, f"  summary: {ended}"])
 
+    def _repr_html_(self) -> str:
+        names = [name for name in LABELS if re.search(_IN_CARD, name) and name in self.summary]
+        window = window_of(self.summary)
+        figures: Figures = [("frames", self.n_frame, "")]
+        figures += [(label_of(n, window), with_unit(n, self.summary[n]), "") for n in names]
+        lines = [Line(**line) for line in self.summary.get("verdict", ())]
+        doubts = [(line.kind, str(line)) for line in lines if line.kind == "doubt"]
+        n_good = sum(line.kind == "good" for line in lines)
+        said = [*doubts, ("good", counted(n_good, "check holds", "checks hold"))]
+        if not lines:
+            said = [("note", "There is no verdict: the run has not ended.")]
+        picture = ""
+        if self.n_frame:
+            with suppress(ImportError):  # without Pillow
+                picture = image(png_of(self.frame(-1), Look(), (220, 340)), "the last frame")
+        return card(f"Results of {self.name}", figures, said, picture)
+
     # ------------------------------------------------------------------ history
 
     @property
@@ -115,22 +140,6 @@ class Results:
     def steady_window(self) -> SteadyWindow:
         """Steady window of the cut, from the history; also for a run that has not ended."""
         return steady_window(self.history, (self.coordinate_name, self.coordinate_unit))
-
-    def to_pandas(self) -> Any:
-        """Return the history as a ``pandas.DataFrame``; ``.attrs["units"]`` holds the units.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
-        """
-        try:
-            import pandas
-        except ImportError as error:
-            raise ImportError("to_pandas needs pandas: pip install pandas") from error
-        table = pandas.DataFrame(self.history)
-        table.attrs["units"] = dict(self.units)
-        return table
 
     # ------------------------------------------------------------------ frames
 

@@ -3,7 +3,7 @@
 May import ``results``, ``view`` and rows below.
 """
 
-from .page import Scene, ScenePage, packed_scene, scene_scripts, scene_style, view_html
+from .page import Scene, ScenePage, packed_scene, scene_scripts, scene_style, spread, view_html
 
 __all__ = [
     "Scene",
@@ -11,5 +11,6 @@ __all__ = [
     "packed_scene",
     "scene_scripts",
     "scene_style",
+    "spread",
     "view_html",
 ]

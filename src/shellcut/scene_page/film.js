@@ -77,13 +77,29 @@ class Film {
     return sum; // the shader divides by the length
   }
 
-  // colorOf: from a value to red, green and blue; values of quads or of nodes.
-  color(values, of, colorOf) {
+  // colorOf: from a value to red, green and blue of a screen; values of quads or of nodes. Smooth
+  // colours run from node to node, others fill a quad.
+  color(values, of, colorOf, smooth) {
     const color = filled(this.mesh.geometry, "color", this.corners.length);
+    const shown = smooth === (of === "quad") ? this.means(values, of) : values;
+    const colors = Array.from(shown, (value) => colorFrom(colorOf(value)).toArray());
     this.corners.forEach((node, i) => {
-      const row = of === "quad" ? this.quadOf[Math.floor(i / 3)] : node;
-      color.set(colorOf(values[row]), 3 * i);
+      color.set(colors[smooth ? node : this.quadOf[Math.floor(i / 3)]], 3 * i);
     });
+  }
+
+  // Of values of quads the means at the nodes; of values of nodes those of the quads.
+  means(values, of) {
+    const n = of === "quad" ? this.points.length / 3 : this.quads.length / this.width;
+    const [sum, count] = [new Float32Array(n), new Float32Array(n)];
+    for (let quad = 0; quad < this.quads.length / this.width; quad++) {
+      for (const node of this.polygon(quad)) {
+        const [from, to] = of === "quad" ? [quad, node] : [node, quad];
+        sum[to] += values[from];
+        count[to] += 1;
+      }
+    }
+    return sum.map((total, k) => total / (count[k] || 1));
   }
 
   // The node of a quad that is nearest to a place.

@@ -12,11 +12,12 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.frame import Frame
 from shellcut.results.run_results import Results
-from shellcut.view import legend_of, title_parts, tool_creases
-from shellcut.view.fields import Field, field_limits
+from shellcut.view import Look, legend_of, title_parts, tool_creases
+from shellcut.view.fields import Field
 
 from .tables import PackedTable, pack_ids, pack_numbers
 
+_LOOK = Look()
 Rows = list[Any]
 """One array for each frame."""
 
@@ -29,14 +30,8 @@ _IDS: dict[str, Callable[[Frame], Any]] = {
     "flanks": lambda frame: frame.crack_edges.reshape(-1, 4),
     "states": lambda frame: frame.cable_state[:, None],
 }
-_PARTS = {
-    "crack flank": "flanks",
-    "cable, straight": "straight",
-    "cable, bent around the edge": "jointed",
-    "cutting edge": "edges",
-    "tool": "tool",
-}
-"""Names of the legend, and of what they switch in ``scene.js``."""
+_CABLES = {"cable, straight": "straight", "cable, bent around the edge": "jointed"}
+"""What these entries of the legend switch in ``scene.js``; the others switch their part."""
 
 
 @dataclass(frozen=True)
@@ -55,24 +50,6 @@ class Taken:
     fields: list[Field]
     tool: dict[str, Any]
     legend: list[dict[str, Any]]
-
-    def some(self, chosen: Sequence[int]) -> Taken:
-        """Return the part of the chosen frames, places in ``numbers``."""
-
-        def of(rows: Any) -> Any:
-            return [rows[k] for k in chosen]
-
-        return Taken(
-            self.name,
-            of(self.numbers),
-            of(self.captions),
-            of(self.poses),
-            {name: of(rows) for name, rows in self.tables.items()},
-            {name: of(rows) for name, rows in self.values.items()},
-            self.fields,
-            self.tool,
-            self.legend,
-        )
 
 
 def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken:
@@ -93,8 +70,9 @@ def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken
         for field in fields:
             values[field.name].append(field.values(frame).astype(np.float32)[:, None])
         for shown in legend_of([frame]):
-            part = {"part": _PARTS[shown.name], "color": shown.color, "area": shown.is_area}
-            legend[shown.name] = {"name": shown.name} | part
+            switch = _CABLES.get(shown.name, shown.part)
+            part = {"part": shown.part, "switch": switch, "color": shown.color}
+            legend[shown.name] = {"name": shown.name, "area": shown.is_area} | part
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
     entries = list(legend.values())
@@ -108,7 +86,7 @@ def raw_bytes(frame: Frame, n_field: int) -> int:
     return 4 * (3 * len(frame.points) + frame.quads.size + n_field * len(frame.quads))
 
 
-def packed(taken: Taken) -> tuple[dict[str, Any], dict[str, str]]:
+def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the description of a page's content, ready for JSON, and the packed tables by name."""
     tables: dict[str, PackedTable] = {}
     for name, rows in taken.tables.items():
@@ -125,7 +103,9 @@ def packed(taken: Taken) -> tuple[dict[str, Any], dict[str, str]]:
                 "label": field.label,
                 "unit": field.unit,
                 "of": field.of,
-                "limits": field_limits([values[:, 0] for values in rows], field.sign),
+                "limits": (look if field.name == look.field else _LOOK).limits_for(
+                    [values[:, 0] for values in rows], field.sign
+                ),
             }
         )
     described = {
@@ -137,6 +117,13 @@ def packed(taken: Taken) -> tuple[dict[str, Any], dict[str, str]]:
             )
         ],
         "fields": fields,
+        "look": {
+            "colors": np.round(look.colors(64), 3).tolist(),
+            "field": look.field,
+            "smooth": not look.flat,
+            "hide": list(look.hide),
+            "camera": [look.elevation, look.azimuth, look.zoom],
+        },
         "tool": taken.tool,
         "legend": taken.legend,
         "tables": {name: table.described() for name, table in tables.items()},

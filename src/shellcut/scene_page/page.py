@@ -7,7 +7,6 @@ import importlib.metadata
 import importlib.resources
 import os
 import string
-from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -15,17 +14,18 @@ from pathlib import Path
 import numpy as np
 
 from shellcut.files.whole_file import write_text
-from shellcut.formats.errors import counted
 from shellcut.results.run_results import Results, read
-from shellcut.view.fields import chosen_fields
+from shellcut.view import Look
+from shellcut.view.fields import fields_of
 
 from .packed_run import Taken, as_json, packed, raw_bytes, take
 
 _SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
+_LOOK = Look()
 _MB = 1_000_000
 # Frames in memory may hold this many bytes for every byte of a page; packing saves less.
 _MOST_PACKED = 16
-_MARGIN = 20_000  # bytes of style and texts
+_LARGEST = 60_000_000  # bytes of a page
 
 
 @dataclass(frozen=True)
@@ -39,15 +39,11 @@ class ScenePage:
     """Numbers of the frames in it."""
     n_frame: int
     """Frames of the run."""
-    fields: list[str]
-    """Names of the fields in it."""
     dropped: str
     """Why there are fewer frames than asked for; "" if there are not."""
 
     def __str__(self) -> str:
-        n = len(self.fields)
-        said = f"{self.path} ({_size(self.n_byte)}), {len(self.frames)} of {self.n_frame} frames, "
-        said += counted(n, "field")
+        said = f"{self.path} ({_size(self.n_byte)}), {len(self.frames)} of {self.n_frame} frames"
         return f"{said}; {self.dropped}" if self.dropped else said
 
 
@@ -66,8 +62,7 @@ def view_html(
     path: str | os.PathLike[str],
     *,
     frames: int | None = None,
-    fields: Sequence[str] | None = None,
-    max_mb: float = 60.0,
+    look: Look = _LOOK,
 ) -> ScenePage:
     """Write one self-contained HTML page with a run in three dimensions.
 
@@ -82,14 +77,9 @@ def view_html(
         The page, replaced if it exists.
     frames : int, optional
         Most frames in the page, spread evenly over the run with its first and last; by default
-        all.
-    fields : sequence of str, optional
-        Names of the fields to choose from, the first one shown at the start: stresses as in
-        :data:`shellcut.view.STRESSES`, ``thickness``, ``displacement``, ``displacement z``,
-        ``speed``, history numbers of the material such as ``damage``. By default all.
-    max_mb : float
-        Largest size of the page [MB]. If all frames need more, fewer are taken, and
-        :attr:`ScenePage.dropped` says so.
+        all. A page larger than 60 MB gets fewer, and :attr:`ScenePage.dropped` says so.
+    look : shellcut.view.Look
+        Field, colours, camera and hidden parts at the start.
 
     Returns
     -------
@@ -101,7 +91,7 @@ def view_html(
     FileNotFoundError
         If there is no run in the folder.
     ValueError
-        If the run has no frame, a field is unknown, or two frames need more than ``max_mb``.
+        If the run has no frame, the field is unknown, or two frames need more than 60 MB.
     OSError
         If the page cannot be written.
 
@@ -110,17 +100,11 @@ def view_html(
     >>> import shellcut
     >>> page = shellcut.view_html("out", "cut.html", frames=50)  # doctest: +SKIP
     >>> print(page)  # doctest: +SKIP
-    cut.html (3.1 MB), 50 of 101 frames, 9 fields
+    cut.html (3.1 MB), 50 of 101 frames
     """
     results = run if isinstance(run, Results) else read(run)
     scripts = scene_scripts()
-    around = len(scripts) + _MARGIN
-    if not max_mb * _MB > around:
-        raise ValueError(
-            f"max_mb must be more than {around / _MB:.2f}, which a page takes without the run, "
-            f"got {max_mb}"
-        )
-    scene = packed_scene(results, frames, fields, round(max_mb * _MB) - around)
+    scene = packed_scene(results, frames, _LARGEST - len(scripts), look)
     html = string.Template(_part("page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
@@ -130,14 +114,11 @@ def view_html(
         footer=escape(_footer(scene, results)),
     )
     write_text(Path(path), html, errors="backslashreplace")
-    names = [field.name for field in scene.taken.fields]
     size = Path(path).stat().st_size
-    return ScenePage(Path(path), size, scene.taken.numbers, results.n_frame, names, scene.dropped)
+    return ScenePage(Path(path), size, scene.taken.numbers, results.n_frame, scene.dropped)
 
 
-def packed_scene(
-    results: Results, frames: int | None, fields: Sequence[str] | None, room: int
-) -> Scene:
+def packed_scene(results: Results, frames: int | None, room: int, look: Look = _LOOK) -> Scene:
     """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be.
 
     Raises
@@ -152,27 +133,25 @@ def packed_scene(
             f"a page needs at least one frame, the run in {results.folder} has written none"
         )
     last = results.frame(-1)
-    chosen = chosen_fields(last, fields)
+    look.field_of(last)  # raises if there is none
+    chosen = list(fields_of(last).values())
     wanted = spread(results.n_frame, results.n_frame if frames is None else frames)
     held = max(2, _MOST_PACKED * room // max(raw_bytes(last, len(chosen)), 1))
     taken = take(results, [wanted[k] for k in spread(len(wanted), held)], chosen)
-    html = _figure(taken)
+    html = _figure(taken, look)
     whole = len(html) * len(wanted) / len(taken.numbers)
     while len(html) > room and len(taken.numbers) > 2:
         n = len(taken.numbers)
-        taken = taken.some(spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html))))))
-        html = _figure(taken)
+        fewer = spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html)))))
+        taken = take(results, [taken.numbers[k] for k in fewer], chosen)
+        html = _figure(taken, look)
     n = len(taken.numbers)
     if len(html) > room:
-        raise ValueError(
-            f"{n} frames with {len(chosen)} fields must fit into {_size(room)}, they take "
-            f"{_size(len(html))}: allow a larger page, or choose fewer fields"
-        )
+        raise ValueError(f"{n} frames must fit into {_size(room)}, they take {_size(len(html))}")
     dropped = ""
     if n < len(wanted):
         dropped = (
-            f"all {len(wanted)} frames would take {_size(whole)}, there is room for "
-            f"{_size(room)}: allow a larger page, or choose fewer fields"
+            f"all {len(wanted)} frames would take {_size(whole)}, there is room for {_size(room)}"
         )
     return Scene(html, taken, dropped)
 
@@ -207,8 +186,8 @@ def spread(n: int, most: int) -> list[int]:
     return [int(k) for k in np.unique(wanted)]
 
 
-def _figure(taken: Taken) -> str:
-    described, data = packed(taken)
+def _figure(taken: Taken, look: Look) -> str:
+    described, data = packed(taken, look)
     tables = "\n".join(
         f'<script type="text/plain" data-table="{name}">{text}</script>'
         for name, text in data.items()

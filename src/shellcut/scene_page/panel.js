@@ -1,9 +1,5 @@
 // The controls around a scene: frame, field, colour scale, parts, and what is read at a place.
 const PER_SECOND = 12;
-// A scale from zero on is green, as in the pictures; one with numbers below zero has a pale zero,
-// and purple below (ColorBrewer's YlGn and PRGn).
-const ABOVE = ramp("ffffe5 f7fcb9 d9f0a3 addd8e 78c679 41ab5d 238443 006837");
-const AROUND = ramp("762a83 9970ab c2a5cf e7d4e8 f7f7f7 d9f0d3 a6dba0 5aae61 1b7837");
 const CLICK = 5; // pixels that a pointer may move and still pick
 
 class Panel {
@@ -47,7 +43,9 @@ class Panel {
     this.listen();
     this.view.resize();
     this.reset();
-    await this.chooseField(0);
+    const first = this.content.fields.findIndex(({ name }) => name === this.content.look.field);
+    this.part("field").value = first;
+    await this.chooseField(first);
     this.say("");
     new ResizeObserver(() => this.view.resize()).observe(this.part("canvas"));
   }
@@ -83,10 +81,11 @@ class Panel {
 
   showColors() {
     const [low, high] = ["low", "high"].map((name) => Number(this.part(name).value));
-    const colorOf = coloring(low, high);
-    this.view.film.color(this.values.numbers(this.frame), this.field.of, colorOf);
+    const { colors, smooth } = this.content.look;
+    const colorOf = (value) => between(colors, (value - low) / (high - low || 1));
+    this.view.film.color(this.values.numbers(this.frame), this.field.of, colorOf, smooth);
     const stops = Array.from({ length: 25 }, (_, k) => colorOf(low + (k / 24) * (high - low)));
-    const names = stops.map((color) => new THREE.Color(...color).getStyle());
+    const names = stops.map(style);
     this.part("ramp").style.background = `linear-gradient(to right, ${names.join(", ")})`;
     this.readPicked();
     this.view.draw();
@@ -95,7 +94,7 @@ class Panel {
   reset() {
     const last = this.content.frames.length - 1;
     const shown = [0, last >> 1, last].map((k) => this.of.points.numbers(k));
-    this.view.look(shown.flatMap((points) => Array.from(points)));
+    this.view.look(shown.flatMap((points) => Array.from(points)), ...this.content.look.camera);
   }
 
   // ---------------------------------------------------------------- controls
@@ -108,21 +107,29 @@ class Panel {
   }
 
   addLegend() {
+    const { colors, smooth, hide } = this.content.look;
+    const film = { name: "film", part: "film", color: colors[32], area: true };
     const mesh = { name: "mesh", part: "mesh", color: [0.6, 0.6, 0.65] };
-    for (const { name, part, color, area } of [...this.content.legend, mesh]) {
+    const even = { name: "smooth colours", part: "smooth", color: colors[48], area: true };
+    const hidden = smooth ? hide : [...hide, "smooth"];
+    for (const entry of [film, mesh, ...this.content.legend, even]) {
+      const { name, part, color, area } = entry;
       const button = document.createElement("button");
       const key = document.createElement("span");
       key.className = area ? "swatch area" : "swatch";
-      key.style.background = `rgb(${color.map((c) => Math.round(255 * c)).join(" ")})`;
+      key.style.background = style(color);
       button.type = "button";
       button.title = "show or hide";
-      button.setAttribute("aria-pressed", "true");
-      button.append(key, name);
-      button.addEventListener("click", () => {
-        const shown = button.getAttribute("aria-pressed") !== "true";
+      const turn = (shown) => {
         button.setAttribute("aria-pressed", String(shown));
-        this.view.switch(part, shown);
-      });
+        if (part === "smooth") {
+          this.content.look.smooth = shown;
+          if (this.values) this.showColors();
+        } else this.view.switch(entry.switch || part, shown);
+      };
+      button.append(key, name);
+      button.addEventListener("click", () => turn(button.getAttribute("aria-pressed") !== "true"));
+      turn(!hidden.includes(part));
       this.part("legend").append(button);
     }
   }
@@ -218,15 +225,9 @@ class Panel {
   }
 }
 
-// From a value to red, green and blue, between the ends of a scale.
-function coloring(low, high) {
-  if (low >= 0) return (value) => between(ABOVE, (value - low) / (high - low || 1));
-  const most = Math.max(-low, high);
-  return (value) => between(AROUND, 0.5 + (0.5 * Math.min(Math.max(value, low), high)) / most);
-}
-
-function ramp(colors) {
-  return colors.split(" ").map((hex) => new THREE.Color(`#${hex}`).toArray());
+// Red, green and blue of a screen in 0 to 1 as a style.
+function style(color) {
+  return `rgb(${color.map((c) => Math.round(255 * c)).join(" ")})`;
 }
 
 function between(colors, share) {

@@ -1,7 +1,7 @@
 // What is seen: film, crack flanks, cables, tool and its edges, a camera that a person turns.
 const STRAIGHT = 0;
 const LIGHT = Math.PI; // three.js divides by it what a matt surface scatters
-const SEEN = 0.85; // share of the picture that the film may fill: the tool stands out of it
+const SEEN = 0.8; // share of the picture that the film may fill: the tool stands out of it
 const LONG = 1.3; // heights of the window: a longer page scrolls until the scene is clicked
 
 class SceneView {
@@ -13,12 +13,15 @@ class SceneView {
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.1, 10);
     this.camera.up.set(0, 0, 1);
-    const lamp = new THREE.DirectionalLight(0xffffff, 0.5 * LIGHT);
-    this.camera.add(lamp);
-    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.55 * LIGHT));
+    this.renderer.shadowMap.enabled = true;
+    this.lamp = new THREE.DirectionalLight(0xffffff, 0.75 * LIGHT);
+    this.lamp.castShadow = true;
+    this.lamp.shadow.mapSize.set(2048, 2048);
+    this.camera.add(this.lamp, this.lamp.target);
+    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.5 * LIGHT));
     this.parts = {};
     this.addFilm();
-    const colors = Object.fromEntries(content.legend.map((entry) => [entry.part, entry.color]));
+    const colors = Object.fromEntries(content.legend.map((entry) => [entry.switch, entry.color]));
     for (const [name, width] of [["flanks", 2.6], ["straight", 2.2], ["jointed", 2.2]]) {
       this.parts[name] = this.thick(colors[name] || [0, 0, 0], width);
       this.scene.add(this.parts[name]);
@@ -27,7 +30,7 @@ class SceneView {
     this.addMark();
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
-    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("change", () => this.light());
     const long = document.documentElement.scrollHeight > LONG * window.innerHeight;
     this.controls.enableZoom = !long;
     canvas.addEventListener("pointerdown", () => canvas.focus());
@@ -42,6 +45,8 @@ class SceneView {
     const film = new THREE.MeshLambertMaterial({ vertexColors: true, side, ...behind });
     const lines = new THREE.LineBasicMaterial({ color: 0x1a1a26, transparent: true, opacity: 0.3 });
     this.film = new Film(film, lines);
+    this.film.mesh.castShadow = this.film.mesh.receiveShadow = true;
+    this.parts.film = this.film.mesh;
     this.parts.mesh = this.film.outlines;
     this.scene.add(this.film.mesh, this.film.outlines);
   }
@@ -64,7 +69,9 @@ class SceneView {
     creases.setIndex(tool.creases);
     const lines = new THREE.LineBasicMaterial({ color: 0x4d4d54, transparent: true, opacity: 0.7 });
     this.parts.tool = new THREE.Group();
-    this.parts.tool.add(new THREE.Mesh(flat, material), new THREE.LineSegments(creases, lines));
+    const faces = new THREE.Mesh(flat, material);
+    faces.castShadow = true;
+    this.parts.tool.add(faces, new THREE.LineSegments(creases, lines));
     this.parts.edges = this.thick(colors.edges || [0, 0, 0], 3);
     place(this.parts.edges, tool.edges);
     this.body.add(this.parts.tool, this.parts.edges);
@@ -72,12 +79,12 @@ class SceneView {
 
   // The outline of the picked quad, and its picked node.
   addMark() {
-    this.mark = this.thick([0.75, 0, 0.75], 3.5);
+    this.mark = this.thick([1, 0.3, 0.85], 3.5);
     this.mark.material.depthTest = false;
     this.mark.renderOrder = 3;
     const dot = new THREE.BufferGeometry();
     dot.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3), 3));
-    const look = { color: 0xbf00bf, size: 9, sizeAttenuation: false, depthTest: false };
+    const look = { color: 0xff4dd9, size: 9, sizeAttenuation: false, depthTest: false };
     this.dot = new THREE.Points(dot, new THREE.PointsMaterial(look));
     this.dot.renderOrder = 3;
     this.dot.frustumCulled = false;
@@ -121,7 +128,7 @@ class SceneView {
   // ---------------------------------------------------------------- the camera
 
   // The camera stands as near as it can see all places, three numbers each.
-  look(places, elevation = 42, azimuth = -60) {
+  look(places, elevation, azimuth, zoom) {
     const [up, round] = [elevation, azimuth].map((angle) => (angle * Math.PI) / 180);
     const toward = new THREE.Vector3(
       Math.cos(up) * Math.cos(round), Math.cos(up) * Math.sin(round), Math.sin(up),
@@ -139,9 +146,24 @@ class SceneView {
     this.camera.near = 0.002 * away;
     this.camera.far = 30 * away;
     this.camera.updateProjectionMatrix();
-    this.camera.position.copy(centre).addScaledVector(toward, away);
+    this.camera.position.copy(centre).addScaledVector(toward, away / zoom);
+    this.reach = Math.hypot(wide, high, deep);
+    const { shadow } = this.lamp;
+    const [least, most] = [-this.reach, this.reach];
+    const ends = { left: least, right: most, bottom: least, top: most, near: 0, far: 4 * most };
+    Object.assign(shadow.camera, ends).updateProjectionMatrix();
+    shadow.bias = -0.004;
     this.controls.target.copy(centre);
     this.controls.update();
+    this.light();
+  }
+
+  // The lamp stands above the viewer's left shoulder and shines on what the camera turns around.
+  light() {
+    const away = this.camera.position.distanceTo(this.controls.target);
+    this.lamp.target.position.set(0, 0, -away);
+    this.lamp.position.set(-0.45, 0.6, 0.66).multiplyScalar(2 * this.reach);
+    this.lamp.position.z -= away;
     this.draw();
   }
 

@@ -37,7 +37,7 @@ class ForceTerms:
     """
 
     def __init__(self, terms: Sequence[ForceTerm], motion: Motion | None) -> None:
-        self._terms, self._motion = tuple(terms), motion
+        self._terms, self._motion, self._twist = tuple(terms), motion, np.zeros((2, 3))
         names = [term.name for term in self._terms]
         if len(set(names)) < len(names):
             raise ValueError(f"force terms must have names of their own, got {', '.join(names)}")
@@ -96,11 +96,10 @@ class ForceTerms:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
         for term in self._terms:
             term.add_forces(state, pose)
-        twist = _STILL
         if self._motion is not None:  # it may give views of any kind; kernels take rows
-            twist = np.array(self._motion.twist(state.time - 0.5 * state.tick), float)
-        way = twist, pose.translation, state.tick
-        ledger.tool_work -= self._work_on_tool.code(*way, self._book)
+            self._twist[0], self._twist[1] = self._motion.twist(state.time - 0.5 * state.tick)
+        at, tick = pose.translation, state.tick
+        ledger.tool_work -= self._work_on_tool.code(self._twist, at, tick, self._book)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
@@ -114,9 +113,6 @@ class ForceTerms:
         self._last[:] = saved["last"]
         for term in self._terms:
             term.restore(state, pose, saved[term.name])
-
-
-_STILL = np.zeros((2, 3))
 
 
 class WorkBook(NamedTuple):

@@ -83,7 +83,7 @@ class BalanceGuard:
 
     def lost(self, book: Ledger) -> bool:
         """Whether what the ledger misses exceeds its share of the largest energy so far."""
-        self.largest = max(self.largest, *(abs(energy) for energy in book.entries().values()))
+        self.largest = max(self.largest, *map(abs, book.entries().values()))
         return not abs(self.missing(book)) < LOST_SHARE * max(self.largest, self._least)
 
     def missing(self, book: Ledger) -> float:

@@ -13,6 +13,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
+from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import PointContact, SelfContact
@@ -28,6 +29,7 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.threads import Threads, Workers
+from shellcut.results.verdict import verdict
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
@@ -207,6 +209,24 @@ class Simulation:
         if velocity is not None:
             state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
         return state
+
+    def _repr_html_(self) -> str:
+        s, ledger, tool = self.state, self.ledger, self.tool
+        figures: Figures = [
+            ("time", 1e3 * s.time, "ms"),
+            ("steps", s.step, ""),
+            ("quads", len(s.quad.nodes), ""),
+            ("crack", s.crack_length, "mm"),
+            ("work of the tool", ledger.tool_work, "N*mm"),
+        ]
+        share = {"imbalance_rel": ledger.relative(ledger.imbalance)} if s.step else {}
+        said = [(line.kind, str(line)) for line in verdict(share)[:1]]
+        film = (s.node.x, s.quad.nodes, FILM)
+        if tool is None:
+            return card("Simulation", figures, said, drawing([film]))
+        places = self.pose.to_space(tool.vertices)
+        picture = drawing([film, (places, tool.triangles, TOOL)], places[tool.edges])
+        return card("Simulation", figures, said, picture)
 
     @property
     def dt(self) -> float:

@@ -222,10 +222,8 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
     cell_start, cell_triangles, cell_distance = grid.lists
     surface, flank = grid.surface, grid.surface.flank
     nearest = p
-    triangle = 0
-    feature = 0
-    best = np.inf
-    second = np.inf
+    triangle = feature = 0
+    best = second = np.inf
     in_grid, cell = cell_of(p, grid.cells)
     if not in_grid:
         return False, triangle, feature, nearest, 0.0

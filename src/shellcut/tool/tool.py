@@ -28,6 +28,7 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, SmallInts, angles, product
+from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
@@ -139,6 +140,19 @@ class Tool:
             f"Tool({self.name!r}, {self.n_body} bodies, {self.n_triangle} triangles, "
             f"{self.n_edge} cutting segments in {self.n_chain} chains)"
         )
+
+    def _repr_html_(self) -> str:
+        figures: Figures = [
+            ("bodies", self.n_body, ""),
+            ("triangles", self.n_triangle, ""),
+            ("cutting edges", self.n_chain, ""),
+            ("their length", sum(chain.length for chain in self.chains()), "mm"),
+            ("their radius", self.edge_radius, "mm"),
+            extent(self.vertices),
+        ]
+        blunt = [("note", "No cutting edge: it pushes and cuts nothing.")] * (not self.n_edge)
+        picture = drawing([(self.vertices, self.triangles, TOOL)], self.vertices[self.edges])
+        return card(f"Tool {self.name}", figures, blunt, picture)
 
     @property
     def n_vertex(self) -> int:

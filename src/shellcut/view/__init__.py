@@ -4,38 +4,29 @@ May import ``frame``, ``formats`` and rows below.
 """
 
 from ._figure import with_unit as number_with_unit
-from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool_creases
+from ._panel import edge_length, legend_of, title_parts, tool_creases
 from .crack_map import draw_crack_map
 from .curves import Curve, Diagram, draw_curves
-from .fields import STRESSES, limits_for
-from .film_strip import draw_film_strip
+from .look import Look
 from .model_picture import ModelView, draw_model
-from .movie import draw_movie
-from .panels import Panel, Panels, height_over_width
-from .snapshot import draw_scene, draw_snapshot, snapshot_limits
+from .movie import MOVIES, draw_movie
+from .snapshot import draw_scene, png_of
 
 __all__ = [
-    "STRESSES",
+    "MOVIES",
     "Curve",
     "Diagram",
+    "Look",
     "ModelView",
-    "Panel",
-    "Panels",
-    "Shown",
-    "caption_of",
     "draw_crack_map",
     "draw_curves",
-    "draw_film_strip",
     "draw_model",
     "draw_movie",
     "draw_scene",
-    "draw_snapshot",
     "edge_length",
-    "height_over_width",
     "legend_of",
-    "limits_for",
     "number_with_unit",
-    "snapshot_limits",
+    "png_of",
     "title_parts",
     "tool_creases",
 ]

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from shellcut.files.whole_file import atomic_write
 from shellcut.unit import after
-
-_INCHES = 13.0
 
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
@@ -33,32 +30,13 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
     return figure
 
 
-def inches_of(size: tuple[int, int]) -> tuple[tuple[float, float], float]:
-    """Return size [inch] and dots per inch of a figure with this width and height [pixel].
-
-    Text keeps its size in inches: a width of 13 inches has room for the text of a snapshot.
-    """
-    dpi = size[0] / _INCHES
-    # Half a pixel more, because the canvas rounds down and round-off could lose a whole pixel.
-    return ((size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi), dpi
-
-
-def save(
-    figure: Any,
-    path: str | os.PathLike[str] | IO[bytes],
-    said: Mapping[str, str] | None = None,
-) -> None:
+def save(figure: Any, path: str | os.PathLike[str]) -> None:
     """Write the figure to ``path``; the suffix sets the format. An existing file is replaced.
 
     The file appears only when it is complete.
-
-    said : metadata of a PNG, by keyword; ignored for other formats.
     """
-    if not isinstance(path, str | os.PathLike):
-        figure.savefig(path, metadata=said)
-        return
     with atomic_write(Path(path)) as temporary:
-        figure.savefig(temporary, metadata=said if temporary.suffix.lower() == ".png" else None)
+        figure.savefig(temporary)
 
 
 def with_unit(value: float, unit: str) -> str:

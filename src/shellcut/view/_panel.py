@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,9 @@ from shellcut.arrays import Floats, Ints
 from shellcut.frame import JOINTED, STRAIGHT, Frame, is_corner, sides_of
 
 from ._figure import with_unit
-from ._raster import Camera, Canvas, shade, view_axes
+from ._raster import LAMP, Camera, Canvas, view_axes
+from .fields import at_corners
+from .look import Look
 
 OVERSAMPLING = 2  # pixels per side averaged into one, for smooth outlines
 
@@ -21,68 +23,110 @@ MESH_COLOR = (0.1, 0.1, 0.15)
 FLANK_COLOR = (0.05, 0.05, 0.05)
 CABLE_COLORS = {STRAIGHT: (0.0, 0.75, 1.0), JOINTED: (1.0, 0.55, 0.0)}
 _HALO_COLOR = (0.05, 0.05, 0.05)
+_RIM_COLOR = (1.0, 1.0, 1.0)  # beside the flanks, which stand out on dark film too
 EDGE_COLOR = (0.9, 0.0, 0.1)
 TOOL_COLOR = (0.62, 0.64, 0.68)
 TOOL_OPACITY = 0.55
+PAPER = {"facecolor": "white", "alpha": 0.7, "lw": 0.0, "pad": 1.5}
+"""Behind words on a picture."""
 _HIDDEN_OPACITY = 0.3  # of edges and cables behind the film
-_VIEW = (48.0, -60.0)
-"""Elevation above the x-y plane and azimuth from the x axis, camera of the whole film [deg]."""
-_ROOM_FOR_TOOL = 0.05  # margin around film and edges, relative to their extent
+_ROOM_FOR_TOOL = 0.6  # around film and edges, relative to their extent; a longer shaft leaves it
 
 
-def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
-    """Return one frame as an image, shape (height, width, 3), without axes and text."""
-    axes = camera.axes
+def picture(frame: Frame, camera: Camera, look: Look, limits: tuple[float, float]) -> Floats:
+    """Return one frame as an image, shape (height, width, 3), without axes and text.
+
+    limits : ends of the colour scale.
+    """
     line = camera.shape[0] / 640.0  # line width grows with the picture
-    canvas = Canvas(camera.shape)
-    quads = frame.points[frame.quads]
-    corners = camera.project(quads)
-    color = shade(quads, axes, quad_colors)
-    own = is_corner(frame.quads)
-    for k in range(2, corners.shape[1]):
-        canvas.draw(corners[own[:, k]][:, [0, k - 1, k]], color[own[:, k]])
-
-    mesh = Canvas(camera.shape)
-    mesh.draw_lines(camera.project(frame.points[mesh_edges(frame.quads)]), MESH_COLOR, 0.6 * line)
-    canvas.blend(mesh, 0.35)
-    flanks = camera.project(frame.points[frame.crack_edges.reshape(-1, 2)])
-    canvas.draw_lines(flanks, FLANK_COLOR, 2.2 * line)
-
+    film, tool = _lit_surfaces(frame, camera, look, limits)
+    if look.shows("mesh"):
+        mesh = Canvas(camera.shape)
+        ends = camera.project(frame.points[mesh_edges(frame.quads)])
+        mesh.draw_lines(ends, MESH_COLOR, 0.6 * line)
+        film.blend(mesh, 0.35)
+    if look.shows("flanks"):
+        flanks = camera.project(frame.points[frame.crack_edges.reshape(-1, 2)])
+        film.draw_lines(flanks, _RIM_COLOR, 4.2 * line)
+        film.draw_lines(flanks + np.array([0.0, 0.0, 8.0 * line]), FLANK_COLOR, 2.2 * line)
     thin = Canvas(camera.shape)
-    ends = camera.project(frame.cable_segments)
     close = camera.scale * edge_length(frame) > 20.0  # room for a halo around each cable
-    cable_width = 2.8 * line if close else 1.6 * line
+    if look.shows("cables"):
+        _draw_cables(thin, frame, camera, line, close)
+    if look.shows("edges"):
+        edges = camera.project(frame.edge_points)
+        edges[..., 2] += 2.0 * line
+        thin.draw_lines(edges, EDGE_COLOR, 3.2 * line if close else 2.4 * line)
+    if look.shows("tool"):
+        creases = frame.tool_points[tool_creases(frame)]
+        tool.draw_lines(camera.project(creases), (0.3, 0.3, 0.33), 1.0 * line)
+    # Hidden lines first, so that everything in front of the film covers them.
+    film.blend(thin, _HIDDEN_OPACITY, through=True)
+    film.blend(tool, TOOL_OPACITY)
+    film.blend(thin, 0.9)
+    return film.image(OVERSAMPLING)
+
+
+def _lit_surfaces(
+    frame: Frame, camera: Camera, look: Look, limits: tuple[float, float]
+) -> tuple[Canvas, Canvas]:
+    """Return film and tool, each on a canvas of its own, in the light and shade of one lamp."""
+    film, tool = Canvas(camera.shape), Canvas(camera.shape)
+    lamp = replace(camera, axes=view_axes(LAMP @ camera.axes, camera.axes[1]))
+    seen = Canvas(camera.shape)
+    if look.shows("film"):
+        rows, columns = _triangles(frame.quads)
+        nodes = frame.quads[rows, columns]
+        corners = frame.points[nodes]
+        values = at_corners(look.field_of(frame), frame, not look.flat)[rows, columns]
+        values = (values - limits[0]) / (limits[1] - limits[0])
+        normals = _normals(corners, nodes, len(frame.points)) @ camera.axes.T
+        film.draw(camera.project(corners), look.colors(), values, normals[nodes])
+        seen.draw(lamp.project(corners), np.zeros(3))
+    if look.shows("tool"):
+        triangles = frame.tool_triangles
+        corners = frame.tool_points[triangles]
+        flat = np.arange(triangles.size).reshape(-1, 3)  # every face with a normal of its own
+        normals = _normals(corners, flat, triangles.size) @ camera.axes.T
+        tool.draw(camera.project(corners), np.array(TOOL_COLOR), normals=normals[flat])
+        seen.draw(lamp.project(corners), np.zeros(3))
+    for canvas in (film, tool):
+        canvas.darken(camera, lamp, seen)
+    return film, tool
+
+
+def _draw_cables(canvas: Canvas, frame: Frame, camera: Camera, line: float, close: bool) -> None:
+    ends = camera.project(frame.cable_segments)
+    width = 2.8 * line if close else 1.6 * line
     if close:
         halo = ends.copy()
         halo[..., 2] -= 6.0 * line  # behind all cables, not only its own
-        thin.draw_lines(halo, _HALO_COLOR, cable_width + 1.8 * line)
-    for state, cable_color in CABLE_COLORS.items():
+        canvas.draw_lines(halo, _HALO_COLOR, width + 1.8 * line)
+    for state, color in CABLE_COLORS.items():
         chosen = ends[frame.cable_state == state]
         chosen[..., 2] += 2.0 * line
-        thin.draw_lines(chosen, cable_color, cable_width)
-    edges = camera.project(frame.edge_points)
-    edges[..., 2] += 2.0 * line
-    thin.draw_lines(edges, EDGE_COLOR, 3.2 * line if close else 2.4 * line)
-
-    tool = Canvas(camera.shape)
-    triangles = frame.tool_points[frame.tool_triangles]
-    tool.draw(camera.project(triangles), shade(triangles, axes, np.array(TOOL_COLOR)))
-    creases = frame.tool_points[tool_creases(frame)]
-    tool.draw_lines(camera.project(creases), (0.3, 0.3, 0.33), 1.0 * line)
-
-    # Hidden lines first, so that everything in front of the film covers them.
-    canvas.blend(thin, _HIDDEN_OPACITY, through=True)
-    canvas.blend(tool, TOOL_OPACITY)
-    canvas.blend(thin, 0.9)
-    return canvas.image(OVERSAMPLING)
+        canvas.draw_lines(chosen, color, width)
 
 
-def whole_camera(frames: Sequence[Frame], shape: tuple[int, int]) -> Camera:
+def _triangles(quads: Ints) -> tuple[Ints, Ints]:
+    """Return row and columns of the triangles of all quads, shape (n, 1) and (n, 3)."""
+    rows, last = np.nonzero(is_corner(quads)[:, 2:])
+    return rows[:, None], np.stack((0 * last, last + 1, last + 2), axis=1)
+
+
+def _normals(corners: Floats, nodes: Ints, n: int) -> Floats:
+    """Return normals of the nodes, of any length, shape (n, 3): sums over their triangles."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    each = np.repeat(normal, 3, axis=0)
+    return np.stack([np.bincount(nodes.ravel(), axis, n) for axis in each.T], axis=1)
+
+
+def whole_camera(frames: Sequence[Frame], shape: tuple[int, int], look: Look) -> Camera:
     """Return a camera that shows film and edges of all frames, and the tool near them.
 
     shape : height and width of the picture [pixel].
     """
-    elevation, azimuth = np.radians(_VIEW)
+    elevation, azimuth = np.radians((look.elevation, look.azimuth))
     level = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     up = np.array([0.0, 0.0, 1.0])
     axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * up, up)
@@ -96,7 +140,7 @@ def whole_camera(frames: Sequence[Frame], shape: tuple[int, int]) -> Camera:
     low, high = across.min(axis=0), across.max(axis=0)
     height, width = (OVERSAMPLING * n for n in shape)
     room = 0.94 * np.array([width, height]) / (high - low)[:2].clip(1e-12)
-    return Camera(axes, 0.5 * (low + high) @ axes, float(room.min()), (height, width))
+    return Camera(axes, 0.5 * (low + high) @ axes, look.zoom * float(room.min()), (height, width))
 
 
 def pixels_of(
@@ -132,15 +176,12 @@ def edge_length(frame: Frame) -> float:
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
-def stress_scale(limits: tuple[float, float]) -> Any:
-    """Return Matplotlib's map from stress [MPa] to colour."""
-    from matplotlib import colormaps
+def color_scale(look: Look, limits: tuple[float, float]) -> Any:
+    """Return Matplotlib's map from the numbers of a field to colour."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, Normalize
 
-    # Light enough at both ends for black, blue, orange and red lines to stand out.
-    colormap = ListedColormap(colormaps["YlGn"](np.linspace(0.02, 0.85, 256)))
-    return ScalarMappable(Normalize(*limits), colormap)
+    return ScalarMappable(Normalize(*limits), ListedColormap(look.colors()))
 
 
 def caption_of(frame: Frame) -> list[str]:
@@ -167,21 +208,22 @@ def eight_bit(image: Floats) -> npt.NDArray[np.uint8]:
     return np.rint(255.0 * image.clip(0.0, 1.0)).astype(np.uint8)
 
 
-def show(axes: Any, image: Floats, bar: tuple[float, float] | None) -> None:
-    """Show an image in axes of its size; ``bar``: length [mm] and share of the width, or None."""
+def show(axes: Any, image: Floats, across: float) -> None:
+    """Show an image in axes of its size, with a bar of a round length; ``across``: width [mm]."""
     axes.imshow(eight_bit(image), interpolation="none", aspect="equal")
     axes.set_autoscale_on(False)
     axes.set_xticks([])
     axes.set_yticks([])
     for spine in axes.spines.values():
         spine.set_color("0.75")
-    if bar is None:
-        return
     height, width = image.shape[:2]
+    length = round_length(across / 6.0)
     x, y = 0.04 * width, 0.955 * height
-    to = x + bar[1] * width
+    to = x + length / across * width
+    axes.plot([x, to], [y, y], color="white", lw=4.5)
     axes.plot([x, to], [y, y], color="black", lw=2.5, solid_capstyle="butt")
-    axes.text(0.5 * (x + to), y - 0.012 * height, f"{bar[0]:g} mm", ha="center")
+    text = {"ha": "center", "va": "bottom", "bbox": PAPER}
+    axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} mm", **text)
 
 
 def add_color_bar(
@@ -189,13 +231,12 @@ def add_color_bar(
     scale: Any,
     shown: Sequence[Floats],
     box: tuple[float, float, float, float],
-    *,
-    label: str = "largest principal stress [MPa]",
+    label: str,
 ) -> None:
-    """Add the stress scale, with pointed ends where quads shown lie beyond it."""
+    """Add the colour scale, with pointed ends where numbers shown lie beyond it."""
     low, high = scale.get_clim()
-    below = any((stress < low).any() for stress in shown)
-    above = any((stress > high).any() for stress in shown)
+    below = any((values < low).any() for values in shown)
+    above = any((values > high).any() for values in shown)
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}
     bar = figure.colorbar(
         scale,
@@ -211,27 +252,32 @@ class Shown:
     """An entry of the legend."""
 
     name: str
+    part: str
+    """One of :data:`PARTS`."""
     color: tuple[float, float, float]
     is_area: bool = False
 
 
 def legend_of(frames: Sequence[Frame]) -> list[Shown]:
     """Return the legend entries for the frames."""
-    found = []
+    found: list[Shown] = []
     if any(len(f.crack_edges) for f in frames):
-        found.append(Shown("crack flank", FLANK_COLOR))
-    if any(len(f.cable_segments) for f in frames):
-        names = {STRAIGHT: "cable, straight", JOINTED: "cable, bent around the edge"}
-        found += [Shown(name, CABLE_COLORS[state]) for state, name in names.items()]
+        found.append(Shown("crack flank", "flanks", FLANK_COLOR))
+    for state, name in {
+        STRAIGHT: "cable, straight",
+        JOINTED: "cable, bent around the edge",
+    }.items():
+        if any((f.cable_state == state).any() for f in frames):
+            found.append(Shown(name, "cables", CABLE_COLORS[state]))
     if any(len(f.edge_points) for f in frames):
-        found.append(Shown("cutting edge", EDGE_COLOR))
+        found.append(Shown("cutting edge", "edges", EDGE_COLOR))
     if any(len(f.tool_triangles) for f in frames):
-        found.append(Shown("tool", TOOL_COLOR, is_area=True))
+        found.append(Shown("tool", "tool", TOOL_COLOR, is_area=True))
     return found
 
 
-def add_legend(figure: Any, frames: Sequence[Frame], **where: Any) -> None:
-    """Add a legend for the frames; ``where`` goes to Matplotlib's ``legend``."""
+def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -> None:
+    """Add a legend of what is shown of the frames; ``where`` goes to Matplotlib's ``legend``."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -240,6 +286,7 @@ def add_legend(figure: Any, frames: Sequence[Frame], **where: Any) -> None:
         if shown.is_area
         else Line2D([], [], color=shown.color, lw=3, label=shown.name)
         for shown in legend_of(frames)
+        if look.shows(shown.part)
     ]
     if handles:
         where = {"loc": "lower right", "ncol": len(handles), "frameon": False} | where

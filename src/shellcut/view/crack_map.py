@@ -34,7 +34,6 @@ def draw_crack_map(
     frames: Sequence[Frame],
     *,
     splits: Mapping[str, npt.ArrayLike] | None = None,
-    title: str | None = None,
     width: float = 9.0,
     dpi: float = 110.0,
 ) -> None:
@@ -51,8 +50,6 @@ def draw_crack_map(
         Frames of one run, in order of time.
     splits : mapping of str to array_like, shape (n, 3), optional
         Reference positions of split nodes by cause, e.g. ``{"blade": ...}`` [mm].
-    title : str, optional
-        By default the length of the crack.
     width : float
         Width of the picture [inch]; the height follows from the film.
     dpi : float
@@ -92,7 +89,7 @@ def draw_crack_map(
     axes.set_xlabel(f"{'xyz'[i]} [mm]")
     axes.set_ylabel(f"{'xyz'[j]} [mm]")
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
-    axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges" if title is None else title)
+    axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges")
     if scale is not None:
         bar = figure.colorbar(scale, cax=figure.add_axes(beside))
         bar.set_label(in_unit(f"opened at {last.coordinate_name}", last.coordinate_unit))

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Floats, norm
-from shellcut.frame import Frame
+from shellcut.frame import Frame, is_corner
 
-STRESSES: dict[str, Callable[[Frame], Floats]] = {
+_STRESSES: dict[str, Callable[[Frame], Floats]] = {
     "largest principal": lambda frame: frame.quad_principal[:, 0],
     "smallest principal": lambda frame: frame.quad_principal[:, 1],
     "von Mises": lambda frame: _von_mises(frame.quad_principal),
@@ -20,7 +20,7 @@ STRESSES: dict[str, Callable[[Frame], Floats]] = {
 """Stresses that can colour the film: name -> values of the quads [MPa], the mean over the thickness
 unless a face is named."""
 
-_SHARE = 0.998  # of the quads or nodes that a colour scale encloses
+_SHARE = 0.98  # of the quads or nodes that a colour scale encloses: tips have a stress of their own
 
 
 @dataclass(frozen=True)
@@ -44,16 +44,19 @@ def _stress(name: str) -> Field:
     which, _, face = name.partition(", ")
     label = f"{which} stress" + (f", {face}" if face else "")
     sign = -1 if which == "smallest principal" else 1
-    return Field(name, label, "MPa", "quad", STRESSES[name], sign)
+    return Field(name, label, "MPa", "quad", _STRESSES[name], sign)
 
 
 _OF_ALL = (
-    *map(_stress, STRESSES),
+    *map(_stress, _STRESSES),
     Field("thickness", "thickness", "mm", "quad", lambda frame: frame.quad_thickness),
     Field("displacement", "displacement", "mm", "node", lambda f: norm(f.displacement), 1),
     Field("displacement z", "displacement in z", "mm", "node", lambda f: f.displacement[:, 2]),
     Field("speed", "speed", "mm/s", "node", lambda frame: norm(frame.velocity), 1),
 )
+
+FIELDS = tuple(field.name for field in _OF_ALL)
+"""Names of the fields of every film."""
 
 
 def fields_of(frame: Frame) -> dict[str, Field]:
@@ -72,31 +75,25 @@ def fields_of(frame: Frame) -> dict[str, Field]:
     return found
 
 
-def chosen_fields(frame: Frame, names: Sequence[str] | None) -> list[Field]:
-    """Return the named fields of a frame in this order; all if ``names`` is None.
+def at_corners(field: Field, frame: Frame, smooth: bool) -> Floats:
+    """Return a field's numbers at the corners of the quads, of the shape of ``frame.quads``.
 
-    Raises
-    ------
-    ValueError
-        If a name is none of the frame's fields, or there is no name.
+    smooth : let a node have one number, the mean of its quads; otherwise each quad has one. The
+    two flanks of a crack have nodes of their own, so nothing is averaged across it.
     """
-    known = fields_of(frame)
-    if names is None:
-        return list(known.values())
-    unknown = [name for name in names if name not in known]
-    if unknown or not names:
-        got = ", ".join(map(repr, unknown)) or "none"
-        raise ValueError(f"a field must be one of {'; '.join(known)}; got {got}")
-    return [known[name] for name in dict.fromkeys(names)]
-
-
-def limits_for(frames: Sequence[Frame], stress: str) -> tuple[float, float]:
-    """Return round limits of the colour scale that enclose nearly all quads of the frames [MPa].
-
-    stress : one of :data:`STRESSES`.
-    """
-    field = _stress(stress)
-    return field_limits([field.values(frame) for frame in frames], field.sign)
+    values, own = field.values(frame), is_corner(frame.quads)
+    if field.of == "quad":
+        values = np.repeat(values[:, None], frame.quads.shape[1], axis=1)
+        if not smooth:
+            return values
+        nodes, n = frame.quads[own], len(frame.points)
+        share = np.bincount(nodes, minlength=n).clip(1)
+        values = np.bincount(nodes, weights=values[own], minlength=n) / share
+    values = values[frame.quads]
+    if smooth:
+        return values
+    mean = (values * own).sum(axis=1) / own.sum(axis=1)
+    return np.repeat(mean[:, None], values.shape[1], axis=1)
 
 
 def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]:

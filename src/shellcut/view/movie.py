@@ -1,4 +1,4 @@
-"""Movie of the cut: MP4 by ffmpeg, GIF by Pillow."""
+"""Movie of the cut: MP4 by ffmpeg, WebP and GIF by Pillow."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ import numpy.typing as npt
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
-from .fields import STRESSES
+from .look import Look
 from .progress import Progress
-from .snapshot import scene_series
+from .snapshot import SnapshotSeries
 
 Image = npt.NDArray[np.uint8]
+_LOOK = Look()
 
 
 def draw_movie(
@@ -28,56 +29,54 @@ def draw_movie(
     frames: Sequence[Frame],
     *,
     fps: float = 12.0,
-    stress: str = "largest principal",
-    stress_limits: tuple[float, float] | None = None,
-    size: tuple[int, int] = (960, 640),
-    progress: bool = True,
+    look: Look = _LOOK,
+    size: tuple[int, int] | None = None,
 ) -> None:
-    """Draw the frames one after the other, with one camera and one stress scale.
+    """Draw the frames one after the other, with one camera and one scale; say how far it is.
 
     Parameters
     ----------
     path : str or Path
-        ``.mp4`` (H.264; needs ffmpeg) or ``.gif``; the finished file replaces an old one.
+        ``.mp4`` (H.264; needs ffmpeg), ``.webp`` or ``.gif``, which has 256 colours; the finished
+        file replaces an old one.
     frames : sequence of Frame
         Frames of one run, in order of time.
     fps : float
         Frames per second.
-    stress, stress_limits
+    look : Look
         As in :func:`draw_scene`; default limits are computed from all frames.
-    size : (int, int)
-        Width and height, even numbers [pixel].
-    progress : bool
-        Whether to show progress on standard error.
+    size : (int, int), optional
+        Width and height, even numbers [pixel]; by default 1920 x 1080 of an MP4, 960 x 540 of
+        others.
 
     Raises
     ------
     ImportError
         If a package to draw or write is not installed, with the command to install it.
     ValueError
-        If there is no frame, or suffix, stress or size is invalid.
+        If there is no frame, or suffix, field or size is invalid.
     OSError
         If ffmpeg fails.
     """
     path = Path(path)
     problems = []
-    if path.suffix.lower() not in _WRITERS:
-        problems.append(f"a movie's file ends with .mp4 or .gif, got {path.name!r}")
+    kind = path.suffix.lower()
+    size = size or ((1920, 1080) if kind == ".mp4" else (960, 540))
+    if kind not in MOVIES:
+        problems.append(f"a movie's file ends with {' or '.join(MOVIES)}, got {path.name!r}")
     if not len(frames):
         problems.append("a movie needs at least one frame, got none")
-    if stress not in STRESSES:
-        problems.append(f"stress must be one of {', '.join(STRESSES)}, got {stress!r}")
     if size[0] % 2 or size[1] % 2 or min(size) < 2:
         problems.append(f"width and height must be even numbers of pixels, got {size}")
     if not fps > 0.0:
         problems.append(f"fps must be positive, got {fps}")
     if problems:
         raise ValueError("; ".join(problems))
-    series = scene_series(frames, stress, stress_limits, size)
+    series = SnapshotSeries(frames, look=look, size=size)
     images = (series.image(frame) for frame in frames)
-    shown = _followed(images, len(frames), path.name) if progress else images
+    shown = _followed(images, len(frames), path.name)
     with atomic_write(path) as temporary:
-        _WRITERS[path.suffix.lower()](temporary, shown, fps, size)
+        MOVIES[kind](temporary, shown, fps, size)
 
 
 def _followed(images: Iterator[Image], n: int, name: str) -> Iterator[Image]:
@@ -119,37 +118,19 @@ def _ffmpeg() -> str:
         if found is None:
             raise ImportError(
                 "an MP4 needs ffmpeg, which is not installed: pip install shellcut[movie]; "
-                "a .gif needs nothing more"
+                "a .webp or .gif needs nothing more"
             ) from error
         return found
     return str(imageio_ffmpeg.get_ffmpeg_exe())
 
 
-def _write_gif(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:
-    # Frames in full colour would fill the memory.
-    pictures = [_of_256_colours(image) for image in images]
-    pictures[0].save(
-        path, save_all=True, append_images=pictures[1:], duration=round(1000.0 / fps), loop=0
-    )
-
-
-def _of_256_colours(image: Image) -> Any:
-    """Return a Pillow picture with its own palette and no dithering.
-
-    Pillow's palettes either weigh areas and lose the few pixels of a cable, or weigh the spread of
-    colours and make a smooth film blotchy. So the palette is the median cut of colours weighted by
-    the square root of their number of pixels.
-    """
+def _write_by_pillow(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:
     from PIL import Image as Pillow
 
-    colours = image.reshape(-1, 3)
-    coarse = (colours >> 3).astype(np.int64) @ [1 << 10, 1 << 5, 1]
-    _, which, n_pixel = np.unique(coarse, return_inverse=True, return_counts=True)
-    sums = [np.bincount(which, weights=colours[:, k]) for k in range(3)]
-    means = np.rint(np.stack(sums, axis=1) / n_pixel[:, None]).astype(np.uint8)
-    counted = np.repeat(means, np.ceil(np.sqrt(n_pixel)).astype(np.int64), axis=0)
-    palette = Pillow.fromarray(counted[None]).quantize(method=Pillow.Quantize.MEDIANCUT, kmeans=1)
-    return Pillow.fromarray(image).quantize(palette=palette, dither=Pillow.Dither.NONE)
+    first, *others = map(Pillow.fromarray, images)
+    how: dict[str, Any] = {"duration": round(1000.0 / fps), "loop": 0, "quality": 70, "method": 4}
+    first.save(path, save_all=True, append_images=others, **how)
 
 
-_WRITERS: dict[str, Any] = {".mp4": _write_mp4, ".gif": _write_gif}
+MOVIES: dict[str, Any] = {".mp4": _write_mp4, ".webp": _write_by_pillow, ".gif": _write_by_pillow}
+"""Writers of movies by suffix."""

@@ -2,78 +2,61 @@
 
 from __future__ import annotations
 
+import io
 import os
-import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arrays import Floats
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
+from shellcut.unit import in_unit
 
-from ._figure import inches_of, new_figure, save
-from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_parts
-from .fields import STRESSES
-from .panels import Panel, Panels
+from ._figure import new_figure
+from ._panel import (
+    OVERSAMPLING,
+    PAPER,
+    add_color_bar,
+    add_legend,
+    color_scale,
+    edge_length,
+    eight_bit,
+    picture,
+    pixels_of,
+    show,
+    title_parts,
+    whole_camera,
+)
+from ._raster import Camera
+from ._teeth import teeth_of
+from .look import Look
 
 # Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
 _ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
-_SCALE = "stress scale"  # keyword of a PNG's text
-
-
-def draw_snapshot(
-    path: str | os.PathLike[str] | IO[bytes],
-    frame: Frame,
-    *,
-    stress_limits: tuple[float, float] | None = None,
-    size: tuple[float, float] = (13.0, 7.0),
-    dpi: float = 90.0,
-) -> None:
-    """Draw one frame to a picture file.
-
-    The film is coloured by its largest principal stress, the flanks of the crack are bold, colours
-    distinguish straight cables from those bent around the edge, the tool is a semi-transparent
-    solid with red cutting edges. Edges and cables hidden by the film shine through.
-
-    Parameters
-    ----------
-    path : str, Path or binary file
-        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
-        An open file gets a PNG.
-    frame : Frame
-        The frame to draw. Without a cutting edge only the whole model is drawn.
-    stress_limits : (float, float), optional
-        Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
-        Give them to compare pictures of one run.
-    size : (float, float)
-        Width and height [inch].
-    dpi : float
-        Pixels per inch.
-
-    Raises
-    ------
-    ImportError
-        If Matplotlib is not installed.
-    """
-    series = SnapshotSeries([frame], stress_limits=stress_limits, size=size, dpi=dpi)
-    low, high = series.stress_limits
-    save(series.figure(frame), path, {_SCALE: f"{low!r} to {high!r} MPa"})
+_INCHES = 13.0  # width of a figure, with room for its text
+_LOOK = Look()
 
 
 def draw_scene(
     path: str | os.PathLike[str],
     frame: Frame,
     *,
-    stress: str = "largest principal",
-    stress_limits: tuple[float, float] | None = None,
+    look: Look = _LOOK,
     together_with: Sequence[Frame] = (),
+    close_up: bool = False,
     size: tuple[int, int] = (1280, 800),
 ) -> None:
     """Draw one frame to a picture file.
+
+    The flanks of the crack are bold, colours distinguish straight cables from those bent around the
+    edge, the tool is a semi-transparent solid with red cutting edges. Edges and cables hidden by
+    the film shine through.
 
     Parameters
     ----------
@@ -81,13 +64,13 @@ def draw_scene(
         The picture, ``.png`` or another suffix that Pillow knows; replaced if it exists.
     frame : Frame
         The frame to draw.
-    stress : str
-        One of :data:`STRESSES`.
-    stress_limits : (float, float), optional
-        Limits of the colour scale [MPa]; by default round numbers around nearly all quads.
+    look : Look
+        Field, colours, camera, hidden parts.
     together_with : sequence of Frame
         Other frames of the run that camera, scale and legend must cover. With all of them the
         picture equals the frame of :func:`draw_movie`.
+    close_up : bool
+        Whether the first tooth is shown beside the whole, where there are cutting edges.
     size : (int, int)
         Width and height [pixel].
 
@@ -96,53 +79,23 @@ def draw_scene(
     ImportError
         If Matplotlib is not installed.
     ValueError
-        If there is no such stress.
+        If there is no such field or colour map.
     """
-    if stress not in STRESSES:
-        raise ValueError(f"stress must be one of {', '.join(STRESSES)}, got {stress!r}")
-    series = scene_series([frame, *together_with], stress, stress_limits, size)
+    series = SnapshotSeries([frame, *together_with], look=look, size=size, close_up=close_up)
     from PIL import Image
 
     with atomic_write(Path(path)) as temporary:
         Image.fromarray(series.image(frame)).save(temporary)
 
 
-def scene_series(
-    seen: Sequence[Frame],
-    stress: str,
-    limits: tuple[float, float] | None,
-    size: tuple[int, int],
-) -> SnapshotSeries:
-    """Return pictures of the whole film that share camera, scale and legend; size in pixels."""
-    inches, dpi = inches_of(size)
-    return SnapshotSeries(
-        seen, close_up=False, stress=stress, stress_limits=limits, size=inches, dpi=dpi
-    )
-
-
-def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:
-    """Return the limits of the stress scale of a snapshot [MPa].
-
-    Parameters
-    ----------
-    path : str or Path
-        A PNG written by :func:`draw_snapshot`.
-
-    Returns
-    -------
-    (float, float) or None
-        None if the picture does not contain them.
-
-    Raises
-    ------
-    OSError
-        If the file is no picture.
-    """
+def png_of(frame: Frame, look: Look, shape: tuple[int, int]) -> bytes:
+    """Return a frame without axes and text as a PNG; ``shape`` is height and width [pixel]."""
     from PIL import Image
 
-    with Image.open(path) as picture:
-        found = re.fullmatch(r"(\S+) to (\S+) MPa", str(picture.info.get(_SCALE, "")))
-    return (float(found[1]), float(found[2])) if found else None
+    file = io.BytesIO()
+    image = picture(frame, whole_camera([frame], shape, look), look, limits_of([frame], look)[0])
+    Image.fromarray(eight_bit(image)).save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 class SnapshotSeries:
@@ -154,61 +107,44 @@ class SnapshotSeries:
     ----------
     seen : sequence of Frame
         Frames that the left camera and the legend must cover.
-    size, dpi
-        As in :func:`draw_snapshot`.
-    close_up : bool
-        Whether a tooth is shown beside the whole, where there are cutting edges.
-    stress, stress_limits
-        As in :class:`Panels`.
+    look, size, close_up
+        As in :func:`draw_scene`.
     """
 
     def __init__(
-        self,
-        seen: Sequence[Frame],
-        *,
-        size: tuple[float, float],
-        dpi: float,
-        close_up: bool = True,
-        stress: str = "largest principal",
-        stress_limits: tuple[float, float] | None = None,
+        self, seen: Sequence[Frame], *, look: Look, size: tuple[int, int], close_up: bool = False
     ) -> None:
+        dpi = size[0] / _INCHES
+        # Half a pixel more, because the canvas rounds down and round-off could lose a whole pixel.
+        inches = (size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi
         with_edge = close_up and any(len(frame.edge_points) for frame in seen)
         box = _LEFT_BOX if with_edge else _ONLY_BOX
-        self._panels = Panels(
-            seen,
-            shape=pixels_of(box, size, dpi),
-            close_shape=pixels_of(_RIGHT_BOX, size, dpi),
-            stress=stress,
-            stress_limits=stress_limits,
-        )
-        self._figure = new_figure(size, dpi)
-        values = [self._panels.values(frame) for frame in seen]
-        bar = (0.04, 0.075, 0.30, 0.02)
-        add_color_bar(self._figure, self._panels.scale, values, bar, label=f"{stress} stress [MPa]")
-        add_legend(self._figure, seen, bbox_to_anchor=(0.995, 0.025))
+        self._camera = whole_camera(seen, pixels_of(box, inches, dpi), look)
+        self._close_shape = pixels_of(_RIGHT_BOX, inches, dpi)
+        self._look, (self._limits, values) = look, limits_of(seen, look)
+        self._figure = new_figure(inches, dpi)
+        if look.shows("film"):
+            field = look.field_of(seen[0])
+            bar, label = (0.04, 0.075, 0.30, 0.02), in_unit(field.label, field.unit)
+            add_color_bar(self._figure, color_scale(look, self._limits), values, bar, label)
+        add_legend(self._figure, seen, look, bbox_to_anchor=(0.995, 0.025))
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
-        self._circle: Any = None
-
-    @property
-    def stress_limits(self) -> tuple[float, float]:
-        """Limits of the colour scale [MPa]."""
-        return self._panels.stress_limits
 
     def figure(self, frame: Frame) -> Any:
         """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
         self._title.set_text("      ".join(title_parts(frame)))
-        _put(self._left, self._panels.whole(frame))
-        close = None
+        self._put(self._left, frame, self._camera)
         if self._right is not None:
-            close = self._panels.close(frame)
-            self._right.set_visible(close is not None)
-            if self._circle is not None:
-                self._circle.set_visible(close is not None)
-        if close is not None:
-            _put(self._right, close, "tooth 1")
-            self._circle = _circle(self._left, self._circle, *self._panels.mark(close))
+            close = bool(len(frame.edge_points))
+            self._right.set_visible(close)
+            for circle in self._left.patches:
+                circle.remove()
+            if close:
+                camera = close_camera(frame, self._camera, self._close_shape)
+                self._put(self._right, frame, camera, "tooth 1")
+                self._mark(camera)
         return self._figure
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:
@@ -217,20 +153,43 @@ class SnapshotSeries:
         canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
+    def _put(self, axes: Any, frame: Frame, camera: Camera, label: str = "") -> None:
+        image = picture(frame, camera, self._look, self._limits)
+        if axes.images:
+            axes.images[0].set_data(eight_bit(image))
+            return
+        show(axes, image, camera.shape[1] / camera.scale)
+        if label:
+            axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12, bbox=PAPER)
 
-def _put(axes: Any, panel: Panel, label: str = "") -> None:
-    if axes.images:
-        axes.images[0].set_data(eight_bit(panel.image))
-        return
-    show(axes, panel.image, panel.bar)
-    if label:
-        axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12)
+    def _mark(self, close: Camera) -> None:
+        """Draw a circle around what the close-up shows."""
+        from matplotlib.patches import Circle
+
+        at = self._camera.project(close.centre)[:2] / OVERSAMPLING
+        radius = 0.5 * close.shape[0] / close.scale * self._camera.scale / OVERSAMPLING
+        look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25", "clip_on": False}
+        self._left.add_patch(Circle(tuple(at), radius, **look))
 
 
-def _circle(axes: Any, circle: Any, x: float, y: float, radius: float) -> Any:
-    from matplotlib.patches import Circle
+def limits_of(seen: Sequence[Frame], look: Look) -> tuple[tuple[float, float], list[Floats]]:
+    """Return the ends of the colour scale of some frames, and the numbers that it shows."""
+    field = look.field_of(seen[0])
+    values = [field.values(frame) for frame in seen]
+    return look.limits_for(values, field.sign), values
 
-    if circle is None:
-        circle = axes.add_patch(Circle((x, y), radius, fill=False, ls="--", lw=1.2, ec="0.25"))
-    circle.center, circle.radius = (x, y), radius
-    return circle
+
+def close_camera(frame: Frame, whole: Camera, shape: tuple[int, int]) -> Camera:
+    """Return a camera that looks the same way at where the edge of the first tooth meets the film.
+
+    shape : height and width of the picture [pixel].
+    """
+    edge = frame.edge_points[teeth_of(frame.edge_points) == 0]
+    middles = edge.mean(axis=1)
+    distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
+    focus = middles[np.argmin(distance.min(axis=1))]
+    length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
+    # From constant data only, so that all pictures of a run have the same scale.
+    across = max(1.25 * length, 8.0 * edge_length(frame))
+    height, width = (OVERSAMPLING * n for n in shape)
+    return replace(whole, centre=focus, scale=height / across, shape=(height, width))

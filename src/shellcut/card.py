@@ -1,0 +1,144 @@
+"""Cards: what notebooks show of an object, a small picture, figures with units and a verdict."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from dataclasses import is_dataclass
+from html import escape
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from .arguments import declared
+from .arrays import Floats, Numbers
+from .unit import after
+
+Figures: TypeAlias = list[tuple[str, float | str, str]]
+"""Name, value and unit of each figure."""
+
+FILM, TOOL = "#7fb5c9", "#c3c7cf"
+"""Colours of film and tool in a drawing."""
+
+_WIDTH, _HEIGHT = 260.0, 170.0  # of a picture [pixel]
+_MOST = 3000  # faces in a picture; of more the rim, and of a closed surface what is seen best
+_TOWARD = np.array([0.371, -0.643, 0.669])  # to the viewer, as in the pictures of a run
+_RIGHT = np.array([0.866, 0.5, 0.0])
+_COLORS = {"good": "#1a7f37", "doubt": "#b3261e", "note": "#2f5d8a"}
+
+
+def card(
+    title: str, figures: Figures, said: Iterable[tuple[str, str]] = (), picture: str = ""
+) -> str:
+    """Return a card as HTML.
+
+    Parameters
+    ----------
+    title : str
+    figures : list of (str, float or str, str)
+        Name, value and unit of each.
+    said : iterable of (str, str)
+        Kind, one of ``good``, ``doubt`` and ``note``, and text of each sentence of the verdict.
+    picture : str
+        HTML.
+
+    Examples
+    --------
+    >>> card("Blade", [("edge", 4.0, "mm")]).count("4 mm</td>")
+    1
+    """
+    rows = "".join(
+        f'<tr><th style="text-align:left;font-weight:500;padding-right:1em">{escape(name)}</th>'
+        f'<td style="text-align:left">{escape(_number(value) + after(unit))}</td></tr>'
+        for name, value, unit in figures
+    )
+    lines = "".join(
+        f'<p style="margin:2px 0;padding-left:8px;border-left:4px solid {_COLORS[kind]}">'
+        f"{escape(text)}</p>"
+        for kind, text in said
+    )
+    return (
+        '<div style="display:flex;flex-wrap:wrap;gap:16px;align-items:center">'
+        f'{picture}<div style="flex:1 1 16em;max-width:36em"><b>{escape(title)}</b>'
+        f'<table style="margin:0">{rows}</table>{lines}'
+        "</div></div>"
+    )
+
+
+def image(png: bytes, alt: str) -> str:
+    """Return a picture that is part of the page."""
+    data = base64.b64encode(png).decode("ascii")
+    return f'<img alt="{escape(alt)}" src="data:image/png;base64,{data}">'
+
+
+def figures_of(thing: Any) -> Figures:
+    """Return the figures of a dataclass, and of those in it, that are declared as options.
+
+    Numbers that are as they are by default are left out.
+    """
+    found: Figures = []
+    kind: Any = type(thing)
+    for name, value in vars(thing).items():
+        known = declared(kind).get(name)
+        if known and isinstance(value, int | float) and value != known.default:
+            found.append((name.replace("_", " "), value, known.option.unit))
+        elif is_dataclass(value):
+            found += figures_of(value)
+    return found
+
+
+def extent(points: Floats) -> tuple[str, str, str]:
+    """Return the figure of how far points reach along x, y and z."""
+    return "extent", " × ".join(f"{length:.4g}" for length in np.ptp(points, axis=0)), "mm"
+
+
+def drawing(
+    parts: Sequence[tuple[Floats, Numbers, str]], lines: Sequence[Floats] | Floats = ()
+) -> str:
+    """Return faces as an SVG, the near ones before the far ones, and lines over them.
+
+    Parameters
+    ----------
+    parts : sequence of (ndarray, ndarray, str)
+        Points, shape (n, 3) [mm], their ids in each face, and the colour of the part.
+    lines : sequence of ndarray, shape (m, 3), [mm]
+    """
+    axes = np.stack((_RIGHT, -np.cross(_TOWARD, _RIGHT), _TOWARD))  # rows of a picture go down
+    places = [points @ axes.T for points, _, _ in parts if len(points)]
+    if not places:
+        return ""
+    low = np.min([p.min(axis=0) for p in places], axis=0)
+    size = np.max([p.max(axis=0) for p in places], axis=0) - low
+    scale = min(_WIDTH / max(size[0], 1e-12), _HEIGHT / max(size[1], 1e-12))
+
+    def text(points: Floats) -> str:
+        at = ((points @ axes.T - low)[:, :2] * scale).tolist()
+        return " ".join(f"{x:.1f} {y:.1f}" for x, y in at)
+
+    drawn = []
+    for points, faces, color in parts:
+        if len(faces) > _MOST:
+            sides = np.sort(np.stack((faces, np.roll(faces, -1, 1)), 2).reshape(-1, 2), 1)
+            ends, count = np.unique(sides, axis=0, return_counts=True)
+            a, b, c = np.moveaxis(points[faces[:, :3]], 1, 0)
+            seen = np.cross(b - a, c - a) @ _TOWARD
+            faces = ends[count == 1] if (count == 1).any() else faces[np.argsort(seen)[-_MOST:]]
+        corners = points[faces]
+        depth = corners.mean(axis=1) @ axes[2]
+        drawn += [(z, text(face), color) for z, face in zip(depth, corners, strict=True)]
+    shapes = [f'<polygon points="{at}" fill="{color}"/>' for _, at, color in sorted(drawn)]
+    shapes += [
+        f'<polyline points="{text(line)}" stroke="#e6001a" stroke-width="1.5"/>' for line in lines
+    ]
+    width, height = (size[:2] * scale + 2.0).round().astype(int)
+    line = 0.4 if len(drawn) < 0.5 * _MOST else 0.1
+    return (
+        f'<svg width="{width}" height="{height}" viewBox="-1 -1 {width} {height}" '
+        f'stroke="#3a3f46" stroke-width="{line}">{"".join(shapes)}</svg>'
+    )
+
+
+def _number(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{value:,}" if isinstance(value, int) else f"{value:.5g}"

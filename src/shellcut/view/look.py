@@ -1,0 +1,121 @@
+"""How pictures, movies and the page to turn show a run: field, colours, light, camera, parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal, get_args
+
+import numpy as np
+
+from shellcut.arguments import Option, checked
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
+
+from .fields import FIELDS, Field, field_limits, fields_of
+
+_DEFAULT = "viridis"
+_VIRIDIS = (
+    "440154 481769 472a7a 433d84 3d4e8a 355e8d 2e6d8e 297b8e 23898e 1f978b 21a585 2eb37c 46c06f "
+    "65cb5e 89d548 b0dd2f d8e219 fde725"
+)  # Matplotlib's (van der Walt and Smith, CC0) at 18 even places
+
+
+Part = Literal["film", "mesh", "flanks", "cables", "edges", "tool"]
+"""What a look can hide."""
+PARTS: tuple[Part, ...] = get_args(Part)
+
+
+@checked
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """How pictures, movies and the page to turn show a run."""
+
+    field: Annotated[
+        str,
+        Option("", f"what colours the film: {', '.join(FIELDS)}, or a number of the material"),
+    ] = "largest principal"
+    low: Annotated[
+        float | None,
+        Option("", "lower end of the colour scale", unset="from the frames"),
+    ] = None
+    high: Annotated[float | None, Option("", "upper end", unset="from the frames")] = None
+    colormap: Annotated[
+        str, Option("", "colours, any map of Matplotlib: cividis, inferno, turbo, coolwarm, ...")
+    ] = _DEFAULT
+    flat: Annotated[bool, Option("", "one colour for each quad, not smooth from node to node")] = (
+        False
+    )
+    hide: Annotated[Sequence[Part], Option("", f"parts not to show: {', '.join(PARTS)}")] = ()
+    elevation: Annotated[
+        float, Option("deg", "of the camera above the x-y plane", least=-90, most=90)
+    ] = 42.0
+    azimuth: Annotated[
+        float, Option("deg", "of the camera from the x axis", least=-360, most=360)
+    ] = -60.0
+    zoom: Annotated[float, Option("", "1 shows all of film and tool", above=0, most=100)] = 1.0
+
+    def shows(self, part: str) -> bool:
+        """Return whether a part is not hidden."""
+        return part not in self.hide
+
+    def field_of(self, frame: Frame) -> Field:
+        """Return what colours the film.
+
+        Raises
+        ------
+        ValueError
+            If the frame has no such field.
+        """
+        known = fields_of(frame)
+        if self.field not in known:
+            raise ValueError(f"field must be one of {'; '.join(known)}; got {self.field!r}")
+        return known[self.field]
+
+    def limits_for(self, values: Sequence[Floats], sign: int) -> tuple[float, float]:
+        """Return the ends of the colour scale of a field, ``sign`` as in :class:`Field`.
+
+        Raises
+        ------
+        ValueError
+            If the lower end is not below the upper one.
+        """
+        low, high = field_limits(values, sign)
+        low = low if self.low is None else self.low
+        high = high if self.high is None else self.high
+        if not low < high:
+            raise ValueError(f"low must be below high, got {low:g} and {high:g}")
+        return low, high
+
+    def colors(self, n: int = 256) -> Floats:
+        """Return the colours of the scale from its lower to its upper end, shape (n, 3), [-].
+
+        Raises
+        ------
+        ValueError
+            If there is no such colour map.
+        ImportError
+            If it takes Matplotlib, which is not installed.
+        """
+        if self.colormap == _DEFAULT:
+            stops = np.array([list(bytes.fromhex(stop)) for stop in _VIRIDIS.split()]) / 255.0
+            at = np.linspace(0.0, len(stops) - 1.0, n)
+            rgb = [np.interp(at, np.arange(len(stops)), column) for column in stops.T]
+            return np.stack(rgb, axis=1)
+        return _of_matplotlib(self.colormap, n)
+
+
+def _of_matplotlib(name: str, n: int) -> Floats:
+    try:
+        from matplotlib import colormaps
+    except ImportError as error:
+        raise ImportError(
+            f"the colour map {name!r} needs Matplotlib, which is not installed: pip install "
+            f"shellcut[plot]; {_DEFAULT!r} does not"
+        ) from error
+    if name not in colormaps:
+        raise ValueError(
+            f"colormap must be one of Matplotlib's, such as {_DEFAULT}, cividis, inferno, turbo "
+            f"or coolwarm, got {name!r}"
+        )
+    return np.asarray(colormaps[name](np.linspace(0.0, 1.0, n))[:, :3])

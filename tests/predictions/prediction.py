@@ -1,0 +1,151 @@
+"""A prediction: what is published, our model of it, our figures with error bars, and the verdict.
+
+Each case is a file beside this one with a ``PREDICTION``. The page (``run.py``) and the slow tests
+(``test_predictions.py``) read the same declaration.
+
+With the mean m of the runs on the finest mesh, edges q times those of the next, m' of the next,
+m_v of slower runs beside m, and s the standard deviation of n runs that differ by chance,
+
+    value = m + (m_v - m),
+    mesh = q / (1 - q) |m - m'|,   speed = |m_v - m|,   chance = t s / sqrt(n)
+
+as in docs/howto/converge.md, but for means: a single run is off by t s. The half-width is the root
+of the sum of their squares.
+"""
+
+import math
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+
+TESTS = Path(__file__).resolve().parents[1]
+# Models of tests that a prediction shares.
+sys.path += [str(TESTS), str(TESTS / "verification")]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A published number.
+
+    Attributes
+    ----------
+    name : str
+        As the runs return it.
+    published : str
+        The number, in words.
+    low, high : float
+        Its band.
+    short : (float, float), optional
+        What the mean of the short runs must lie in where that is not the band, because our figure
+        misses it or only finer meshes reach it: four standard deviations of such a mean and more
+        about it.
+    """
+
+    name: str
+    published: str
+    low: float
+    high: float
+    short: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run: its arguments, edges [mm], the speed over that of the model, and what it is for."""
+
+    keys: Mapping[str, Any]
+    edge: float
+    speed: float = 1.0
+    short: bool = False
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A case.
+
+    Attributes
+    ----------
+    title, source, sure, known, model : str
+        Of the page: what it is, who published it, how sure that is, which of our results were known
+        before the band was written down, and what our model takes from where.
+    figures : tuple of Figure
+    runs : mapping from str to Run
+    run : callable
+        Runs with the keys of a run; returns figures by name, and lists for the picture.
+    picture : callable
+        Draws, from what the runs returned by name, to a path.
+    said : str
+        What the result says, after it is known.
+    """
+
+    title: str
+    source: str
+    sure: str
+    known: str
+    model: str
+    figures: tuple[Figure, ...]
+    runs: Mapping[str, Run]
+    run: Callable[..., dict[str, Any]]
+    picture: Callable[[Mapping[str, dict[str, Any]], Path], None]
+    said: str = ""
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A figure with its error bar: value, half-width by part, and the scatter of single runs."""
+
+    figure: Figure
+    value: float
+    parts: Mapping[str, float]
+    scatter: float = math.nan
+    n: int = 1
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def half_width(self) -> float:
+        """Of the error bar."""
+        return math.hypot(*self.parts.values())
+
+    @property
+    def hits(self) -> bool:
+        """Whether the value lies in the published band."""
+        return self.figure.low <= self.value <= self.figure.high
+
+    @property
+    def verdict(self) -> str:
+        """Hit or miss, in words."""
+        if self.hits:
+            return "hit"
+        near = self.figure.low if self.value < self.figure.low else self.figure.high
+        inside = abs(self.value - near) <= self.half_width
+        return "**miss**" + (", the error bar reaches the band" if inside else "")
+
+
+def found(case: Prediction, figure: Figure, results: Mapping[str, Mapping[str, Any]]) -> Found:
+    """Return a figure of a case with its error bar from what the runs returned."""
+    values = {name: one[figure.name] for name, one in results.items() if figure.name in one}
+    groups: dict[tuple[float, float], list[float]] = {}
+    for name, value in values.items():
+        groups.setdefault((case.runs[name].edge, case.runs[name].speed), []).append(value)
+    edges = sorted({edge for edge, speed in groups if speed == 1.0})
+    finest = groups[edges[0], 1.0]
+    value, parts = float(np.mean(finest)), {}
+    if len(edges) > 1:
+        q = edges[0] / edges[1]
+        parts["mesh"] = q / (1.0 - q) * abs(value - float(np.mean(groups[edges[1], 1.0])))
+    for (edge, speed), slower in groups.items():
+        if speed < 1.0:
+            change = float(np.mean(slower) - np.mean(groups[edge, 1.0]))
+            value, parts["speed"] = value + change, abs(change)
+    off = np.concatenate([np.array(one) - np.mean(one) for one in groups.values()])
+    free = len(off) - len(groups)
+    scatter = float(np.sqrt((off**2).sum() / free)) if free else math.nan
+    if free:
+        t = float(scipy.stats.t.ppf(0.975, free))
+        parts["chance"] = t * scatter / math.sqrt(len(finest))
+    return Found(figure, value, parts, scatter, len(values), values)

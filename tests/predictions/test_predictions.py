@@ -1,0 +1,58 @@
+"""Each prediction in a short form, and the page against its declaration."""
+
+import numpy as np
+import pytest
+
+from prediction import Figure, Prediction, Run, found
+from run import CASES, DOCS, case_of
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_a_short_form_gives_what_the_page_says(name):
+    case = case_of(name)
+    given = [case.run(**one.keys) for one in case.runs.values() if one.short]
+    tested = 0
+    for figure in case.figures:
+        values = [one[figure.name] for one in given if figure.name in one]
+        if values:
+            low, high = figure.short or (figure.low, figure.high)
+            assert low <= np.mean(values) <= high, figure.name
+            tested += 1
+    assert tested
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_page_shows_what_is_declared(name):
+    page = (DOCS / "predictions.md").read_text(encoding="utf-8")
+    case = case_of(name)
+    for text in (case.title, case.source, case.known, case.model, case.said):
+        assert text in page
+    for one in case.figures:
+        row = f"| {one.name} | {one.published} | {one.low:.4g} to {one.high:.4g} |"
+        assert row in page
+
+
+def test_an_error_bar_holds_mesh_speed_and_chance():
+    def run(value):
+        return {"f": value}
+
+    runs = {
+        "a": Run({}, 1.0),
+        "b": Run({}, 1.0),
+        "finer": Run({}, 0.5),
+        "slower": Run({}, 1.0, 0.5),
+    }
+    figure = Figure("f", "4", 3.0, 5.0)
+    case = Prediction("", "", "", "", "", (figure,), runs, run, lambda results, path: None)
+    results = {"a": run(3.0), "b": run(5.0), "finer": run(6.0), "slower": run(3.7)}
+    one = found(case, figure, results)
+    # f_q = 6 beside a mean of 4 on twice the edges; slower by 0.3.
+    assert one.value == pytest.approx(5.7)
+    assert one.parts["mesh"] == pytest.approx(2.0)
+    assert one.parts["speed"] == pytest.approx(0.3)
+    assert one.scatter == pytest.approx(np.sqrt(2.0))
+    # Student's t of one degree of freedom, 95 %.
+    assert one.parts["chance"] == pytest.approx(12.706 * np.sqrt(2.0), rel=1e-3)
+    assert not one.hits
+    assert "reaches" in one.verdict
