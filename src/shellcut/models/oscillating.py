@@ -158,8 +158,8 @@ def oscillating(
         N/mm with 60 MPa: less strength than such a film has, so that its process zone is some
         quads long.
     **options
-        Options of :class:`Simulation`. ``fracture`` has ``path="free"`` by default, six fibres
-        a segment, and a check every 20 steps; ``contact`` a penalty of 200 N/mm³, ``damping_beta`` is
+        Options of :class:`Simulation`. ``fracture`` has ``path="free"`` by default, six fibres a
+        segment, and a check every 20 steps; ``contact`` a penalty of 200 N/mm³, ``damping_beta`` is
         3e-9 s.
 
     Returns
