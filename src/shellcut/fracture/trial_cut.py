@@ -232,7 +232,8 @@ class Weighed(NamedTuple):
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        return cls(*np.zeros((2, n, 3)), *np.zeros((2, n)), np.full(n, -np.inf))
+        (force, pull), (length, behind) = np.zeros((2, n, 3)), np.zeros((2, n))
+        return cls(force, pull, length, behind, np.full(n, -np.inf))
 
 
 class TrialSums:
@@ -293,9 +294,8 @@ class TrialSums:
             Written, where a tip has a segment.
         """
         n, c, trial = state.node, state.cable, self._trial_cut
-        cables = c.status, c.force, c.area
         force = trial.corner_forces(state, self._rows, self._nodes)
-        known = self._sums, aimed, force, *cables, trial.carried, trial.thickness
+        known = self._sums, aimed, force, c.status, c.force, c.area, trial.carried, trial.thickness
         self._weigh(n.x, n.t, n.X, *known, weighed)
 
     def of_tear(self, state: State, segment: Segment) -> float:
