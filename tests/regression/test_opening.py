@@ -28,7 +28,7 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     # Closed form; measured 0.997-1.005 of it.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
     state = case.simulation.state
-    assert summary["n_cable_created"] == 2 * N_RING[mesh]  # one a half-edge
+    assert summary["n_cable_created"] == 6 * N_RING[mesh]  # of a segment
     places = np.array([split.reference for split in state.split_log])
     np.testing.assert_allclose(np.hypot(places[:, 0], places[:, 1]), 9.4, rtol=1e-12)
     assert history["cohesive_work"][-1] <= BOUND
