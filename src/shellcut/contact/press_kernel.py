@@ -15,7 +15,7 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.vec3 import add, add_to, combine, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
-from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.pose import Pose, to_body, to_space, turn
 from shellcut.tool.touch import Touch, react
 
 from .contact_tables import ContactTables, Memory
@@ -162,6 +162,7 @@ def _pressure(
     p: Vec3,
     g: float,
     out: Vec3,
+    way: float,
     dt: float,
     before: Pose,
     pose: Pose,
@@ -182,7 +183,7 @@ def _pressure(
         pushed, mass = _pushed(i, out, tables)
     if tables.per_carrier == 1 and (fast or memory.offset[row] > 0.0):
         edge_length = local_edge_length(tables.nodes.contact_area[carriers.node[i, 0]])
-        fading = dt / (law.absorb_slowness * edge_length)
+        fading = way / (0.25 * edge_length)
     k = carriers.stiffness[i]
     return press(row, g, k, back, out, pushed, mass, fading, dt, g_m, memory)
 
@@ -232,10 +233,14 @@ def add_press_forces(
         side[row] = lies
         old, moved = load(memory.force, row), _mean_of(tables.nodes.velocity_half, i, tables)
         out = turn(outward, pose)
-        magnitude, energy, lost = _pressure(i, x, p, g, out, dt, before, pose, tables)
-        n_touching, stored, absorbed = n_touching + 1, stored + energy, absorbed + lost
+        way = sub(to_space(p, pose), to_space(p, before))
+        far = norm(way)
+        magnitude, energy, lost = _pressure(i, x, p, g, out, far, dt, before, pose, tables)
+        n_touching, stored = n_touching + 1, stored + energy
         deepest = max(deepest, g - memory.offset[row] if edges else g)
         f = scale(magnitude, out)
+        if far > 0.0:
+            f = combine(1.0, f, -lost / far**2, way)
         work += 0.5 * dt * dot(add(old, f), moved)
         store(carriers.normal, i, outward)
         carriers.tooth[i], carriers.pressure[i] = tool.triangle_tooth[triangle], magnitude
