@@ -113,20 +113,20 @@ class SegmentCables:
         way = n.x[stop] - n.x[start]
         area = self._material.thickness * length
         area *= factor_along(self._anisotropy, n.X[state.quads[rows[0]]], chords[0])
-        for share in self._shares.tolist():
-            k = state.cable.append_blank()
-            c = state.cable
-            c.row[k], c.chord[k], c.share[k] = rows, chords, share
-            c.ends[k], c.far[k] = ends
-            c.length[k], c.area[k] = length / len(self._shares), area / len(self._shares)
-            c.edge[k] = NOT_MET
-            m = unit(np.cross((1.0 - share) * n.t[start] + share * n.t[stop], way))
-            c.m[k], c.branch[k] = m, (m, -m)
-            c.birth[k] = state.time
-            # What it is about to exert, which the next trial cut may count. Both its ends move
-            # alike yet: no work is done.
-            c.traction[k] = self._law.strength
-            c.force[k] = self._law.strength * c.area[k] * c.branch[k]
+        count, share = len(self._shares), self._shares[:, None]
+        first, c = state.cable.append_blank(count), state.cable
+        new = slice(first, c.count)
+        c.row[new], c.chord[new], c.share[new] = rows, chords, self._shares
+        c.ends[new], c.far[new] = ends
+        c.length[new], c.area[new] = length / count, area / count
+        c.edge[new] = NOT_MET
+        m = unit(np.cross((1.0 - share) * n.t[start] + share * n.t[stop], way))
+        c.m[new], c.branch[new, 0], c.branch[new, 1] = m, m, -m
+        c.birth[new] = state.time
+        # What they are about to exert, which the next trial cut may count. Both ends of each move
+        # alike yet: no work is done.
+        c.traction[new] = self._law.strength
+        c.force[new] = self._law.strength * area / count * c.branch[new]
 
     def follow(self, state: State, topology: CutTopology, row: int, new: int) -> None:
         """Give what is on a row that has been cut to the part that it belongs to."""

@@ -117,12 +117,13 @@ class _Table:
         self.count += 1
         return new
 
-    def append_blank(self) -> int:
-        """Append a row of zeros and return its id."""
-        new = self.append_copy(0)
+    def append_blank(self, n: int = 1) -> int:
+        """Append rows of zeros and return the id of the first."""
+        self.reserve(n)
+        first, self.count = self.count, self.count + n
         for name in self._names():
-            getattr(self, name)[new] = 0
-        return new
+            getattr(self, name)[first : self.count] = 0
+        return first
 
     def saved(self) -> dict[str, Any]:
         """Return the rows in use of every array, by name."""
