@@ -73,8 +73,8 @@ def test_what_film_and_friction_take_is_counted_and_not_doubted(strip_cut, entry
     h = {name: float(column[-1]) for name, column in run.history.items()}
     cables, asked = h["cohesive_work"] + h["cohesive_start_work"], h[entry]
     assert asked > 0.15 * h["tool_work"]
-    lost = h["damping_stiffness"] + h["damping_mass"] + abs(h["contact_absorbed"])
-    lost += abs(h["contact_work"] - h["contact_stored"] - h["contact_absorbed"])
+    lost = h["damping_stiffness"] + h["damping_mass"]
+    lost += abs(h["contact_work"] - h["contact_stored"])
     share = 100.0 * cables / (cables + asked + lost)
     (line,) = lines_with(run, "of the dissipated work")
     assert line["kind"] == "good"
