@@ -46,7 +46,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy, Vec3, product
-from shellcut.numerics.borrowed import borrowed, lent
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
@@ -284,6 +284,7 @@ def _add_cable_forces(
     Writes the cables' opening, stress, joint, branch directions, force and work, and touch, see
     :class:`CableForces`.  Returns how many joints were made and how many cables broke.
     """
+    held = tables
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:], sums[:] = 0.0, 0.0
@@ -296,13 +297,12 @@ def _add_cable_forces(
     friction_work = 0.0
     n_made = 0
     n_broken = 0
-    held, at_pose, at_before = lent(tables), lent(pose), lent(before)
     for c in range(tables.n_cable):
         if status[c] == BROKEN:
             continue
         minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
         may_meet = tables.directional and status[c] == STRAIGHT
-        met = may_meet and find_joint(c, minus, plus, at_pose, at_before, held)
+        met = may_meet and find_joint(c, minus, plus, pose, before, held)
         if met:
             status[c] = JOINTED
             n_made += 1

@@ -52,7 +52,7 @@ def find_joint(
     the cable. The joint is written where the tool had its point a step before: the force of t_n
     acts on the way of the step by half, at the joint as at the nodes and on the tool.
     """
-    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    tables = borrowed(tables)
     edges, cables = tables.edges, tables.cables
     segments, m = edges.segments, load(cables.m, c)
     size = local_edge_length(tables.nodes.contact_area[cables.ends[c, 0]])
