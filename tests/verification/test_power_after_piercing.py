@@ -1,4 +1,4 @@
-"""The opening test between the first split and steady cutting: the tool's work, and its axial force.
+"""The opening test between piercing and steady cutting: the tool's work, and its axial force.
 
 The tool advances by s along the circle and by 0.2032 s down. Its edges, 60 degrees steep, meet the
 film 1.1173 s onward, and a cable that the edge has met is bent around it: each branch spans the
@@ -21,7 +21,6 @@ import pytest
 
 from films import unstructured_disc
 from shellcut import Fracture, opening_test
-from shellcut.mesh.structured import disc
 
 DOWN = 12.0 / (2.0 * np.pi * 9.4)
 FRONT = 1.0 + DOWN / np.tan(np.radians(60.0))
