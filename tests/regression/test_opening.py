@@ -59,15 +59,15 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
 
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
-    # Regressions, by twenty perturbed runs: 27.5902 ± 0.0001 and 67.5415 ± 0.0006 (rows are 0.05
-    # degrees apart), 141.51 ± 0.11, -0.776 ± 0.013, on this coarse ring, 0.93 %. Imbalance 1.7e-5
-    # of one run; where a step may grow at once, right after a cut, it is 7.8e-5.
-    assert summary["window_from_deg"] == pytest.approx(27.60, abs=0.06)
-    assert summary["window_to_deg"] == pytest.approx(67.54, abs=0.06)
-    assert summary["torque_plateau_Nmm"] == pytest.approx(141.51, abs=0.45)
-    assert summary["axial_force_plateau_N"] == pytest.approx(-0.776, abs=0.055)
-    assert summary["imbalance_rel"] < 4e-5
-    assert summary["kinetic_rel"] < 0.0105
+    # Regressions, by twenty perturbed runs: 27.24942 ± 0.00001 and 68.8656 ± 0.0004 (rows are 0.05
+    # degrees apart), 140.6055 ± 0.0015, -0.2681 ± 0.0003, on this coarse ring, 0.82 %. Imbalance
+    # 1.16e-5; where a step may grow at once, right after a cut, it is larger.
+    assert summary["window_from_deg"] == pytest.approx(27.25, abs=0.06)
+    assert summary["window_to_deg"] == pytest.approx(68.87, abs=0.06)
+    assert summary["torque_plateau_Nmm"] == pytest.approx(140.61, abs=0.1)
+    assert summary["axial_force_plateau_N"] == pytest.approx(-0.268, abs=0.01)
+    assert summary["imbalance_rel"] < 3e-5
+    assert summary["kinetic_rel"] < 0.009
     # What goes in between nodes is felt, to half the film's thickness or so: 0.017 mm.
     assert summary["unfelt_film_edge_mm"] < 0.6 * 0.074
 
@@ -105,11 +105,12 @@ def test_twelve_teeth_are_steady_nowhere(tmp_path):
 
 def test_teeth_that_leave_the_film_are_steady_until_then(tmp_path):
     summary, history = short_run(tmp_path, 60.0, pitch=40.0)
-    # 5 mm high and 40 mm a turn down, they are below the film at 45 degrees.
-    assert 35.0 < summary["window_to_deg"] < 45.0
+    # 5 mm high and 40 mm a turn down, they would leave a flat film at 45 degrees. It goes down with
+    # them by 0.24 to 0.38 mm, 2 to 3 degrees.
+    assert 35.0 < summary["window_to_deg"] < 48.0
     assert history["to_spare_edge_1"][-1] == 0.0
     theory = steady_work_per_radian(pitch=40.0)
-    # Closed form; measured 0.990.
+    # Closed form; measured 0.993.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
 
 
