@@ -114,15 +114,13 @@ class SegmentCables:
         area = self._material.thickness * length
         area *= factor_along(self._anisotropy, n.X[state.quads[rows[0]]], chords[0])
         count, share = len(self._shares), self._shares[:, None]
-        first, c = state.cable.append_blank(count), state.cable
-        new = slice(first, c.count)
+        new, c = slice(state.cable.append_blank(count), state.n_cable), state.cable
         c.row[new], c.chord[new], c.share[new] = rows, chords, self._shares
         c.ends[new], c.far[new] = ends
         c.length[new], c.area[new] = length / count, area / count
-        c.edge[new] = NOT_MET
+        c.edge[new], c.birth[new] = NOT_MET, state.time
         m = unit(np.cross((1.0 - share) * n.t[start] + share * n.t[stop], way))
         c.m[new], c.branch[new, 0], c.branch[new, 1] = m, m, -m
-        c.birth[new] = state.time
         # What they are about to exert, which the next trial cut may count. Both ends of each move
         # alike yet: no work is done.
         c.traction[new] = self._law.strength
