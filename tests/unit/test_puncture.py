@@ -150,11 +150,11 @@ def section(film):
 def strip_force(depth, film, half):
     """q of a clamped strip [N/mm] that a line pushes by a depth, with its boundary layers."""
     stretching, bending = section(film)
-    slope = depth / half
+    layer = np.zeros_like(depth)
     for _ in range(30):
-        tension = 0.5 * stretching * slope**2
-        tension *= 1.0 - 3.0 * np.sqrt(bending / tension) / half
-        slope = depth / (half - 2.0 * np.sqrt(bending / tension))
+        slope = depth / (half - 2.0 * layer)
+        tension = 0.5 * stretching * slope**2 * (1.0 - 3.0 * layer / half)
+        layer = np.sqrt(bending / tension)
     return 2.0 * tension * np.sin(slope)
 
 
