@@ -60,12 +60,12 @@ def test_flanks_that_cannot_fold_are_noted_where_they_press():
     def noted(edge, *, press=True):
         figures = {"path_edge_mm": edge, "bending_length_mm": 0.216}
         lines = verdict({**figures, "options": {"film_edges": press}})
-        return [line for line in lines if "do not fold" in line.text]
+        return [line for line in lines if "instead of folding" in line.text]
 
     assert noted(0.208) == noted(0.398, press=False) == []
     (line,) = noted(0.398)
     assert line.kind == "note"
-    assert "0.398 mm, are longer than 0.216 mm" in line.text
+    assert "0.398 mm long, but the film bends over 0.216 mm" in line.text
     assert "Use a finer film" in line.text
 
 
@@ -82,7 +82,7 @@ def test_nodes_deep_in_the_tool_are_doubted():
     figures = {"deepest_penetration_mm": 0.04, "tool_half_thickness_mm": 0.2}
     line = verdict(figures)[0]
     assert line.kind == "good"
-    assert "up to 0.04 mm deep in it (limit 0.05 mm" in line.text
+    assert "up to 0.04 mm deep in the tool (limit 0.05 mm" in line.text
     line = verdict(figures | {"tool_half_thickness_mm": 0.1})[0]
     assert line.kind == "doubt"
     assert "less than its thickness: nodes are up to 0.04 mm deep" in line.text
@@ -136,7 +136,7 @@ def test_what_was_dissipated_is_judged_with_all_that_takes_it(went, said, kind):
     figures |= {"tool_work_Nmm": 100.0, "strain_Nmm": rest, "n_cable_broken": 1}
     lines = verdict(figures)
     assert [line.kind for line in lines if said in line.text] == [kind]
-    (text,) = [line.text for line in lines if line.text.startswith("Where 100 N·mm went")]
+    (text,) = [line.text for line in lines if line.text.startswith("100 N·mm were put in")]
     shares = [float(share) for share in re.findall(r"(-?[\d.]+) %", text)]
     assert sum(shares) == pytest.approx(100.0, abs=0.05 * len(shares))
     assert f"cables {went['cables']:.1f} %" in text

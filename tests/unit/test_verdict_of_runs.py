@@ -81,7 +81,7 @@ def test_what_film_and_friction_take_is_counted_and_not_doubted(strip_cut, entry
     # The last row is a few steps before the end.
     said = re.search(r": cables took (\S+) % of the dissipated work, ", line["text"])
     assert float(said[1]) == pytest.approx(share, rel=0.01)
-    (line,) = lines_with(run, " N·mm went (work of the tool ")
+    (line,) = lines_with(run, " N·mm were put in (work of the tool ")
     said = re.search(r"cables (\S+) %", line["text"])
     assert float(said[1]) == pytest.approx(100.0 * cables / h["tool_work"], rel=0.01)
 

@@ -194,7 +194,7 @@ def _damping(figures: Figures) -> Iterator[Line]:
     yield _judged(
         abs(damping) <= DAMPING_LIMIT,
         "Damping takes little",
-        "Force or torque is too high, by what damping takes from film that springs open",
+        "Force or torque is too high by what damping takes from film that springs open",
         f"{_of_work(figures, damping)}",
         _percent(DAMPING_LIMIT),
         remedies(figures, "shorter edges", *SLOWER, "damping"),
@@ -245,7 +245,7 @@ def _penetration(figures: Figures) -> Iterator[Line]:
         depth <= limit,
         "The tool pushes the film aside by its full thickness",
         "The tool pushes the film aside by less than its thickness",
-        f"nodes are up to {depth:.3g} mm deep in it",
+        f"nodes are up to {depth:.3g} mm deep in the tool",
         f"{limit:.3g} mm, a quarter of its half thickness",
         remedies(figures, "finer", "penalty"),
     )
@@ -258,9 +258,9 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
     limit = UNFELT_LIMIT * figures["edge_length_mm"]
     yield _judged(
         abs(depth) <= limit,
-        "The tool is felt between the nodes of the film",
-        "The tool is not felt between the nodes of the film",
-        f"it is up to {depth:.3g} mm deep in quads that do not push back",
+        "The film resists the tool between its nodes, too",
+        "The film does not resist the tool between its nodes",
+        f"the tool is up to {depth:.3g} mm deep in quads that do not push back",
         f"{limit:.3g} mm, half a quad's edge",
         remedies(figures, "finer"),
     )
@@ -283,11 +283,11 @@ def _stiff_flanks(figures: Figures) -> Iterator[Line]:
     if edge > bent and figures.get("options", {}).get("film_edges"):
         yield Line(
             "note",
-            f"Edges of the film along the path, {edge:.3g} mm, are longer than {bent:.3g} mm, over "
-            "which it bends: its flanks do not fold beside the tool, and pressing on them "
-            "(Contact.film_edges) adds force across the film, in the opening test half as much at "
-            "twice that length and as much again at four times. The force along the cut hardly "
-            "changes." + remedies(figures, "finer"),
+            f"The force across the film is too large: its edges along the path are {edge:.3g} mm "
+            f"long, but the film bends over {bent:.3g} mm, so its flanks press on the tool instead "
+            "of folding beside it (Contact.film_edges). In the opening test that force is 1.5 times "
+            "as large with edges of twice that length, and twice as large with edges of four times. "
+            "The force along the cut hardly changes." + remedies(figures, "finer"),
         )
 
 
@@ -343,7 +343,7 @@ def _account(figures: Figures) -> Iterator[Line]:
     whole = sum(line.energy for line in put_in)
     sources = ", ".join(f"{line.words} {line.energy:.4g}" for line in put_in)
     parts = ", ".join(f"{line.words} {100.0 * line.share:.1f} %" for line in became)
-    yield Line("note", f"Where {whole:.4g} N·mm went ({sources}): {parts}.")
+    yield Line("note", f"{whole:.4g} N·mm were put in ({sources}). They went into: {parts}.")
     if not figures.get("n_cable_broken", 0):
         return
     asked, together = dissipated(figures)
@@ -355,10 +355,9 @@ def _account(figures: Figures) -> Iterator[Line]:
     said += f", together {_percent(together)}" * bool(others)
     yield _judged(
         together >= ASKED_LIMIT,
-        "The work went where the laws of the model let it go",
-        "Damping and contact took too much of the work, as where "
-        + ("a tool presses on film that does not part or " * _is_of_a_tool(figures))
-        + "film springs open",
+        "Cables, film and friction took the work, not damping and contact",
+        "Damping and contact took too much of the work, because film springs open"
+        + " or a tool presses on film that does not part" * _is_of_a_tool(figures),
         said,
         f"at least {_percent(ASKED_LIMIT)}",
         remedies(figures, "shorter edges", *SLOWER),
@@ -372,8 +371,8 @@ def _stored(figures: Figures) -> Iterator[Line]:
     yield _judged(
         stored <= STORED_LIMIT,
         "The film gives way beside the tool",
-        "Force or torque is too high, because the film does not give way beside the tool, as one "
-        "that is pressed in its plane and does not buckle",
+        "Force or torque is too high, because the film does not give way beside the tool: it is "
+        "pressed in its plane and does not buckle",
         f"it stored {_of_work(figures, stored)} in the steady window",
         _percent(STORED_LIMIT),
         remedies(figures, "imperfection", "finer"),
@@ -385,8 +384,8 @@ def _rotary_inertia(figures: Figures) -> Iterator[Line]:
     if factor > INERTIA_NOTE:
         yield Line(
             "note",
-            "Bending waves shorter than a few quads are too slow: rotary inertia is scaled by "
-            f"{factor:.3g}.",
+            f"Rotary inertia is scaled by {factor:.3g} for a longer time step, so bending waves "
+            "shorter than a few quads are too slow. Use a finer film if they matter to you.",
         )
 
 
