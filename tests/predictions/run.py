@@ -13,7 +13,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
-from prediction import Found, found
+from prediction import Figure, Found, found
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 CASES = (
@@ -76,16 +76,16 @@ def text(one: Found):
     return f"{one.value:.{n}f} ± {one.half_width:.{n}f}"
 
 
-def band(one: Found):
-    """Return the published band."""
-    return f"{one.figure.low:.4g} to {one.figure.high:.4g}"
+def band(one: Figure):
+    """Return the published band, if there is one."""
+    return f"{one.low:.4g} to {one.high:.4g}" if one.low == one.low else "–"
 
 
 def row(one: Found):
     """Return the row of a figure."""
     parts = ", ".join(f"{part} {size:.2g}" for part, size in one.parts.items())
     scatter = f"{one.scatter:.2g}" if one.scatter == one.scatter else "–"
-    cells = (one.figure.name, one.figure.published, band(one), text(one), parts)
+    cells = (one.figure.name, one.figure.published, band(one.figure), text(one), parts)
     return f"| {' | '.join(cells)} | {scatter} | {one.n} | {one.verdict} |"
 
 
@@ -109,9 +109,11 @@ def page(results, seconds):
     for name, one in every:
         title = case_of(name).title
         link = f"[{title}](#{title.lower().replace(' ', '-').replace(',', '')})"
-        short.append(f"| {link} | {one.figure.name} | {band(one)} | {text(one)} | {one.verdict} |")
+        short.append(
+            f"| {link} | {one.figure.name} | {band(one.figure)} | {text(one)} | {one.verdict} |"
+        )
     return TEXT.format(
-        n=len(every),
+        n=sum(one.figure.low == one.figure.low for _, one in every),
         n_hit=sum(one.hits for _, one in every),
         short="\n".join(short),
         sections="\n".join(section(name, one) for name, one in results.items()),
