@@ -131,6 +131,8 @@ class Found:
 def found(case: Prediction, figure: Figure, results: Mapping[str, Mapping[str, Any]]) -> Found:
     """Return a figure of a case with its error bar from what the runs returned."""
     values = {name: one[figure.name] for name, one in results.items() if figure.name in one}
+    if not values:
+        return Found(figure, math.nan, {}, n=0)
     groups: dict[tuple[float, float], list[float]] = {}
     for name, value in values.items():
         groups.setdefault((case.runs[name].edge, case.runs[name].speed), []).append(value)
