@@ -66,6 +66,7 @@ from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
 from .tool.tool_file import read_tool
+from .unit import showing
 
 __version__ = version("shellcut")
 
@@ -142,6 +143,7 @@ __all__ = [
     "report_run",
     "report_study",
     "save_checkpoint",
+    "showing",
     "sweep",
     "tool_shapes",
     "trouser",

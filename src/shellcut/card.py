@@ -12,7 +12,7 @@ import numpy as np
 
 from .arguments import declared
 from .arrays import Floats, Numbers
-from .unit import after
+from .unit import after, shown, with_unit
 
 Figures: TypeAlias = list[tuple[str, float | str, str]]
 """Name, value and unit of each figure."""
@@ -49,7 +49,7 @@ def card(
     """
     rows = "".join(
         f'<tr><th style="text-align:left;font-weight:500;padding-right:1em">{escape(name)}</th>'
-        f'<td style="text-align:left">{escape(_number(value) + after(unit))}</td></tr>'
+        f'<td style="text-align:left">{escape(_text(value, unit))}</td></tr>'
         for name, value, unit in figures
     )
     lines = "".join(
@@ -89,7 +89,8 @@ def figures_of(thing: Any) -> Figures:
 
 def extent(points: Floats) -> tuple[str, str, str]:
     """Return the figure of how far points reach along x, y and z."""
-    return "extent", " × ".join(f"{length:.4g}" for length in np.ptp(points, axis=0)), "mm"
+    unit, factor = shown("mm")
+    return "extent", " × ".join(f"{factor * size:.4g}" for size in np.ptp(points, axis=0)), unit
 
 
 def drawing(
@@ -138,7 +139,7 @@ def drawing(
     )
 
 
-def _number(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return f"{value:,}" if isinstance(value, int) else f"{value:.5g}"
+def _text(value: float | str, unit: str) -> str:
+    if isinstance(value, float):
+        return with_unit(value, unit)
+    return (value if isinstance(value, str) else f"{value:,}") + after(unit)

@@ -12,7 +12,9 @@ is not known); elsewhere and in words any case is read (``lbF``, ``KN``, ``INCH`
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from fractions import Fraction
 from math import pi
 
@@ -91,15 +93,9 @@ DIMENSIONS: Mapping[str, Sizes] = {
     "ratio": RATIO,
 }
 """Unit of each dimension in a history or a measured table."""
-LIBRARY_UNITS = {
-    "length": "mm",
-    "angle": "deg",
-    "force": "N",
-    "torque": "N*mm",
-    "stress": "MPa",
-    "time": "s",
-    "ratio": "-",
-}
+LIBRARY_UNITS = dict(
+    zip(DIMENSIONS, ("mm", "deg", "N", "N*mm", "MPa", "s", "-"), strict=True)
+)
 """The unit in which histories store each dimension."""
 
 _KINDS: tuple[tuple[Sizes, Exponents], ...] = (
@@ -228,11 +224,11 @@ def dimension(unit: str) -> str | None:
 
 
 def _measure(unit: str) -> tuple[str | None, Fraction]:
-    # dimension, and size in the library's unit
+    # dimension, and size in the library's unit of it
     name = canonical(unit)
     for what, sizes in DIMENSIONS.items():
         if name in sizes:
-            return what, sizes[str(name)] / sizes[LIBRARY_UNITS[what]]
+            return what, sizes[str(name)]
     if not any(map(str.isalpha, unit)):
         return None, Fraction(0)
     try:
@@ -277,50 +273,66 @@ def conversion(unit: str, to: str) -> float:
     return float(size / target)
 
 
-def shown_in(unit: str, wanted: str) -> tuple[str, float]:
-    """Return the unit in which numbers in ``unit`` are shown, and the factor to it.
+_WANTED: ContextVar[str] = ContextVar("units in which figures are shown", default="")
+
+
+@contextmanager
+def showing(units: str) -> Iterator[None]:
+    """Show the figures of tables, curves, pictures and pages in these units.
+
+    Sentences, model files and written numbers (CSV, HDF5, JSON) stay in mm, N and s.
 
     Parameters
     ----------
-    unit : str
-        Of the numbers.
-    wanted : str
-        Units with commas, as ``"in, lbf"``: lengths and forces, and what is made of them, take
-        these; a unit of the same dimension, as ``"psi"`` for a stress, goes first. What none is for
-        keeps its unit.
+    units : str
+        With commas, as ``"in, lbf"``: lengths and forces, and what is made of them, take these; a
+        unit of the same dimension, as ``"psi"`` for a stress, goes first. What none is for keeps
+        its unit.
 
     Raises
     ------
     ValueError
-        If one of those wanted is no unit.
+        If one of them is no unit.
 
     Examples
     --------
-    >>> for unit in ("N*mm", "N/mm", "mm^2", "MPa", "deg"):
-    ...     print(*shown_in(unit, "in, lbf, psi"))
-    lbf*in 0.00885074579132...
-    lbf/in 5.71014715473...
-    in^2 0.00155000310...
-    psi 145.03773773...
-    deg 1.0
+    >>> with showing("in, lbf, psi"):
+    ...     print(with_unit(143.5, "N*mm"), *map(shown, ("mm^2", "mm/s", "MPa", "deg")))
+    1.27 lbf·in ('in^2', 0.00155...) ('in/s', 0.0393...) ('psi', 145.03...) ('deg', 1.0)
     """
-    if not wanted:
-        return unit, 1.0
-    named = {parsed(one)[1]: one.strip() for one in wanted.split(",") if one.strip()}
+    for one in units.split(","):
+        parsed(one)
+    before = _WANTED.set(units)
     try:
-        size, exponents = parsed(unit)
+        yield
+    finally:
+        _WANTED.reset(before)
+
+
+def shown(unit: str) -> tuple[str, float]:
+    """Return the unit in which numbers in ``unit`` are shown, and the factor to it."""
+    named = {parsed(one)[1]: one.strip() for one in _WANTED.get().split(",") if one.strip()}
+    try:
+        size, exponents = parsed(unit) if named else (Fraction(1), (0, 0, 0, 0))
     except ValueError:
         return unit, 1.0
-    length, force, *others = exponents
-    basic = {(1, 0, 0, 0): length, (0, 1, 0, 0): force}
+    length, force, time, angle = exponents
+    parts = ((0, 1, 0, 0), "N", force), ((1, 0, 0, 0), "mm", length), ((0, 0, 1, 0), "s", time)
     new = named.get(exponents, "")
-    if not new and not any(others) and any(of and named.get(one) for one, of in basic.items()):
-        arm, push = (named.get(one, si) for one, si in zip(basic, ("mm", "N"), strict=True))
-        power = arm if abs(length) == 1 else f"{arm}^{abs(length)}"
-        over = push if force == 1 else f"{push}^{force}" if force else "1"
-        new = f"{over}/{power}" if length < 0 else f"{over}*{power}" if length else over
-        new = new.removeprefix("1*")
+    if not new and not angle and any(power and one in named for one, _, power in parts[:2]):
+        of = [(named.get(one, own), power) for one, own, power in parts]
+        over, under = (
+            [one if k * n == 1 else f"{one}^{k * n}" for one, n in of if k * n > 0] for k in (1, -1)
+        )
+        new = "/".join(("*".join(over) or "1", *under))
     return (new, float(size / parsed(new)[0])) if new else (unit, 1.0)
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a number with four significant digits and its unit, as shown within `showing`."""
+    unit, factor = shown(unit)
+    value = factor * value + 0.0  # no "-0"
+    return (f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}") + after(unit)
 
 
 def pretty(unit: str) -> str:

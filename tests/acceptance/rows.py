@@ -90,7 +90,7 @@ def main_job(user: User) -> str:
         r"step +\S+ s at first, so about [\d,]+ steps .* about .* on a free core",
         r"compiling \(first run only",
         r"compiled in \d+ s",
-        r"angle [\d.]+ deg, torque \S+ N\*mm.* steps/s, .* left",
+        r" left, angle [\d.]+°, torque \S+ N·mm.* steps/s",
     ):
         expect(re.search(pattern, said), f"nothing like {pattern!r} was said:\n{said}")
     shares = [int(share) for share in re.findall(r"(\d+) %: .*balance [+-][\d.]+ % \| crack", said)]

@@ -34,6 +34,20 @@ def smoothed(g, g_m):
     return (g / g_m) ** 3 * (3 * g_m - 2 * g) if g < g_m else g
 
 
+def smoothed_integral(g, g_m):
+    """The integral of f from 0 to g."""
+    if g < g_m:
+        r = g / g_m
+        return g_m * g_m * r**4 * (0.75 - 0.4 * r)
+    return 0.35 * g_m * g_m + 0.5 * (g * g - g_m * g_m)
+
+
+def energy_after_a_jump(p, depth, place, offset, fades_over, k, g_m):
+    """Energy of a node at p in the tool that got an offset at a place, and that offset at p."""
+    now = offset * np.exp(-0.5 * np.sum((p - place) ** 2) / fades_over**2)
+    return k * smoothed_integral(max(depth - now, 0.0), g_m), now
+
+
 def shortest_step(normals, needed):
     """The least w with normals @ w >= needed, by least squares (Lawson & Hanson 1974, 23.4)."""
     rows = np.vstack([normals.T, needed])

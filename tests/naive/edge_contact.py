@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .contact import rounded_depth, smoothed
+from .contact import rounded_depth, smoothed, smoothed_integral
 
 
 def planes_of(tool):
@@ -38,11 +38,3 @@ def forces_on_ends(a, b, length, spacing, tool, radius, k, g_m):
         force += np.outer([1.0 - s, s], f)
         energy += k / len(shares) * smoothed_integral(depth, g_m)
     return force, energy
-
-
-def smoothed_integral(g, g_m):
-    """The integral of f from 0 to g."""
-    if g < g_m:
-        r = g / g_m
-        return g_m * g_m * r**4 * (0.75 - 0.4 * r)
-    return 0.35 * g_m * g_m + 0.5 * (g * g - g_m * g_m)

@@ -381,7 +381,7 @@ a mesh {finer:g} times finer (the finest companion: 1.5) at 1/{slower:g} of the 
 1/2). That run is the fine answer; it has its own chance, which the band must hold, too.
 
 **{share:.1f} % of {n_figure} figures lie within their band** (95 % interval over the models:
-{low:.1f} to {high:.1f} %). Aimed at are 93 to 97 %.
+{low:.1f} to {high:.1f} %). The aim is 93 to 97 %.
 
 {figures}
 
@@ -396,7 +396,7 @@ Beyond ±3 they are drawn at ±3. Each part of the band is needed:
 {parts}
 
 The median of all runs, with the t distribution of their mean or their largest difference, whichever
-is larger, would hold {by_median:.0f} %: it knows nothing of what a finer mesh still changes.
+is larger, would hold {by_median:.0f} %: it does not contain what a finer mesh still changes.
 
 No number in the band is fitted, two choices stand beside others: with order 2 in place of 1 in the
 part of the mesh it would hold {by_second:.1f} %, for cracks and sawteeth do not converge as shells
@@ -408,7 +408,7 @@ do; with a crack's length known to half an edge in place of one, {by_half:.1f} %
   the kinetic energy of {fast} as given passes the [5 %](howto/trust.md) of the verdict. Their bands
   are wide, {width:.0f} % of the value in the median; finer and slower models have narrower ones.
 - Errors that all runs share: the law, the material, the friction, the shell theory.
-- {failed} models have a companion that failed; their bands are without it.
+- A companion failed in {failed} models; the error bars of these lack it.
 
 ## The misses
 

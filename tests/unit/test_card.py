@@ -33,7 +33,7 @@ def simulation():
         (lambda: MESH, {"quads": "32", "extent": "4 × 2 × 0 mm"}, 32),
         (lambda: BLADE, {"cutting edges": "1", "their length": "3 mm"}, BLADE.n_triangle),
         (lambda: LAMINATE, {"thickness": "0.074 mm", "yield stress": "50 MPa"}, 2),
-        (lambda: FOIL, {"young": "70000 MPa", "density": "2.7e-09 t/mm³", "gain": "20 MPa"}, 0),
+        (lambda: FOIL, {"young": "70,000 MPa", "density": "2.7e-09 t/mm³", "gain": "20 MPa"}, 0),
         (simulation, {"quads": "32", "work of the tool": "0 N·mm"}, 32),
     ],
     ids=["mesh", "tool", "film", "material", "simulation"],

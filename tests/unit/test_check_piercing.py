@@ -11,7 +11,7 @@ from shellcut.fracture.puncture import bending_length
 def doubts(**options):
     case = opening_test("quick", **options)
     findings = shellcut.check_model(case.simulation, case.duration).findings
-    return [str(one) for one in findings if "pierces" in str(one)]
+    return [str(one) for one in findings if "pierce" in str(one)]
 
 
 def brittle(length):

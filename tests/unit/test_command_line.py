@@ -116,7 +116,7 @@ def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
     assert any(line.startswith("tool   1 body") for line in said)
     step = next(line for line in said if line.startswith("step"))
     assert "steps to path 1.5 mm" in step
-    assert any(line.startswith("crack length [mm]") for line in said)
+    assert any(re.fullmatch(r"crack length +[\d.]+ mm", line) for line in said)
     assert any(line.startswith("edges  ") for line in said)
     assert "shown  force along (1, 0, 0), over the path" in said
     none = next(line for line in said if line.startswith("no steady window, so there is no mean: "))
@@ -134,7 +134,7 @@ def test_the_window_is_said_beside_the_mean(out, tmp_path, capsys):
     (ended / "summary.json").write_text(json.dumps(summary))
     assert main(["resume", str(ended)]) == 0
     said = capsys.readouterr().out.splitlines()
-    assert "force, mean over 6.46 to 27.3 mm [N] 3.258" in [" ".join(line.split()) for line in said]
+    assert "force, mean over 6.46-27.3 mm 3.258 N" in [" ".join(line.split()) for line in said]
     assert not any("no steady window" in line for line in said)
 
 
@@ -177,7 +177,7 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
     assert shares[-1] == 100
     assert len(shares) == 20
     told = re.fullmatch(
-        r"100 %: path [\d.]+ mm, force \S+ N \| E: (.*) N\*mm \| balance ([+-][\d.]+) % \| "
+        r"100 %: path [\d.]+ mm, force \S+ N \| E: (.*) N·mm \| balance ([+-][\d.]+) % \| "
         r"crack (\S+) mm, cables (\d+) made (\d+) jointed (\d+) broken",
         lines[-1],
     )
@@ -192,10 +192,10 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
 def test_the_table_at_the_end_is_the_account_of_the_summary(out):
     summary = json.loads((out / "summary.json").read_text())
     said = (out.parent / "stdout").read_text()
-    rows = re.findall(r"^(\S.*) \[N\*mm\] +(\S+) +(\S+) %$", said, re.MULTILINE)
+    rows = re.findall(r"^(\S.*?) +(\S+) N·mm +(\S+) %$", said, re.MULTILINE)
     (words, work, whole), *became = rows
     assert (words, float(whole)) == ("work of the tool", 100.0)
-    assert float(work) == pytest.approx(summary["tool_work_Nmm"], rel=1e-5)
+    assert float(work) == pytest.approx(summary["tool_work_Nmm"], rel=1e-3)
     assert {words for words, *_ in became} >= {"stored in the film", "contact"}
     # Shares that round to 0.0 % are left out.
     assert sum(float(energy) for _, energy, _ in became) == pytest.approx(float(work), rel=2e-3)
@@ -312,7 +312,7 @@ def test_a_closed_pipe_is_ignored(tmp_path, monkeypatch):
     with open(writing, "wb", buffering=0) as pipe:
         monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(pipe, write_through=True))
         assert main(["run", "guillotine", "-o", str(tmp_path), *SHORT]) == 0
-    assert "crack length [mm]" in (tmp_path / "run.log").read_text()
+    assert "crack length   " in (tmp_path / "run.log").read_text()
 
 
 @pytest.mark.parametrize("command", [["keys"], ["run", "--list"], ["compare"]])

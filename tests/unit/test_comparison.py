@@ -76,7 +76,7 @@ def test_the_mean_is_of_the_steady_window_of_the_run(tmp_path):
     assert found.mean_simulated == pytest.approx(100.0 + 0.5 * (low + high), rel=1e-12)
     assert found.mean_error == pytest.approx(0.25, rel=1e-12)
     assert found.notes == ()
-    assert re.search(rf"mean over {low:.3g}-{high:.3g} deg +1\d\d\S* N\*mm +1\d\d", str(found))
+    assert re.search(rf"mean over {low:.3g}-{high:.3g}° +1\d\d\S* N·mm +1\d\d", str(found))
     content = json.loads(found.to_json(tmp_path / "c.json").read_text())
     assert content["steady_range"] == [low, high]
     assert content["figures"]["mean_simulated"] == {"value": found.mean_simulated, "unit": "N*mm"}
@@ -163,9 +163,9 @@ def test_the_command_writes_table_json_and_picture(run, german, tmp_path, capsys
     names = ["--x", "angle=Winkel", "--y", "torque=Drehmoment"]
     assert main(["compare", str(run), str(german), *names]) == 0
     said = capsys.readouterr().out
-    assert "wave: angle 0 to 90 deg, 181 points" in said
+    assert "wave: angle 0 to 90°, 181 points" in said
     assert "peak torque" in said
-    assert "140 N*mm" in said
+    assert "140 N·mm" in said
     assert json.loads((run / "comparison.json").read_text())["figures"]["rms"]["unit"] == "N*mm"
     assert (run / "comparison.png").stat().st_size > 1000
     elsewhere = ["--json", str(tmp_path / "a.json"), "--picture", str(tmp_path / "a.png")]

@@ -20,7 +20,7 @@ FILM = ShellMaterial.homogeneous(thickness=0.074)
 EDGE = 0.4  # length of a quad's edge [mm]
 G_M = 0.074 / 4
 AREA = 0.04
-FOREVER = 1.0  # a step so long that every absorbed jump has decayed
+SETTLED = 1e3  # a depth so large that one that is found is no jump: the film is there already
 
 
 def nodes_at(points, far=(50.0, 60.0, 70.0)):
@@ -34,7 +34,8 @@ def nodes_at(points, far=(50.0, 60.0, 70.0)):
         1e-6  # t: too heavy to be thrown by what these tests look at
     )
     state.node.x[state.n_node :] = np.nan
-    state.dt = FOREVER
+    state.node.contact_depth[:] = SETTLED
+    state.dt = 0.0
     return state
 
 
@@ -70,6 +71,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     shares = np.random.default_rng(4).uniform(0.1, 1.0, len(points))
     state.node.contact_share[: len(points)] = shares
     forces, result = evaluate(contact, state, pose)
+    state.node.contact_depth[state.node.contact_depth == SETTLED] = 0.0  # of nodes not listed
     wrench = np.zeros((tool.n_body, 6))
     inside = 0
     for n, p in enumerate(points):
@@ -126,8 +128,8 @@ def film_beside(sign, gap=0.005, behind=0.3):
     x = mesh.nodes[:, 0] - mesh.nodes[node, 0] - behind
     mesh = cases.moved_mesh(mesh, np.column_stack([x, y]))
     state = initial_state(mesh)
-    state.node.contact_area[:] = AREA
-    state.dt = FOREVER
+    state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
+    state.dt = 0.0
     return state, node
 
 
@@ -181,7 +183,7 @@ def test_node_with_quads_on_both_sides_takes_the_nearest_face(sign):
     node = 2 + 6
     place = mesh.nodes.copy() - mesh.nodes[node] + [-0.3, sign * 0.004, 0.0]
     state = initial_state(cases.moved_mesh(mesh, place))
-    state.node.contact_area[:], state.dt = AREA, FOREVER
+    state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
     evaluate(PenaltyContact(BLADE, Contact(), FILM, EDGE), state)
     assert state.node.contact_side[node] == sign
 
@@ -206,35 +208,10 @@ def test_a_tooth_across_the_ring_claims_no_node(n_teeth, outside):
         state = initial_state(mesh)
         # x of the sheet runs clockwise seen from above, its y outwards: director down.
         state.node.x[: mesh.n_node] = p - local[:, :1] * tangent + local[:, 1:2] * radial
-        state.node.contact_area[:], state.dt = AREA, FOREVER
+        state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
         forces, _ = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
         assert state.node.contact_side[corner] == out, body
         assert out * (forces[corner] @ radial) > 0
-
-
-def test_a_jump_is_absorbed_and_let_go():
-    state = nodes_at([[-1.0, 0.1, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
-    state.dt = 0.0
-    forces, result = evaluate(contact, state)
-    depth = state.node.contact_depth[0]
-    assert depth > 5 * NOTICED * contact.law.smoothing_depth
-    assert not forces.any()  # all of it is absorbed at first
-    assert result.stored == 0.0
-    state.dt = 1e-6
-    absorbed = 0.0
-    decay = contact.law.absorb_slowness * np.sqrt(4.0 * AREA)
-    for step in range(1, 41):
-        forces, result = evaluate(contact, state)
-        loaded = depth * (1 - np.exp(-step * 1e-6 / decay))
-        size = 1e4 * AREA * smoothed(loaded, G_M)
-        assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
-        assert state.node.contact_offset[0] == pytest.approx(depth - loaded, rel=1e-12)
-        # Nothing has moved: what the spring has gained is given by the jump.
-        absorbed += result.absorbed
-        assert absorbed == pytest.approx(-result.stored, rel=1e-12)
-        assert result.node_work == 0.0
-    assert result.stored > 0.5 * 1e4 * AREA * smoothed_integral(depth, G_M)
 
 
 def push(state, contact, v, dt, pose=HERE):
@@ -245,22 +222,83 @@ def push(state, contact, v, dt, pose=HERE):
     return evaluate(contact, state, pose)
 
 
+def jumped(depth=0.04):
+    """A node that a split has put into the blade at a depth: state and contact."""
+    state = nodes_at([[-1.0, np.tan(np.radians(10.0)) - depth / np.cos(np.radians(10.0)), 0.0]])
+    state.node.contact_depth[:] = 0.0
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+    forces, result = evaluate(contact, state)
+    assert not forces.any()
+    assert result.stored == 0.0
+    assert state.node.contact_offset[0] == pytest.approx(depth)
+    return state, contact
+
+
+def test_a_jump_is_loaded_by_motion_only():
+    state, contact = jumped()
+    state.dt = 1e-6
+    for _ in range(5):
+        assert not evaluate(contact, state)[0].any()
+    # Tool and film that go together do not move in one another.
+    shift = np.array([0.02, 0.01, -0.01])
+    forces, result = push(state, contact, shift / 1e-6, 1e-6, Pose(np.eye(3), shift))
+    assert np.linalg.norm(forces[0]) < 1e-9
+    assert result.stored < 1e-12
+
+
+@pytest.mark.parametrize("tool_moves", [0.0, 0.3, 1.0], ids=["film", "both", "tool"])
+def test_what_a_jump_loads_is_paid_by_who_moves(tool_moves):
+    # The node goes back along the flank, swings, and comes half of the way back again: its energy
+    # is a function of its place in the tool, the force the gradient, and the works add up to it.
+    (state, contact), dt = jumped(), 1e-7
+    a = np.radians(10.0)
+    outward, along = np.array([np.sin(a), np.cos(a), 0.0]), np.array([-np.cos(a), np.sin(a), 0.2])
+    place, offset = state.node.x[0].copy(), state.node.contact_offset[0]
+    p, old, shift, work, most = place.copy(), np.zeros(3), np.zeros(3), 0.0, 0.0
+
+    def energy_at(p):
+        depth = offset - (p - place) @ outward
+        k = 1e4 * AREA
+        return naive.energy_after_a_jump(p, depth, place, offset, 0.5 * EDGE, k, G_M)
+
+    for phase in np.linspace(0.0, 1.0, 2001)[1:]:
+        gone = 0.2 * np.sin(0.8 * np.pi * phase)
+        swing = -0.004 * np.sin(14.0 * np.pi * phase) ** 2  # into the face
+        step = place + gone * along + swing * outward - p
+        p = p + step
+        shift = shift - tool_moves * step
+        v = (1.0 - tool_moves) * step / dt
+        forces, result = push(state, contact, v, dt, Pose(np.eye(3), shift))
+        force, (energy, now) = forces[0], energy_at(p)
+        # The old and the new force, each on half of the way: of the node, and minus it on the tool.
+        work -= 0.5 * (old + force) @ (v * dt + tool_moves * step)
+        old, most = force, max(most, energy)
+        assert result.stored == pytest.approx(energy, abs=1e-8 * most)
+        assert state.node.contact_offset[0] == pytest.approx(now, rel=1e-9)
+    h = 1e-6
+    ahead, behind = ([energy_at(p + s * h * e)[0] for e in np.eye(3)] for s in (1.0, -1.0))
+    slope = (np.array(ahead) - behind) / (2.0 * h)
+    np.testing.assert_allclose(force, -slope, atol=1e-6 * np.linalg.norm(slope))
+    assert abs(force @ along) > 0.05 * (force @ outward) > 0.0
+    assert work == pytest.approx(energy, abs=1e-3 * most)
+    assert result.wrench[0, :3] == pytest.approx(-force)
+
+
 @pytest.mark.parametrize("travel", [1e-4, 0.02, 0.1])
 def test_what_a_node_flies_into_a_face_is_loaded_at_once(travel):
-    # Whatever it goes in a step: it is no jump, and to absorb it would let the node through.
+    # Whatever it goes in a step: it is no jump, and not to load it would let the node through.
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope + 0.5 * travel, 0.0]])
     contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     evaluate(contact, state)
     for step in range(1, 4):
-        forces, result = push(state, contact, (0.0, -travel / 1e-7, 0.0), 1e-7)
+        forces, _ = push(state, contact, (0.0, -travel / 1e-7, 0.0), 1e-7)
         depth = (step - 0.5) * travel * np.cos(np.radians(10.0))
         if depth > 0.15:  # beyond the mid-plane
             break
         size = 1e4 * AREA * smoothed(depth, G_M)
         assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
         assert state.node.contact_offset[0] == 0.0
-        assert result.absorbed == 0.0
 
 
 def test_what_the_tool_moves_is_loaded_at_once():
@@ -280,10 +318,10 @@ def test_what_the_tool_moves_is_loaded_at_once():
     assert state.node.contact_offset[0] == 0.0
 
 
-def test_growth_without_motion_is_absorbed_from_a_fifth_of_g_m_on():
+def test_growth_without_motion_is_a_jump_from_a_fifth_of_g_m_on():
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope - 0.0035, 0.0]])
-    state.dt = 1e-9
+    state.node.contact_depth[:], state.dt = 0.0, 1e-9
     contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     assert NOTICED == 0.2
     for y in (0.0035, 0.007, 0.0105):
@@ -292,7 +330,7 @@ def test_growth_without_motion_is_absorbed_from_a_fifth_of_g_m_on():
         size = 1e4 * AREA * smoothed(y * np.cos(np.radians(10.0)), G_M)
         assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
     assert state.node.contact_offset[0] == 0.0
-    # A jump later on absorbs the growth of that step only.
+    # A jump later on takes the growth of that step only.
     state.node.x[0, 1] = slope - 0.06
     evaluate(contact, state)
     added = (0.06 - 0.0105) * np.cos(np.radians(10.0))
@@ -303,14 +341,19 @@ def test_a_node_that_has_come_out_is_felt_again_at_once():
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope - 0.06, 0.0]])
     contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
-    state.dt = 0.0
+    state.node.contact_depth[:] = 0.0
     evaluate(contact, state)
     assert state.node.contact_offset[0] > 0.05
-    push(state, contact, (0.0, 0.05 / 1e-9, 0.0), 1e-9)  # nearly out, nothing has decayed
+    push(state, contact, (0.0, 0.05 / 1e-9, 0.0), 1e-9)  # nearly out
     assert state.node.contact_offset[0] == state.node.contact_depth[0] < 0.0101
     forces, _ = push(state, contact, (0.0, -0.03 / 1e-9, 0.0), 1e-9)
-    size = 1e4 * AREA * smoothed(0.03 * np.cos(np.radians(10.0)), G_M)
-    assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-3)
+    # It is nearer to where it jumped, so the offset has grown a little.
+    offset = 0.01 * np.exp(0.5 * (0.05**2 - 0.02**2) / (0.5 * EDGE) ** 2)
+    cosine = np.cos(np.radians(10.0))
+    size = 1e4 * AREA * smoothed((0.04 - offset) * cosine, G_M)
+    assert forces[0, 0] == pytest.approx(size * np.sin(np.radians(10.0)), rel=1e-3)
+    slope = -offset * cosine * 0.02 / (0.5 * EDGE) ** 2
+    assert forces[0, 1] == pytest.approx(size * (cosine + slope), rel=1e-3)
 
 
 @pytest.mark.parametrize("stiff", [0.5, 1.0, 1.5, 2.0])
@@ -396,8 +439,9 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
     # which leaves a node without a side. A contact that has forgotten all gives the same.
     rng = np.random.default_rng(9)
     state = nodes_at(points_in_and_around(tool, 40, seed=6))
-    state.dt = 1e-6
     contact = PenaltyContact(tool, Contact(), FILM, EDGE)
+    evaluate(contact, state)
+    state.dt = 1e-6
     remembered = 0
     for step in range(200):
         state.step = step
@@ -407,15 +451,8 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
         if step % 7 == 0:
             state.revision += 1
             state.node.contact_side[step % 80 :: 3] = 0
-        before = [
-            rows.copy()
-            for rows in (
-                state.node.contact_side,
-                state.node.contact_depth,
-                state.node.contact_offset,
-                state.node.contact_force,
-            )
-        ]
+        kept = "side", "depth", "offset", "place", "work", "force"
+        before = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         forces, result = evaluate(contact, state)
         looks = contact.tables.table.looks
         remembered += np.count_nonzero(looks.within & (looks.flat > 0.0))
@@ -424,8 +461,8 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
             state.node.contact_depth.copy(),
             state.node.contact_offset.copy(),
         ]
-        state.node.contact_side[:], state.node.contact_depth[:] = before[:2]
-        state.node.contact_offset[:], state.node.contact_force[:] = before[2:]
+        for name, rows in before.items():
+            getattr(state.node, f"contact_{name}")[:] = rows
         fresh, again = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
         # Where the face across an edge is known; small angles between faces amplify round-off.
         most = 1e-9 * np.abs(forces).max()

@@ -183,6 +183,20 @@ def is_kernel(node):
     return any(re.search("kernel|inline|apart", ast.unparse(d)) for d in node.decorator_list)
 
 
+@pytest.mark.parametrize(
+    ("page", "said"),
+    [
+        ("CITATION.cff", r"^version: (.*)$"),
+        ("docs/questions.md", r"^  version = \{(.*)\},$"),
+        ("docs/same-bits.md", r"^Versions: shellcut ([\d.]+), "),
+        ("CHANGELOG.md", r"(?s)\A.*?^## \[([\d.]+)\]"),
+    ],
+)
+def test_pages_name_this_version(page, said):
+    here = re.search(r'^version = "(.*)"$', (ROOT / "pyproject.toml").read_text(), re.M)[1]
+    assert re.findall(said, (ROOT / page).read_text(encoding="utf-8"), re.M) == [here]
+
+
 def test_rooms_keep_to_their_budgets():
     table = (ROOT / "docs/architecture.md").read_text(encoding="utf-8").split("## Budgets")[1]
     budgets = {room: int(most) for room, most in re.findall(r"\| `(\w+)` \| (\d+) \|", table)}

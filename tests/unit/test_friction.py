@@ -52,7 +52,7 @@ def started(depth=0.05):
     entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
     here = Pose.at_origin()
     step(state, contact, friction, np.zeros(3), here, entries, dt=0.0)
-    for _ in range(10):  # by motion: a jump would be absorbed
+    for _ in range(10):  # by motion: a jump would not press
         step(state, contact, friction, [0.0, -(depth + 1e-3) / 10, 0.0], here, entries)
     return state, contact, friction, entries
 
@@ -119,7 +119,7 @@ def test_a_moving_tool_and_node_agree_with_a_plain_return_mapping():
 def test_without_pressure_there_is_no_friction():
     state, contact, friction = on_flank(0.05)
     entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
-    for _ in range(2):  # a jump is absorbed: the node lies in the tool, and nothing presses
+    for _ in range(2):  # a jump: the node lies in the tool, and nothing presses
         step(state, contact, friction, [1e-3, 0.0, 0.0], Pose.at_origin(), entries, dt=0.0)
         assert state.node.contact_depth[0] > 0.0
         assert not state.node.friction_force[0].any()

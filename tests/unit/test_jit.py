@@ -2,12 +2,15 @@
 
 import ast
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 import shellcut
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, always_inline, bound, inline, kernel
+from shellcut.numerics.processor import align_stack, seldom
 
 SOURCES = Path(shellcut.__file__).parent
 
@@ -109,3 +112,28 @@ def test_a_function_is_compiled_once_whatever_number_it_is_given():
     assert _pairs(numbers) == 3.0 + 6.0 + 12.0
     if hasattr(_from, "overloads"):
         assert len(_from.overloads) <= 1  # none if the kernel was in the cache
+
+
+class _Pair(NamedTuple):
+    a: np.ndarray
+    b: np.ndarray
+
+
+@kernel
+def _fill(pair, x):
+    align_stack()
+    pair = borrowed(pair)
+    b = pair.b
+    for i in range(3):
+        if seldom(x > 5.0):
+            b[i] = 2.0
+        pair.a[i] = 1.0
+        b[i] += x
+
+
+def test_what_is_stored_in_a_borrowed_table_is_there_after_the_kernel():
+    # Numba's removal of dead code takes an array for unused if it does not know whose it is
+    pair = _Pair(np.zeros(3), np.zeros(3))
+    _fill(pair, 7.0)
+    assert (pair.a == 1.0).all()
+    assert (pair.b == 9.0).all()

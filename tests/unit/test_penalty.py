@@ -104,13 +104,6 @@ def test_smoothing_follows_the_film_and_stays_small_beside_the_tool():
     assert law(0.02, smoothing=0.1).smoothing_depth == 0.002
 
 
-def test_a_jump_is_let_go_in_the_time_of_thirty_edges():
-    assert law().absorb_slowness == pytest.approx(30.0 / math.sqrt(1678.0 / 1e-9), rel=1e-12)
-    assert law(1.0, 70000.0, 2.7e-9).absorb_slowness == pytest.approx(
-        30.0 / math.sqrt(70000.0 / 2.7e-9), rel=1e-12
-    )
-
-
 def test_a_laminate_counts_by_its_layers():
     film = ShellMaterial(
         [Layer(Elastic(70000.0, 0.3, 2.7e-9), 0.01), Layer(Elastic(300.0, 0.3, 0.9e-9), 0.09)]

@@ -303,14 +303,13 @@ def test_a_point_that_slides_over_the_mesh_is_felt_throughout():
 
 def test_film_at_a_crack_is_left_alone():
     sim, points, s, k = pressing()
-    stored = points.forces.stored
+    assert points.forces.stored > 0.0
     s.node.halved[points.carriers.node[k, 0]] = True
     s.revision += 1
     result = press(sim, 0.02)
     assert result.n_touching == 0
     assert not result.wrench.any()
-    assert result.absorbed == stored > 0.0
-    assert press(sim, 0.02).absorbed == 0.0
+    assert result.stored == 0.0
 
 
 def test_it_counts_in_the_step():

@@ -35,9 +35,9 @@ def test_lines_elsewhere_than_on_a_terminal_come_every_ten_seconds():
     run(stream, Clock())
     lines = stream.getvalue().splitlines()
     assert lines[0] == "opening: compiling (first run only)"
-    assert lines[1] == "opening: 0 %: angle 0 deg, torque 143.6 N*mm, imbalance -0.04 %"
+    assert lines[1] == "opening: 0 %: angle 0°, torque 143.6 N·mm, imbalance -0.04 %"
     assert lines[2] == (
-        "opening: 10 %: 1 min 25 s left, angle 10.0 deg, torque 143.6 N*mm, imbalance -0.04 %, "
+        "opening: 10 %: 1 min 25 s left, angle 10°, torque 143.6 N·mm, imbalance -0.04 %, "
         "1,000 steps/s"
     )
     assert len(lines) == 1 + 5  # the note, at 0, 10, 20, 30 and 40 s, which is the last
@@ -52,7 +52,7 @@ def test_a_terminal_gets_a_bar_with_its_figures(monkeypatch, columns, cut):
     text = stream.getvalue()
     assert "compiling (first run only)" in text
     last = next(line for line in reversed(text.splitlines()) if "opening" in line)
-    for piece in ("opening", "━", "42 %", "left", "angle 40.0 deg", "torque 143.6 N*mm", *cut):
+    for piece in ("opening", "━", "42 %", "left", "angle 40°", "torque 143.6 N·mm", *cut):
         assert piece in last
 
 
@@ -60,7 +60,7 @@ def test_an_odd_run_and_a_zero(monkeypatch):
     stream = io.StringIO()
     with Progress("opening", figure_units=UNITS, stream=stream) as shown:
         shown.update(0.0, step=0, torque=-0.0)
-    assert "torque 0 N*mm" in stream.getvalue()
+    assert "torque 0 N·mm" in stream.getvalue()
     for share in (0.0, float("nan"), float("inf"), -1.0, 2.0):
         with Progress("opening", stream=io.StringIO()) as shown:
             shown.update(share, step=1, torque=float("inf"))
@@ -74,7 +74,7 @@ def test_a_dumb_terminal_gets_lines(monkeypatch):
     stream = Terminal()
     run(stream, Clock())
     assert "\x1b" not in stream.getvalue()
-    assert "opening: 10 %: 1 min 25 s left, angle 10.0 deg" in stream.getvalue()
+    assert "opening: 10 %: 1 min 25 s left, angle 10°" in stream.getvalue()
 
 
 @pytest.mark.parametrize("terminal", [False, True])

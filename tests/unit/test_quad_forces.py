@@ -16,7 +16,7 @@ from shellcut.mesh.structured import disc, rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import kernel
-from shellcut.numerics.processor import flush_subnormals, mxcsr, set_rounding
+from shellcut.numerics.processor import flush_subnormals, set_rounding
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 
@@ -148,7 +148,9 @@ of_x86 = pytest.mark.skipif(
 
 @kernel
 def _setting():
-    return mxcsr()
+    before = flush_subnormals()
+    set_rounding(before)
+    return before
 
 
 @of_x86

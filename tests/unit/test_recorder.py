@@ -170,7 +170,7 @@ def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, ca
     sim = cutting()
     recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
     before = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
-    assert any("the process zone must be longer" in text for text in before)
+    assert any("opening_u must be at least" in text for text in before)
     assert recorder.verdict == ()
     sim.run(END, [recorder])
     lines = strict_json(tmp_path / "summary.json")["verdict"]

@@ -126,16 +126,6 @@ class TestPage:
         assert f"{summary['crack_length_mm']:.4g} mm" in page
         assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
 
-    def test_figures_and_curves_come_in_the_units_asked_for(self, out, tmp_path):
-        summary = json.loads((out / "summary.json").read_text())
-        page = report_run(out, tmp_path / "us.html", units="in, lbf").read_text(encoding="utf-8")
-        assert f"{summary['crack_length_mm'] / 25.4:.4g} in" in page
-        assert f"{summary['tool_work_Nmm'] / 112.984829:.4g} lbf·in" in page
-        assert "force [lbf]" in page
-        assert "path [in]" in page
-        with pytest.raises(ValueError, match="must have a unit made of"):
-            report_run(out, tmp_path / "no.html", units="furlong")
-
     def test_text_of_the_user_is_escaped(self, page):
         assert "alert(1)</script>" not in page
         assert "&lt;script&gt;alert(1)" in page
@@ -185,7 +175,7 @@ class TestWhatIsMissing:
     def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):
         whole = report_run(out).read_text(encoding="utf-8")
         killed = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
-        assert "Shown is the force along (1, 0, 0); positive resists the tool." in whole
+        assert "The curve is the force along (1, 0, 0). Positive values resist the tool." in whole
         reason = shellcut.read(out).summary["no_window"]
         assert reason.startswith("cutting edge 1 has cut ")
         for page in (whole, killed):

@@ -197,6 +197,21 @@ def planned_folder(folder, given):
     return folder
 
 
+def test_inputs_and_figures_come_in_the_units_asked_for(tmp_path):
+    folder = planned_folder(tmp_path / "s", {"motion.pitch": "12.7, 25.4"})
+    with sc.showing("in, lbf"):
+        study = read_folder(folder)
+        page = report_study(folder).read_text(encoding="utf-8")
+    (pitch,), (torque,) = study.factors, study.figures
+    assert pitch.unit == "in"
+    assert [*pitch.ends, *pitch.values] == pytest.approx([0.5, 1.0, 0.5, 1.0])
+    assert torque.unit == "lbf*in"
+    assert torque.values == pytest.approx(np.array([130.0, 131.0]) / 112.984829)
+    assert "pitch [in]" in page
+    assert "[lbf·in]" in page
+    assert "131.0" in (folder / "table.csv").read_text(encoding="utf-8-sig")
+
+
 class TestValuesThatGoTogether:
     def test_numbers_of_the_first_key_stand_for_them(self, tmp_path):
         linked = {
@@ -210,7 +225,7 @@ class TestValuesThatGoTogether:
             "wedge half angle",
         ]
         assert study.factors[0].values.tolist() == [40.0, 40.0, 60.0, 60.0, 80.0, 80.0]
-        assert (study.factors[0].unit, study.factors[0].ends) == ("°", (40.0, 80.0))
+        assert (study.factors[0].unit, study.factors[0].ends) == ("deg", (40.0, 80.0))
         page = page_of(folder)
         for head in ("edge inclination [°]", "pitch [mm]", "wedge half angle [°]"):
             assert f">{head}</th>" in page  # the table has every key

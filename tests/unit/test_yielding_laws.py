@@ -28,7 +28,8 @@ from shellcut.material.logarithmic_strain import (
     sum_and_difference,
 )
 from shellcut.material.rate_factor import RateFactor
-from shellcut.numerics.lane_exponentials import any_above, exponential, logarithm
+from shellcut.numerics.lane_exponentials import exponential, logarithm
+from shellcut.numerics.lane_functions import any_above
 from shellcut.numerics.lanes import pick, put
 
 E, NU = 1000.0, 0.35

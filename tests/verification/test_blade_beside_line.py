@@ -73,6 +73,14 @@ def _check_path(sim: sc.Simulation, notched: bool) -> None:
     assert len(sim.cracks.tips) == 1
 
 
+def _check_contact(sim: sc.Simulation, loses: float = 3e-3) -> None:
+    """The faces are frictionless and the penalty elastic: contact keeps and gives nothing."""
+    # Nodes born within a tenth of an edge of the mid-plane are set over to the other flank, and
+    # the tool pays for it. Measured -4e-5 to 5e-4 of the work, 1.3e-3 in one run, by impacts.
+    lost = sim.ledger.contact_work - sim.contact.forces.stored
+    assert -5e-4 * sim.ledger.tool_work < lost < loses * sim.ledger.tool_work
+
+
 @pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])
 @pytest.mark.parametrize("beside", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("criterion", ["force", "stress"])
@@ -86,11 +94,7 @@ def test_the_nearer_line_is_cut(criterion: str, beside: float, notched: bool) ->
     _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
     assert np.abs(imbalance / work).max() < 6e-3
     assert abs(imbalance[-1]) < (1e-3 if beside == 0.0 else 3e-3) * work[-1]
-    # The faces are frictionless and the penalty elastic: the contact keeps nothing and gives
-    # nothing. Measured 2e-4 to 2.5e-3 of the work on the line. Beside it the absorbed jumps of
-    # nodes born in the wedge do give; see the test of the contact's work below.
-    if beside == 0.0:
-        assert abs(sim.ledger.contact_work - sim.contact.forces.stored) < 5e-3 * work[-1]
+    _check_contact(sim)
 
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])
@@ -102,11 +106,7 @@ def test_the_work_beside_the_line_is_that_on_it(criterion: str, beside: float) -
     _check_path(sim, True)
     on_line = _cut(criterion, 0.0, True)[1][-1, 1]
     assert rows[-1, 1] == pytest.approx(on_line, rel=0.15)
-    # Nodes that lie well on one side of the blade stay there; those born within a tenth of an edge
-    # of the mid-plane may be set over, and absorbing their jump gives the film some work. Measured
-    # at 0.1 mm: -1.3 to -2.4 % (or none, with 11 % more work, when one more node keeps its side);
-    # farther off +-0.2 %.
-    assert sim.ledger.contact_work > (-0.03 if abs(beside) < 0.15 else -0.005) * rows[-1, 1]
+    _check_contact(sim)
     _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
     assert np.abs(imbalance / work).max() < 6e-3
 
@@ -115,9 +115,10 @@ def test_the_work_beside_the_line_is_that_on_it(criterion: str, beside: float) -
 def test_edges_of_the_film_that_the_blade_goes_through_do_not_press(beside: float) -> None:
     # At the notch's mouth one lies across the whole blade. On its way out at the other side the
     # depth jumps, so a force there is no gradient: it would give the film 8 % of the work.
-    sim, rows = _cut("force", beside, True, film_edges=True)
+    sim, _ = _cut("force", beside, True, film_edges=True)
     _check_path(sim, True)
-    assert sim.ledger.contact_work > (-0.03 if beside > -0.15 else -0.005) * rows[-1, 1]
+    # Where the blade goes through an edge its springs let go: measured 1.3 % at 0.2 mm.
+    _check_contact(sim, loses=0.02)
 
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])

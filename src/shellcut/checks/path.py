@@ -94,8 +94,8 @@ def check_path(
     if law.opening_u < RUNGS * h:
         yield Finding(
             DOUBT,
-            f"the process zone must be longer than the film's edges, opening_u {RUNGS:g} of them "
-            "or more, or the force is too high by a tenth and more",
+            f"opening_u must be at least {RUNGS:g} edges of the film along the path long, or the "
+            "force is too high by a tenth and more",
             f"opening_u {law.opening_u:.4g} mm and edges of {h:.3g} mm on the path, "
             f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",

@@ -52,7 +52,7 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
     if crack < bent:
         yield Finding(
             DOUBT,
-            "energy must hold a tear back where a tip pierces the film: modulus times fracture "
+            "a film must not tear on by itself once a tip has pierced it: modulus times fracture "
             "energy over strength² must exceed the length over which the film bends there",
             f"{crack:.3g} mm and {bent:.3g} mm",
             "such a film tears on by itself once it is pierced, which a run does only from tips "

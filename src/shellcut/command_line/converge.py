@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
-from .exit_code import DONE, FAILED, refuse
-from .shared_arguments import (
-    add_engine_to,
-    add_settings_to,
-    engine_given,
-    named,
-    settings_of,
-)
+from .exit_code import refuse
+from .shared_arguments import add_engine_to, add_settings_to, named, print_found, settings_of
 
 
 def add_to(commands: Any) -> None:
@@ -42,7 +35,6 @@ def add_to(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run what is not done, print the table."""
-    from shellcut.files.folder_lock import FolderInUse
     from shellcut.results.error_bars import CONVERGED, ERROR_BARS
     from shellcut.study.converge import converge
 
@@ -51,23 +43,14 @@ def run(arguments: argparse.Namespace) -> int:
         model, out = model / "used.toml", out or model / CONVERGED
     if out is None:
         return refuse("give a folder for the runs: -o OUT")
-    try:
-        with engine_given(arguments) as executor:
-            found = converge(
-                model,
-                out,
-                figures=[name.strip() for name in arguments.figures.split(",") if name.strip()],
-                settings=settings_of(arguments),
-                executor=executor,
-            )
-    except KeyboardInterrupt:
-        print("interrupted; to continue, call it again", file=sys.stderr)
-        raise
-    except (FolderInUse, OSError, ImportError, ValueError) as problem:
-        return refuse(problem)
-    except RuntimeError as problem:
-        refuse(problem)
-        return FAILED
-    print(found)
-    print(f"in {out}: {ERROR_BARS}; shellcut report {out} shows it")
-    return DONE
+    return print_found(
+        arguments,
+        lambda executor: converge(
+            model,
+            out,
+            figures=[name.strip() for name in arguments.figures.split(",") if name.strip()],
+            settings=settings_of(arguments),
+            executor=executor,
+        ),
+        f"in {out}: {ERROR_BARS}; shellcut report {out} shows it",
+    )

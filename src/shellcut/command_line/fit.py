@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 from shellcut.study.fit import Search
 
 from .compare import parted
-from .exit_code import DONE, FAILED, refuse
 from .shared_arguments import (
     add_engine_to,
     add_options,
     add_settings_to,
-    engine_given,
+    print_found,
     key_and_value,
     made_of,
     named,
@@ -84,28 +83,21 @@ def add_to(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Fit, print the result."""
-    from shellcut.files.folder_lock import FolderInUse
     from shellcut.study.fit import fit
 
-    try:
-        with engine_given(arguments) as executor:
-            found = fit(
-                arguments.model,
-                _curves(arguments),
-                [key.strip() for key in arguments.free.split(",") if key.strip()],
-                arguments.out,
-                settings=settings_of(arguments),
-                search=made_of(arguments, Search, bounds=_bounds(arguments)),
-                executor=executor,
-            )
-    except (FolderInUse, OSError, ImportError, ValueError) as problem:
-        return refuse(problem)
-    except RuntimeError as problem:
-        refuse(problem)
-        return FAILED
-    print(found)
-    print(f"in {arguments.out}: fit.json")
-    return DONE
+    return print_found(
+        arguments,
+        lambda executor: fit(
+            arguments.model,
+            _curves(arguments),
+            [key.strip() for key in arguments.free.split(",") if key.strip()],
+            arguments.out,
+            settings=settings_of(arguments),
+            search=made_of(arguments, Search, bounds=_bounds(arguments)),
+            executor=executor,
+        ),
+        f"in {arguments.out}: fit.json",
+    )
 
 
 def _curves(arguments: argparse.Namespace) -> list[FitCurve]:

@@ -11,6 +11,8 @@ from importlib.metadata import version
 from io import TextIOWrapper
 from typing import NoReturn
 
+from shellcut.unit import showing
+
 from . import (
     compare,
     converge,
@@ -29,6 +31,7 @@ from . import (
 )
 from .exit_code import INTERRUPTED, in_lines, refuse
 from .listener import ignore_closed_pipe
+from .shared_arguments import add_shown_in_to
 
 _COMMANDS = (
     run,
@@ -77,14 +80,15 @@ def main(argv: Sequence[str] | None = None) -> int:
             argcomplete.autocomplete(parser)
     arguments = parser.parse_args(argv)
     try:
-        with ignore_closed_pipe():
+        with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
             code: int = arguments.run(arguments)
     except MemoryError as problem:
         return refuse(f"this machine does not have enough memory: {problem}; use a coarser mesh")
     except OSError as problem:  # of a path that cannot be looked at
         return refuse(problem)
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        is_study = hasattr(arguments, "jobs")
+        print("interrupted" + "; to continue, call it again" * is_study, file=sys.stderr)
         return INTERRUPTED
     return code
 
@@ -101,4 +105,6 @@ def parser_of_all() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in _COMMANDS:
         command.add_to(commands)
+    for name in "run resume converge fit optimise preview compare report view".split():
+        add_shown_in_to(commands.choices[name])
     return parser

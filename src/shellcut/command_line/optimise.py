@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import Any
 
-from .exit_code import DONE, FAILED, refuse
 from .shared_arguments import (
     add_engine_to,
     add_settings_to,
-    engine_given,
+    print_found,
     key_and_value,
     named,
     settings_of,
@@ -65,33 +63,22 @@ def add_to(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the best values."""
-    from shellcut.files.folder_lock import FolderInUse
     from shellcut.model_file.source import parse_value
     from shellcut.study.optimise import OPTIMUM, optimise
 
-    try:
-        confirm = dict(map(key_and_value, arguments.confirm))
-        with engine_given(arguments) as executor:
-            found = optimise(
-                arguments.model,
-                dict(map(key_and_value, arguments.vary)),
-                arguments.out,
-                minimise=arguments.minimise,
-                maximise=arguments.maximise,
-                subject_to=arguments.subject_to,
-                settings=settings_of(arguments),
-                confirm={key: parse_value(value) for key, value in confirm.items()},
-                max_runs=arguments.max_runs,
-                executor=executor,
-            )
-    except KeyboardInterrupt:
-        print("interrupted; to continue, call it again", file=sys.stderr)
-        raise
-    except (FolderInUse, OSError, ImportError, ValueError) as problem:
-        return refuse(problem)
-    except RuntimeError as problem:
-        refuse(problem)
-        return FAILED
-    print(found)
-    print(f"in {arguments.out}: {OPTIMUM}")
-    return DONE
+    return print_found(
+        arguments,
+        lambda executor: optimise(
+            arguments.model,
+            dict(map(key_and_value, arguments.vary)),
+            arguments.out,
+            minimise=arguments.minimise,
+            maximise=arguments.maximise,
+            subject_to=arguments.subject_to,
+            settings=settings_of(arguments),
+            confirm={k: parse_value(v) for k, v in map(key_and_value, arguments.confirm)},
+            max_runs=arguments.max_runs,
+            executor=executor,
+        ),
+        f"in {arguments.out}: {OPTIMUM}",
+    )

@@ -35,9 +35,6 @@ def add_to(commands: Any) -> None:
         "options are those of shellcut compare",
     )
     add_columns_to(parser)
-    parser.add_argument(
-        "--shown-in", metavar="UNITS", default="", help='of figures and curves, as "in, lbf"'
-    )
     parser.set_defaults(run=run)
 
 
@@ -64,4 +61,4 @@ def _written(arguments: argparse.Namespace) -> Path:
             )
         return report_study(arguments.folder, arguments.output)
     found = compared(arguments, arguments.folder) if arguments.measured else None
-    return report_run(arguments.folder, arguments.output, measured=found, units=arguments.shown_in)
+    return report_run(arguments.folder, arguments.output, measured=found)

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
 from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
-from shellcut.results.summary_figures import plain_figures
+from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line
+from shellcut.unit import with_unit
 
 from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED
 
@@ -211,10 +212,10 @@ def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.regular_file import read_regular
 
     summary: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
-    for label, value in plain_figures(summary, _FIGURES):
-        log.say(f"{label:<52} {value:>12,.6g}")
+    for label, value in key_figures(summary, _FIGURES):
+        log.say(f"{label:<52} {value:>14}")
     for words, energy, share in chain(*account(summary)):
-        log.say(f"{words + ' [N*mm]':<52} {energy:>12,.6g} {100.0 * share:>6.1f} %")
+        log.say(f"{words:<52} {with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %")
     if "no_window" in summary:
         log.say(f"no steady window, so there is no mean: {summary['no_window']}")
     log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")

@@ -9,6 +9,9 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
+from shellcut.unit import showing
+
+from .exit_code import DONE, FAILED, refuse
 
 T = TypeVar("T")
 
@@ -99,6 +102,26 @@ def made_of(arguments: argparse.Namespace, owner: Callable[..., T], **more: Any)
     )
 
 
+def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
+    """Add ``--shown-in``."""
+    parser.add_argument(
+        "--shown-in",
+        metavar="UNITS",
+        type=_units,
+        default="",
+        help='of figures, curves and pictures, as "in, lbf"; sentences, the numbers in CSV, HDF5 '
+        "and JSON files, and the keys of a model keep mm, N and s",
+    )
+
+
+def _units(text: str) -> str:
+    try:
+        with showing(text):
+            return text
+    except ValueError as problem:
+        raise argparse.ArgumentTypeError(str(problem)) from None
+
+
 def add_engine_to(parser: argparse.ArgumentParser) -> None:
     """Add ``--jobs`` and ``--dask``."""
     engine = parser.add_mutually_exclusive_group()
@@ -108,6 +131,22 @@ def add_engine_to(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="a Dask scheduler such as tcp://host:8786, whose workers see OUT; or local",
     )
+
+
+def print_found(arguments: argparse.Namespace, find: Callable[[Any], object], where: str) -> int:
+    """Print what runs on the engine given find, and where it is; return the exit code."""
+    from shellcut.files.folder_lock import FolderInUse
+
+    try:
+        with engine_given(arguments) as executor:
+            print(find(executor))
+    except (FolderInUse, OSError, ImportError, ValueError) as problem:
+        return refuse(problem)
+    except RuntimeError as problem:
+        refuse(problem)
+        return FAILED
+    print(where)
+    return DONE
 
 
 @contextlib.contextmanager

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import TYPE_CHECKING, Any
 
 from shellcut.study.design import Design
@@ -65,9 +64,6 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with engine_given(arguments) as executor:
             found = run_study(planned, arguments.out, engine_of(executor))
-    except KeyboardInterrupt:
-        print("interrupted; to continue, call it again", file=sys.stderr)
-        raise
     except (FolderInUse, ConnectionError, ImportError, ValueError) as problem:
         return refuse(problem)
     print(f"in {arguments.out}: {found.table.name}; shellcut report {arguments.out} shows it")

@@ -103,6 +103,8 @@ class Memory(NamedTuple):
     """Depth [mm], 0 outside."""
     offset: Annotated[Floats, "(n_kept,)"]
     """Part of the depth that does not press [mm]."""
+    place: Annotated[Floats, "(n_kept, 3)"]
+    """Where in the body frame that came up [mm]."""
     work: Annotated[Floats, "(n_kept,)"]
     """Work put into the contact since it began [N·mm]."""
     force: Annotated[Floats, "(n_kept, 3)"]
@@ -117,6 +119,7 @@ class Memory(NamedTuple):
             side=n.contact_side,
             depth=n.contact_depth,
             offset=n.contact_offset,
+            place=n.contact_place,
             work=n.contact_work,
             force=n.contact_force,
         )
@@ -126,7 +129,8 @@ class Memory(NamedTuple):
         """Return that of n carriers that touch nothing."""
         row, side = np.arange(n, dtype=np.int64), np.zeros(n, np.int8)
         depth, offset, work = np.zeros((3, n))
-        return cls(row, side, depth, offset, work, np.zeros((n, 3)))
+        place, force = np.zeros((2, n, 3))
+        return cls(row, side, depth, offset, place, work, force)
 
 
 class Clock(NamedTuple):
@@ -290,9 +294,6 @@ class PressForces(NamedTuple):
     """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_tooth, 6)."""
     node_work: float
     """Work of the contact on the nodes since t_{n-1} [N·mm]."""
-    absorbed: float
-    """Energy since t_{n-1} of springs that have let go, and of absorbed jumps; negative: given to
-    the film [N·mm]."""
     stored: float
     """Penalty energy k ∫ f dg at t_n [N·mm]."""
     n_touching: int
@@ -301,7 +302,7 @@ class PressForces(NamedTuple):
     """Largest depth of them [mm]."""
 
 
-WORK, ABSORBED, STORED, TOUCHING, DEEPEST = range(5)
+WORK, STORED, TOUCHING, DEEPEST = range(4)
 """Columns of :attr:`shellcut.tool.touch.Touch.sums`, in the order of the fields."""
 
 
@@ -324,7 +325,6 @@ class PressTerm(ForceTerm):
     booked: Sequence[Booking] = (
         Booking("contact_work", WORK, -1.0),
         Booking("contact_work", ON_TOOL, -1.0),
-        Booking("contact_absorbed", ABSORBED),
     )
     """What goes from the sums into the ledger."""
     tables: Any
@@ -342,9 +342,9 @@ class PressTerm(ForceTerm):
     @property
     def forces(self) -> PressForces:
         """Results of the last evaluation."""
-        work, absorbed, stored, n_touching, deepest = self.touch.sums.tolist()
+        work, stored, n_touching, deepest = self.touch.sums.tolist()
         wrench = self.touch.wrench.copy()
-        return PressForces(wrench, work, absorbed, stored, int(n_touching), deepest)
+        return PressForces(wrench, work, stored, int(n_touching), deepest)
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""

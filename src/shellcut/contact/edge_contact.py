@@ -21,7 +21,7 @@ edge, and through a point that is deeper below its side than half the blade's th
 to the other: these do not press.
 
 *Jumps.* If a point gets deeper by more than film and tool have moved (a split has made the edge),
-that part is an offset of its depth, which does not press and goes as they part.
+that part is an offset of its depth, which does not press and fades as for nodes.
 
 *Memory* belongs to the place in its row's polygon, so it outlasts splits along edges of the mesh.
 """
@@ -39,7 +39,6 @@ from shellcut.state import State
 from shellcut.tool.pose import Pose
 
 from .contact_tables import (
-    ABSORBED,
     WORK,
     Carriers,
     ContactNodes,
@@ -102,11 +101,10 @@ class EdgeContact(PressTerm):
         before, self._pose = self._pose or pose, pose
         renewed = self._of_contact is not self._contact.tables
         if renewed:
-            work, lost = self._renew(state)
+            work = self._renew(state)
         self._call.code(pose, before, state.dt, self.tables, self._touch)
         if renewed:
             self.touch.sums[WORK] += work
-            self.touch.sums[ABSORBED] += lost
 
     @property
     def _edges(self) -> FilmEdges:
@@ -146,8 +144,8 @@ class EdgeContact(PressTerm):
         self._take(saved)
         self._lay_out(state)
 
-    def _renew(self, state: State) -> tuple[float, float]:
-        """List the places anew; return the work and the energy of those that have gone [N·mm]."""
+    def _renew(self, state: State) -> float:
+        """List the places anew; return the work of those that have gone [N·mm]."""
         edges = self._edges.of(state)
         near = edges.near(self._contact.near.ids)
         room = int((edges.length[near] / self._spacing + 2.0).sum())
@@ -171,13 +169,13 @@ class EdgeContact(PressTerm):
         gone = np.setdiff1d(np.flatnonzero(had.force.any(axis=1)), of)
         v = state.node.velocity_half[self.carriers.node[gone]]
         moved = (self.carriers.weight[gone, :, None] * v).sum(axis=1)
-        power, lost = float((had.force[gone] * moved).sum()), float(had.work[gone].sum())
+        power = float((had.force[gone] * moved).sum())
         blank = Carriers.of(node[:count])
         self.carriers = blank._replace(weight=weight[:count].copy(), stiffness=k[:count].copy())
         self._key, self._looks, self._memory = key, looks, memory
         self.n_search += 1
         self._lay_out(state)
-        return 0.5 * state.dt * power, max(lost, 0.0)
+        return 0.5 * state.dt * power
 
     def _lay_out(self, state: State) -> None:
         """Build the kernel's tables, valid until the list is made anew."""

@@ -21,11 +21,13 @@ nearest face. It is forgotten when the node has left the tool. So a blade well b
 leaves both flanks of the cut on one side of it: pushing one across would give the film energy.
 
 *Jumps.* When the depth grows by more than node and tool have moved in the step, as after a split
-that assigns a node to the other flank, the excess is not loaded: it goes into an offset, which
-decays. The decay loads the spring without motion and gives the film the energy to push the node
-out, which is not work of the tool; it has an entry in the ledger, summed by increments. Growth by
-motion is no jump: a node that flies into a face is stopped however deep it goes in a step, and
-rebounds with no more energy than it came with.
+that assigns a node to the other flank, the excess is not loaded: it goes into an offset, a function
+of where the node is in the tool that fades with the distance from where it jumped. For this node
+the flank starts at the node and rises to its own height farther on. So the force is the gradient of
+a potential still, along the flank too, and what pushes the node out is work of the tool as it goes
+on, or of the film that is drawn along a tool at rest; where nothing moves, nothing is loaded.
+Growth by motion is no jump: a node that flies into a face is stopped however deep it goes in a
+step, and rebounds with no more energy than it came with.
 """
 
 from __future__ import annotations

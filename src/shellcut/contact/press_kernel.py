@@ -21,7 +21,7 @@ from shellcut.tool.touch import Touch, react
 from .contact_tables import ContactTables, Memory
 from .look_at_tool import see
 from .near_nodes import largest_speed, tool_way
-from .settings import NOTICED, largest_rebound, smoothed, smoothed_integral
+from .settings import FADES_OVER, NOTICED, largest_rebound, smoothed, smoothed_integral
 
 # Of what a place the blade goes through is too deep by: way after which it is looked at again.
 _AGAIN = 0.25
@@ -75,35 +75,26 @@ def press(
     outward: Vec3,
     pushed: float,
     mass: float,
-    fading: float,
     dt: float,
     g_m: float,
     memory: Memory,
-) -> tuple[float, float, float]:
-    """Return the force of a contact along its way out [N], its energy and what it has absorbed.
+) -> tuple[float, float]:
+    """Return the force of a contact along its way out [N] and its energy [N·mm].
 
     g, k : depth [mm] and stiffness [N/mm].  back, outward : way back over the last step [mm] and
     way out.  pushed, mass : all other force into the face [N], and the mass that moves [t], 0 where
-    nothing does.  fading : part of the offset that fades in the step.  ``back``,
-    ``pushed`` and ``mass`` are used only if the depth has changed fast (:func:`is_fast`).
+    nothing does.  ``back``, ``pushed`` and ``mass`` are used only if the depth has changed fast
+    (:func:`is_fast`).
     """
-    impact, offset, absorbed = is_fast(row, g, g_m, memory), memory.offset, 0.0
+    impact, offset = is_fast(row, g, g_m, memory), memory.offset
     change = g - memory.depth[row]
     if impact and change > NOTICED * g_m + norm(back):  # more than film and tool have moved
         offset[row] += change
         impact = False
     memory.depth[row] = g
-    loaded = max(g, 0.0)
-    if offset[row] > 0.0:
-        loaded = max(g - offset[row], 0.0)
-        if fading > 0.0:
-            absorbed += k * smoothed_integral(loaded, g_m)
-            offset[row] *= np.exp(-fading)
-        # What has come out may come in again: that is felt at once.
-        offset[row] = min(offset[row], max(g, 0.0))
-        loaded = max(g, 0.0) - offset[row]
-        if fading > 0.0:
-            absorbed -= k * smoothed_integral(loaded, g_m)
+    # What has come out may come in again: that is felt at once.
+    offset[row] = min(offset[row], max(g, 0.0))
+    loaded = max(g, 0.0) - offset[row]
     magnitude, energy = k * smoothed(loaded, g_m), k * smoothed_integral(loaded, g_m)
     spent = energy
     if impact and mass > 0.0 and dt > 0.0:
@@ -112,7 +103,7 @@ def press(
         magnitude = min(magnitude, largest_rebound(spent, into, pushed, mass, dt))
         spent += 0.5 * magnitude * into
     memory.work[row] = spent
-    return magnitude, energy, absorbed
+    return magnitude, energy
 
 
 @always_inline
@@ -166,25 +157,36 @@ def _pressure(
     before: Pose,
     pose: Pose,
     tables: ContactTables,
-) -> tuple[float, float, float]:
-    """Return the force of a carrier along its way out [N], its energy and what it has absorbed.
+) -> tuple[float, Vec3, float]:
+    """Return the force of a carrier along its way out [N], all its force, and its energy [N·mm].
 
     x, p : where it is in space and in the body frame [mm].  g, out : its depth and, in space, its
-    way out.
+    way out.  With o = o_0 exp(-|p - p_0|² / 2 l²) the energy is k ∫_0^{g - o} f, and the force
+    minus its gradient, k f (out + grad o), where grad o = o (p_0 - p) / l².
     """
-    memory, law, carriers = tables.memory, tables.law, tables.carriers
-    row, g_m, back, fading = memory.row[i], tables.law.smoothing_depth, (0.0, 0.0, 0.0), 0.0
-    pushed = mass = 0.0
-    fast = is_fast(row, g, g_m, memory)
-    if fast:
+    memory, place, g_m = tables.memory, tables.memory.place, tables.law.smoothing_depth
+    row, back, was, pushed, mass, l2 = memory.row[i], (0.0, 0.0, 0.0), p, 0.0, 0.0, 1.0
+    fast, faded = is_fast(row, g, g_m, memory), memory.offset[row]
+    if fast or faded > 0.0:
         was = to_body(combine(1.0, x, -dt, _mean_of(tables.nodes.velocity_half, i, tables)), before)
         back = turn(sub(was, p), pose)
+    if fast:
         pushed, mass = _pushed(i, out, tables)
-    if tables.per_carrier == 1 and (fast or memory.offset[row] > 0.0):
-        edge_length = local_edge_length(tables.nodes.contact_area[carriers.node[i, 0]])
-        fading = dt / (law.absorb_slowness * edge_length)
-    k = carriers.stiffness[i]
-    return press(row, g, k, back, out, pushed, mass, fading, dt, g_m, memory)
+    if faded > 0.0:
+        edge_length = local_edge_length(tables.nodes.contact_area[tables.carriers.node[i, 0]])
+        l2 = (FADES_OVER * edge_length) ** 2
+        gone, had = sub(p, load(place, row)), sub(was, load(place, row))
+        faded *= np.exp(0.5 * (dot(had, had) - dot(gone, gone)) / l2)
+        memory.offset[row] = faded
+    k = tables.carriers.stiffness[i]
+    magnitude, energy = press(row, g, k, back, out, pushed, mass, dt, g_m, memory)
+    f = scale(magnitude, out)
+    if memory.offset[row] > faded:
+        store(place, row, p)
+    elif faded > 0.0:
+        pull = turn(sub(load(place, row), p), pose)
+        f = combine(1.0, f, magnitude * memory.offset[row] / l2, pull)
+    return magnitude, f, energy
 
 
 @kernel
@@ -204,7 +206,7 @@ def add_press_forces(
         clock.walked[0] += tool_way(pose, before, clock.radius)
         clock.walked[0] += dt * largest_speed(clock.node, tables.nodes.velocity_half)
     walked = clock.walked[0]
-    work = stored = absorbed = deepest = 0.0
+    work = stored = deepest = 0.0
     n_touching = 0
     for i in range(memory.row.shape[0]):
         if walked < looks.until[i]:
@@ -224,21 +226,18 @@ def add_press_forces(
             too_deep = g - tables.law.tool_half_thickness
             through = too_deep > 0.0
             looks.until[i] = walked + _AGAIN * max(too_deep, 0.0)
-        if through or (inside and side[row] * lies < 0):
-            absorbed += max(memory.work[row], 0.0)
         if through or not inside:
             work += _let_go(i, dt, tables)
             continue
         side[row] = lies
         old, moved = load(memory.force, row), _mean_of(tables.nodes.velocity_half, i, tables)
         out = turn(outward, pose)
-        magnitude, energy, lost = _pressure(i, x, p, g, out, dt, before, pose, tables)
-        n_touching, stored, absorbed = n_touching + 1, stored + energy, absorbed + lost
+        magnitude, f, energy = _pressure(i, x, p, g, out, dt, before, pose, tables)
+        n_touching, stored = n_touching + 1, stored + energy
         deepest = max(deepest, g - memory.offset[row] if edges else g)
-        f = scale(magnitude, out)
         work += 0.5 * dt * dot(add(old, f), moved)
         store(carriers.normal, i, outward)
         carriers.tooth[i], carriers.pressure[i] = tool.triangle_tooth[triangle], magnitude
         _put_on(i, x, f, pose, tables, wrench)
-    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
+    sums[0], sums[1], sums[2], sums[3] = work, stored, n_touching, deepest
     return deepest

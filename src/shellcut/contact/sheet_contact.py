@@ -11,8 +11,8 @@ the number of points that may press on its quads together: a single tip is as st
 so are all points of a ball that are on one node's quads. It leaves film at a crack alone: quads
 with a node on a flank, and cut ones. There the blade is between the flanks; a corner of it that
 laps a little over a quad did not come through its face, and what holds the flanks apart are the
-nodes on the blade's faces. A point that slips off the rim, or whose film is cut, lets go; what its
-spring held is booked as absorbed.
+nodes on the blade's faces. A point that slips off the rim, or whose film is cut, lets go, and
+what its spring held is lost.
 
 *Force.* A point inside a sheet by the depth D (:mod:`.look_at_quad`) gets k f(D) along its way out,
 the nodes of the quad the opposite by their shape functions: the gradient of k ∫f, in the nodes as
@@ -52,7 +52,6 @@ from shellcut.tool.touch import Booking
 
 from .contact_points import contact_points
 from .contact_tables import (
-    ABSORBED,
     DEEPEST,
     STORED,
     WORK,
@@ -140,10 +139,10 @@ class SheetContact(PressTerm):
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        lost = self._search(state, pose) if self._age.is_over(state, pose, self._tracked) else 0.0
+        if self._age.is_over(state, pose, self._tracked):
+            self._search(state, pose)
         found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
         self._walked, n_looked = found
-        self.touch.sums[ABSORBED] += lost
         self.deepest = max(self.deepest, float(self.touch.sums[DEEPEST]))
         self.n_looked += n_looked
 
@@ -164,8 +163,8 @@ class SheetContact(PressTerm):
 
     # ---------------------------------------------------------------- search
 
-    def _search(self, state: State, pose: Pose) -> float:
-        """List the pairs anew; return the energy of springs that have gone [N·mm]."""
+    def _search(self, state: State, pose: Pose) -> None:
+        """List the pairs anew."""
         was, had, carried, met = self._pairs, self._memory, self.carriers, self._met
         points, rows, self._tracked = self._near(state, pose)
         reach = self._margin + (self.law.capture if self._of_tool else self.law.thickness)
@@ -173,8 +172,7 @@ class SheetContact(PressTerm):
         n_sheet, n_point = self._pairs.n_sheet, len(self._pairs.point)
         self.kept = self._same_sheets(was, state)
         to = np.flatnonzero(self.kept >= 0)
-        of, gone = self.kept[to], np.ones(was.n_sheet, np.bool_)
-        gone[of] = False
+        of = self.kept[to]
         self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
         self.carriers = Carriers.of(np.zeros((n_sheet, 4), np.int64))
         now = *self._memory[1:], *self.carriers, self._met
@@ -187,7 +185,6 @@ class SheetContact(PressTerm):
         self._walked = 0.0
         self.n_search += 1
         self._lay_out(state)
-        return float(np.maximum(had.work[gone], 0.0).sum())
 
     def _same_sheets(self, old: Pairs, state: State) -> Ints:
         """Return for each sheet the one in old pairs with a common quad and the same point, or -1.

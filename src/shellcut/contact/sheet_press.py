@@ -55,7 +55,7 @@ def add_sheet_forces(
     walked += step
     ahead = _AHEAD * step
     work, g_m = half_work_of(presses, nodes, dt), law.smoothing_depth
-    stored = absorbed = deepest = 0.0
+    stored = deepest = 0.0
     count = n_looked = 0
     for i in range(pairs.point.shape[0]):
         if walked < waits.point[i]:
@@ -71,13 +71,11 @@ def add_sheet_forces(
             first_sight = not tables.met[sheet]
             tables.met[sheet] = True
             if near.pair < 0:
-                absorbed += max(memory.work[sheet], 0.0)
                 _forget(sheet, 0, tables)
                 continue
             way, off = way_out(p, outward, sheet, near, tables)
             free = min(free, off)
             if off > 0.0 or way.depth <= 0.0:
-                absorbed += max(memory.work[sheet], 0.0) if way.side == 0 else 0.0
                 _forget(sheet, way.side, tables)
                 continue
             memory.side[sheet] = way.side
@@ -89,9 +87,7 @@ def add_sheet_forces(
             if is_fast(sheet, way.depth, g_m, memory):
                 back, pushed, mass = _approach(point, came, way, dt, tables)
             out = way.direction
-            force, energy, _ = press(
-                sheet, way.depth, k, back, out, pushed, mass, 0.0, dt, g_m, memory
-            )
+            force, energy = press(sheet, way.depth, k, back, out, pushed, mass, dt, g_m, memory)
             store(memory.force, sheet, scale(force, out))
             stored += energy
             deepest = max(deepest, way.depth - memory.offset[sheet])
@@ -113,7 +109,7 @@ def add_sheet_forces(
         waits.point[i] = walked + max(free - ahead, 0.0)
     presses.n[0] = count
     work += half_work_of(presses, nodes, dt)
-    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, count, deepest
+    sums[0], sums[1], sums[2], sums[3] = work, stored, count, deepest
     return walked, n_looked
 
 

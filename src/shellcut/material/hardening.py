@@ -27,8 +27,8 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number
-from shellcut.numerics.lane_exponentials import any_above, exponential, power
-from shellcut.numerics.lane_functions import larger, where_above
+from shellcut.numerics.lane_exponentials import exponential, power
+from shellcut.numerics.lane_functions import any_above, larger, where_above
 
 from .material import refuse
 

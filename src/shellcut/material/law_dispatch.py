@@ -15,13 +15,15 @@ import functools
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
+from llvmlite import ir
 from numba import types
 from numba.extending import NativeValue, models, overload, register_model, typeof_impl, unbox
 
 from shellcut.arrays import Floats, Ints, Number, Vector
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.intrinsics import in_kernels
 from shellcut.numerics.jit import always_inline
-from shellcut.numerics.lane_exponentials import any_above
+from shellcut.numerics.lane_functions import any_above
 from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane, LanesType
 from shellcut.numerics.lanes import pick, pick_all, put_all, zero
 
@@ -147,11 +149,10 @@ def borrowed_history(history: HistoryStep) -> HistoryStep:
 def _known_to_kernels(question: Callable[[PointLaws], bool]) -> Callable[[PointLaws], bool]:
     """Answer a question about laws when a kernel is compiled."""
 
-    @overload(question, jit_options=OVERLOAD_OPTIONS)
-    def _in_kernel(laws):
-        if question(_Named(_laws_of(laws))):
-            return lambda laws: True
-        return lambda laws: False
+    @in_kernels(question)
+    def _in_kernel(laws: Any) -> Any:
+        answer = ir.Constant(ir.IntType(1), question(_Named(_laws_of(laws))))
+        return types.boolean(laws), lambda context, builder, given: answer
 
     return question
 

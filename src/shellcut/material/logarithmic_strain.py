@@ -51,8 +51,8 @@ from typing import NamedTuple
 
 from shellcut.arrays import Number, Vector
 from shellcut.numerics.jit import always_inline, apart
-from shellcut.numerics.lane_exponentials import any_above, logarithm
-from shellcut.numerics.lane_functions import larger, square_root, where_above
+from shellcut.numerics.lane_exponentials import logarithm
+from shellcut.numerics.lane_functions import any_above, larger, square_root, where_above
 from shellcut.numerics.processor import not_inlined, seldom
 
 # (E_11 + E_22)² and (2 r)² of small strains, to which the terms leave less than 2^-53.

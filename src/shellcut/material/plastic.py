@@ -37,8 +37,8 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number, Vector, product
 from shellcut.numerics.jit import always_inline
-from shellcut.numerics.lane_exponentials import any_above, exponential
-from shellcut.numerics.lane_functions import zero_like
+from shellcut.numerics.lane_exponentials import exponential
+from shellcut.numerics.lane_functions import any_above, zero_like
 from shellcut.numerics.processor import seldom
 from shellcut.numerics.small_matrices import inverse
 

@@ -63,8 +63,8 @@ import numpy as np
 
 from shellcut.arrays import Floats, Number, product
 from shellcut.numerics.jit import always_inline, apart_as
-from shellcut.numerics.lane_exponentials import any_above, exponential
-from shellcut.numerics.lane_functions import larger, square_root, where_above, zero_like
+from shellcut.numerics.lane_exponentials import exponential
+from shellcut.numerics.lane_functions import any_above, larger, square_root, where_above, zero_like
 from shellcut.numerics.processor import not_inlined, seldom
 from shellcut.numerics.small_matrices import symmetric_eigen
 

@@ -22,6 +22,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
+from shellcut.unit import shown, with_unit
 from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
 
 # Memory of the program and of each quad (docs/performance.md) [MB].
@@ -156,7 +157,7 @@ def _draw(
     lines = []
     if mesh is not None:
         lines.append(
-            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {mesh.quad_areas().sum():.5g} mm², "
+            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {with_unit(mesh.quad_areas().sum(), 'mm^2')}, "
             f"{parts.held.size} nodes held"
         )
     if tool is not None:
@@ -198,7 +199,7 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
     for at in [0.0] if parts.duration is None else [0.0, parts.duration]:
         poses.append(pose_at(motion, at).to_space(tool.vertices))
         place, unit = motion.coordinate(at), motion.coordinate_unit
-        where = f"{np.degrees(place):.4g}°" if unit == "rad" else f"{place:.4g} {unit}"
+        where = f"{np.degrees(place):.4g}°" if unit == "rad" else with_unit(place, unit)
         titles.append(f"t = {1e3 * at:.4g} ms, {where}")
     return poses, titles
 
@@ -260,10 +261,11 @@ def _extent(ids: Ints, joined: Ints, n: int) -> str:
 def _worst_lines(quality: MeshQuality) -> Iterator[str]:
     """List the quads with the shortest steps."""
     yield f"worst  the {len(quality.worst)} quads with the shortest steps of their own:"
+    unit, factor = shown("mm")
     for e in quality.worst.tolist():
-        x, y, z = quality.centre[e]
+        x, y, z = factor * quality.centre[e]
         yield (
-            f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) mm: step {quality.step[e]:.3g} s, "
+            f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) {unit}: step {quality.step[e]:.3g} s, "
             f"{quality.step[e] / quality.median_step:.2f} of the median"
         )
 

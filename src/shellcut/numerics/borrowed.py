@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.extending import intrinsic, models, overload, register_model
+from numba.extending import models, register_model
 
-from .lane_instructions import OVERLOAD_OPTIONS
+from .intrinsics import in_kernels
 
 T = TypeVar("T")
 
@@ -55,48 +55,29 @@ class _HeldModel(models.OpaqueModel):
     """A pointer."""
 
 
-# Inlined by force: behind a call, which LLVM leaves in large kernels, it does not see that nothing
-# is owned, and every use of an array counts again (the cables' kernel took three times as long).
-@overload(borrowed, jit_options=OVERLOAD_OPTIONS)
-def _borrowed_in_kernel(table):
-    if isinstance(table, HeldType):
-        return lambda table: _read(table)
+@in_kernels(borrowed)
+def _borrowed(table: Any) -> Any:
     if isinstance(table, types.NoneType):
-        return lambda table: None
-    return lambda table: _borrowed(table)
+        return table(table), lambda context, builder, given: given[0]
+    kind = table.kind if isinstance(table, HeldType) else table
+
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        (value,) = given
+        if table is not kind:
+            laid_out = ir.PointerType(context.get_value_type(kind))
+            value = builder.load(builder.bitcast(value, laid_out))
+        return without_owner(context, builder, kind, value)
+
+    return kind(table), code
 
 
-@intrinsic
-def _borrowed(_typing, table):
-    def code(context, builder, signature, arguments):
-        return without_owner(context, builder, signature.args[0], arguments[0])
-
-    return table(table), code
-
-
-# In the kernel itself, whose memory the address must stay.
-@overload(lent, inline="always")
-def _lent_in_kernel(table):
-    return lambda table: _lend(table)
-
-
-@intrinsic
-def _lend(_typing, table):
-    def code(context, builder, signature, arguments):
-        bare = without_owner(context, builder, signature.args[0], arguments[0])
+@in_kernels(lent)
+def _lent(table: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        bare = without_owner(context, builder, table, given[0])
         return builder.bitcast(cgutils.alloca_once_value(builder, bare), cgutils.voidptr_t)
 
     return HeldType(table)(table), code
-
-
-@intrinsic
-def _read(_typing, held):
-    def code(context, builder, signature, arguments):
-        kind = context.get_value_type(signature.return_type)
-        table = builder.load(builder.bitcast(arguments[0], ir.PointerType(kind)))
-        return without_owner(context, builder, signature.return_type, table)
-
-    return held.kind(held), code
 
 
 def without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:

@@ -60,7 +60,8 @@ _NOT_ASKED_FOR = {
     "InlineClosureLikes",  # functions and comprehensions within it
     "MakeFunctionToJitFunction",
     "RewriteDynamicRaises",  # exceptions
-    "InlineInlinables",  # inline="always"; of overloads another pass takes care
+    "InlineInlinables",  # inline="always"
+    "InlineOverloads",
     "FindLiterallyCalls",  # literally(), literal_unroll()
     "LiteralUnroll",
     "LiteralPropagationSubPipelinePass",

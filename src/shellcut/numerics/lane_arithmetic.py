@@ -1,7 +1,7 @@
-"""LLVM code for arithmetic with lanes: operators, sums, fused products."""
+"""LLVM code for arithmetic with lanes: operators, and functions of LLVM's."""
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
+# mypy: disable-error-code="no-untyped-call, untyped-decorator"
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic
 
 from .lane_instructions import DOUBLES, I32, LANES, LANES_NAME, WIDTH, LanesType, vector_constant
 
-_CONTRACT = ("contract",)
+CONTRACT = ("contract",)
+"""Flag of what may become one fused instruction."""
 
 
 def broadcast(builder: Any, value: Any) -> Any:
@@ -28,22 +28,14 @@ def broadcast(builder: Any, value: Any) -> Any:
     return builder.shuffle_vector(one, one, vector_constant(I32, [0] * WIDTH))
 
 
-def called(builder: Any, name: str, x: Any) -> Any:
-    """Return what a function of LLVM's gives of lanes."""
+def called(builder: Any, name: str, *given: Any) -> Any:
+    """Return what a function of LLVM's gives of doubles, or of lanes."""
+    kind = given[0].type
+    suffix = LANES_NAME if kind == LANES else "f64"
     function = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(LANES, [LANES]), f"llvm.{name}.{LANES_NAME}"
+        builder.module, ir.FunctionType(kind, [kind] * len(given)), f"llvm.{name}.{suffix}"
     )
-    return builder.call(function, [x])
-
-
-def of_lanes(code: Callable[..., Any]) -> Any:
-    """Return an intrinsic of lanes that gives lanes, from its code of builder and value."""
-
-    @intrinsic
-    def computed(typing_context: Any, a: Any) -> Any:
-        return a(a), lambda context, builder, sig, args: code(builder, args[0])
-
-    return computed
+    return builder.call(function, given)
 
 
 def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
@@ -59,7 +51,7 @@ def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
             a if t == DOUBLES else broadcast(builder, a)
             for a, t in zip(args, sig.args, strict=True)
         ]
-        return getattr(builder, instruction)(*operands, flags=_CONTRACT)
+        return getattr(builder, instruction)(*operands, flags=CONTRACT)
 
     for pair in ((LanesType,) * 2, (LanesType, types.Float), (types.Float, LanesType)):
         lower_builtin(op, *pair)(lower)
@@ -83,31 +75,3 @@ class _NegativeTyping(AbstractTemplate):
 @lower_builtin(operator.neg, LanesType)
 def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fneg(args[0])
-
-
-@intrinsic
-def sum_of_lanes(typing_context: Any, value: Any) -> Any:
-    """Add the lanes from the first to the last."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        sum_ = builder.extract_element(args[0], ir.Constant(I32, 0))
-        for lane in range(1, WIDTH):
-            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(I32, lane)))
-        return sum_
-
-    return types.float64(value), generate
-
-
-@intrinsic
-def fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
-    """Return a b + c."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = context.get_value_type(a)
-        suffix = LANES_NAME if isinstance(a, LanesType) else f"f{a.bitwidth}"
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fmuladd.{suffix}"
-        )
-        return builder.call(function, args)
-
-    return (a(a, a, a) if a == b == c else None), generate

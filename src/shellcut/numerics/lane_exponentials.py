@@ -1,4 +1,4 @@
-"""Logarithm, exponential and power of numbers, and a question to branch on.
+"""Logarithm, exponential and power of numbers.
 
 As in :mod:`shellcut.numerics.lane_functions` the same call works on one float or on all lanes of a
 block. A vector call of the C library would be split into eight calls, so lanes are computed here:
@@ -8,8 +8,7 @@ block. A vector call of the C library would be split into eight calls, so lanes 
 * exp x = 2^k exp r with |r| <= ½ ln 2, by the series to r^13, with the same remainder.
 
 Both are within two units of the last place of doubles. The series are summed in pairs, and pairs of
-pairs: each product of a chain waits for the one before it. On :func:`any_above` a function may
-branch: to leave out work that no lane needs, or to end an iteration.
+pairs: each product of a chain waits for the one before it.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -17,16 +16,16 @@ branch: to leave out work that no lane needs, or to end an iteration.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types
 from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
-from .lane_arithmetic import broadcast, called, of_lanes
+from .lane_arithmetic import called
 from .lane_functions import where_above
 from .lane_instructions import (
     I64,
@@ -60,50 +59,38 @@ def _bits_above_root_half(builder: Any, value: Any) -> tuple[Any, Any]:
     return bits, power
 
 
-@of_lanes
+def _of_lanes(code: Callable[..., Any]) -> Any:
+    """Return an intrinsic of lanes that gives lanes, from its code of builder and value."""
+
+    @intrinsic
+    def computed(typing_context: Any, a: Any) -> Any:
+        return a(a), lambda context, builder, sig, args: code(builder, args[0])
+
+    return computed
+
+
+@_of_lanes
 def _binary_exponent(builder: Any, x: Any) -> Any:
     return builder.sitofp(_bits_above_root_half(builder, x)[1], LANES)
 
 
-@of_lanes
+@_of_lanes
 def _mantissa(builder: Any, x: Any) -> Any:
     bits, power = _bits_above_root_half(builder, x)
     shifted = builder.shl(power, _constants(_MANTISSA))
     return builder.bitcast(builder.sub(bits, shifted), LANES)
 
 
-@of_lanes
+@_of_lanes
 def _nearest_integer(builder: Any, x: Any) -> Any:
     return called(builder, "rint", x)
 
 
-@of_lanes
+@_of_lanes
 def _two_to_the(builder: Any, k: Any) -> Any:
     """2^k of lanes that hold whole numbers k of normal powers."""
     power = builder.add(builder.fptosi(k, _INTEGERS), _constants(_BIAS))
     return builder.bitcast(builder.shl(power, _constants(_MANTISSA)), LANES)
-
-
-@intrinsic
-def _any_lane_above(typing_context: Any, a: Any, b: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        above = builder.fcmp_ordered(">", args[0], broadcast(builder, args[1]))
-        mask = builder.bitcast(above, ir.IntType(WIDTH))
-        return builder.icmp_unsigned("!=", mask, ir.Constant(mask.type, 0))
-
-    return types.boolean(a, types.float64), generate
-
-
-def any_above(a: Number, b: float) -> bool:
-    """Whether a > b in any lane."""
-    return bool(np.any(np.asarray(a) > b))
-
-
-@overload(any_above, jit_options=OVERLOAD_OPTIONS)
-def _any_above(a, b):
-    if isinstance(a, LanesType):
-        return lambda a, b: _any_lane_above(a, b)
-    return lambda a, b: a > b
 
 
 def logarithm(a: Number) -> Number:

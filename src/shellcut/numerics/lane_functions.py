@@ -1,44 +1,32 @@
 """Choices and square roots of numbers, which material laws need besides + - * /.
 
 As in :mod:`shellcut.numerics.lanes` the same call works on one float or on all lanes of a block.
-Lanes cannot branch; :func:`where_above` selects, lane by lane, one of two computed numbers.
+Lanes cannot branch; :func:`where_above` selects, lane by lane, one of two computed numbers, and on
+:func:`any_above` a function may branch: to leave out work that no lane needs, or to end an
+iteration.
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+# Numba's and llvmlite's calls have no types.
+# mypy: disable-error-code="no-untyped-call"
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
-from .lane_arithmetic import broadcast, called, of_lanes
-from .lane_instructions import DOUBLES, OVERLOAD_OPTIONS, LanesType, no_lanes
+from .intrinsics import in_kernels
+from .lane_arithmetic import broadcast, called
+from .lane_instructions import DOUBLE, DOUBLES, LANES, WIDTH, ZEROS, LanesType
 
 
-@intrinsic
-def _choose_lanes(typing_context: Any, a: Any, b: Any, yes: Any, no: Any) -> Any:
-    taken = [v if v == DOUBLES else types.float64 for v in (a, b, yes, no)]
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        given = [
-            value if v == DOUBLES else broadcast(builder, value)
-            for value, v in zip(args, sig.args, strict=True)
-        ]
-        above = builder.fcmp_ordered(">", given[0], given[1])
-        return builder.select(above, given[2], given[3])
-
-    return DOUBLES(*taken), generate
-
-
-@of_lanes
-def _root_of_lanes(builder: Any, x: Any) -> Any:
-    return called(builder, "sqrt", x)
+def _number(*kinds: Any) -> Any:
+    """Return the type of a number of some: lanes if one of them is."""
+    return DOUBLES if any(isinstance(kind, LanesType) for kind in kinds) else types.float64
 
 
 def zero_like(a: Number) -> Number:
@@ -47,11 +35,10 @@ def zero_like(a: Number) -> Number:
     return none if np.ndim(none) else 0.0
 
 
-@overload(zero_like, jit_options=OVERLOAD_OPTIONS)
-def _zero_like(a):
-    if isinstance(a, LanesType):
-        return lambda a: no_lanes()
-    return lambda a: 0.0
+@in_kernels(zero_like)
+def _zero_like(a: Any) -> Any:
+    nothing = ZEROS if isinstance(a, LanesType) else ir.Constant(DOUBLE, 0.0)
+    return _number(a)(a), lambda context, builder, given: nothing
 
 
 def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
@@ -60,11 +47,31 @@ def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
     return chosen if chosen.ndim else float(chosen)
 
 
-@overload(where_above, jit_options=OVERLOAD_OPTIONS)
-def _where_above(a, b, yes, no):
-    if any(isinstance(v, LanesType) for v in (a, b, yes, no)):
-        return lambda a, b, yes, no: _choose_lanes(a, b, yes, no)
-    return lambda a, b, yes, no: np.float64(yes) if a > b else np.float64(no)
+@in_kernels(where_above)
+def _where_above(*kinds: Any) -> Any:
+    number = _number(*kinds)
+
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        if number == DOUBLES:
+            given = [v if v.type == LANES else broadcast(builder, v) for v in given]
+        return builder.select(builder.fcmp_ordered(">", *given[:2]), *given[2:])
+
+    return number(*map(_number, kinds)), code
+
+
+def larger(a: Number, b: Number) -> Number:
+    """Return the larger of two numbers; the first if they are equal or ``b`` is nan."""
+    return where_above(b, a, b, a)
+
+
+@in_kernels(larger)
+def _larger(a: Any, b: Any) -> Any:
+    _, choose = _where_above(b, a, b, a)
+
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        return choose(context, builder, [*reversed(given), *reversed(given)])
+
+    return _number(a, b)(_number(a), _number(b)), code
 
 
 def square_root(a: Number) -> Number:
@@ -73,18 +80,24 @@ def square_root(a: Number) -> Number:
     return root if np.ndim(root) else float(root)
 
 
-@overload(square_root, jit_options=OVERLOAD_OPTIONS)
-def _square_root(a):
-    if isinstance(a, LanesType):
-        return lambda a: _root_of_lanes(a)
-    return lambda a: np.sqrt(a)
+@in_kernels(square_root)
+def _square_root(a: Any) -> Any:
+    return _number(a)(_number(a)), lambda context, builder, given: called(builder, "sqrt", *given)
 
 
-def larger(a: Number, b: Number) -> Number:
-    """Return the larger of two numbers; the first if they are equal or ``b`` is nan."""
-    return where_above(b, a, b, a)
+def any_above(a: Number, b: float) -> bool:
+    """Whether a > b in any lane."""
+    return bool(np.any(np.asarray(a) > b))
 
 
-@overload(larger, jit_options=OVERLOAD_OPTIONS)
-def _larger(a, b):
-    return lambda a, b: where_above(b, a, b, a)
+@in_kernels(any_above)
+def _any_above(a: Any, b: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        value, limit = given
+        if value.type != LANES:
+            return builder.fcmp_ordered(">", value, limit)
+        above = builder.fcmp_ordered(">", value, broadcast(builder, limit))
+        mask = builder.bitcast(above, ir.IntType(WIDTH))
+        return builder.icmp_unsigned("!=", mask, ir.Constant(mask.type, 0))
+
+    return types.boolean(_number(a), types.float64), code

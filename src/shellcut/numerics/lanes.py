@@ -30,39 +30,48 @@ one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler (NU
 the same functions run on NumPy arrays.
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+# Numba's and llvmlite's calls have no types.
+# mypy: disable-error-code="no-untyped-call"
 
 from __future__ import annotations
 
+import functools
 from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
-from numba.extending import overload
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
 
 from shellcut.arrays import Floats, Number, SmallIds, Vector
 
+from .intrinsics import in_kernels
 from .jit import always_inline
-from .lane_arithmetic import fused, sum_of_lanes
+from .lane_arithmetic import CONTRACT, called
 from .lane_instructions import (
     CACHE_LINE,
-    OVERLOAD_OPTIONS,
+    DOUBLE,
+    DOUBLES,
+    I32,
+    I64,
+    LANE_IDS,
+    LANES,
     WIDTH,
+    ZERO,
+    ZEROS,
     Lane,
     LaneIdsType,
     LanesType,
-    add_to_rows,
-    gather_column,
-    load_lanes,
-    load_row_columns,
-    no_lanes,
-    numbers_loader,
-    scatter_add_rows,
-    store_lanes,
-    store_numbers,
+    add_to,
+    address,
+    gathered,
+    lane_of,
+    numbers_of,
+    row_address,
+    shifted,
     takes_all,
-    zero_rows,
+    transposed,
 )
 
 
@@ -82,16 +91,29 @@ def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
 # ---------------------------------------------------------------- the functions kernels call
 
 
+def _addresses(context: Any, builder: Any, kinds: Any, values: Any, n: int) -> list[Any]:
+    """Return the addresses of n numbers of a block, of table, b, first, lane."""
+    table, b, first, lane = values[:4]
+    one = not takes_all(kinds[3])
+    kind, last = (DOUBLE, lane) if one else (LANES, ZERO)
+    places = ([b, shifted(builder, first, i), last] for i in range(n))
+    return [address(context, builder, kinds[0], table, place, kind) for place in places]
+
+
 def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
     """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
     return table[b, k, lane] if _one(lane) else table[b, k].copy()
 
 
-@overload(pick, jit_options=OVERLOAD_OPTIONS)
-def _pick(table, b, k, lane):
-    if takes_all(lane):
-        return lambda table, b, k, lane: load_lanes(table, (b, k, 0))
-    return lambda table, b, k, lane: table[b, k, lane]
+@in_kernels(pick)
+def _pick(*kinds: Any) -> Any:
+    table, _, _, lane = kinds
+
+    def code(context: Any, builder: Any, values: Any) -> Any:
+        (where,) = _addresses(context, builder, kinds, values, 1)
+        return builder.load(where, align=8)
+
+    return numbers_of(lane)(table, types.intp, types.intp, lane_of(lane)), code
 
 
 def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> None:
@@ -102,15 +124,15 @@ def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> None:
         table[b, k] = value
 
 
-@overload(put, jit_options=OVERLOAD_OPTIONS)
-def _put(table, b, k, lane, value):
-    if takes_all(lane):
-        return lambda table, b, k, lane, value: store_lanes(table, (b, k, 0), value)
+@in_kernels(put)
+def _put(*kinds: Any) -> Any:
+    table, _, _, lane, _ = kinds
 
-    def one(table, b, k, lane, value):
-        table[b, k, lane] = value
+    def code(context: Any, builder: Any, values: Any) -> None:
+        (where,) = _addresses(context, builder, kinds, values, 1)
+        builder.store(values[4], where, align=8)
 
-    return one
+    return types.void(table, types.intp, types.intp, lane_of(lane), numbers_of(lane)), code
 
 
 def pick_all(table: Floats, b: int, first: int, n: int, lane: Lane) -> tuple[Number, ...]:
@@ -118,10 +140,20 @@ def pick_all(table: Floats, b: int, first: int, n: int, lane: Lane) -> tuple[Num
     return tuple(pick(table, b, first + k, lane) for k in range(n))
 
 
-@overload(pick_all, jit_options=OVERLOAD_OPTIONS, prefer_literal=True)
-def _pick_all(table, b, first, n, lane):
-    load = numbers_loader(n.literal_value)
-    return lambda table, b, first, n, lane: load(table, b, first, lane)
+@in_kernels(pick_all)
+def _pick_all(table: Any, b: Any, first: Any, n: Any, lane: Any) -> Any:
+    if not isinstance(n, types.IntegerLiteral):
+        return None
+    returned = types.UniTuple(numbers_of(lane), n.literal_value)
+
+    def code(context: Any, builder: Any, values: Any) -> Any:
+        table_, b_, first_, _, lane_ = values
+        kinds, places = (table, b, first, lane), (table_, b_, first_, lane_)
+        where = _addresses(context, builder, kinds, places, n.literal_value)
+        loaded = [builder.load(one, align=8) for one in where]
+        return context.make_tuple(builder, returned, loaded)
+
+    return returned(table, types.intp, types.intp, n, lane_of(lane)), code
 
 
 def put_all(table: Floats, b: int, first: int, lane: Lane, values: tuple[Number, ...]) -> None:
@@ -130,9 +162,18 @@ def put_all(table: Floats, b: int, first: int, lane: Lane, values: tuple[Number,
         put(table, b, first + k, lane, value)
 
 
-@overload(put_all, jit_options=OVERLOAD_OPTIONS)
-def _put_all(table, b, first, lane, values):
-    return lambda table, b, first, lane, values: store_numbers(table, b, first, lane, values)
+@in_kernels(put_all)
+def _put_all(*kinds: Any) -> Any:
+    table, _, _, lane, numbers = kinds
+    n = len(numbers)
+
+    def code(context: Any, builder: Any, values: Any) -> None:
+        given = cgutils.unpack_tuple(builder, values[4], n)
+        for where, value in zip(_addresses(context, builder, kinds, values, n), given, strict=True):
+            builder.store(value, where, align=8)
+
+    taken = types.UniTuple(numbers_of(lane), n)
+    return types.void(table, types.intp, types.intp, lane_of(lane), taken), code
 
 
 def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
@@ -140,11 +181,19 @@ def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
     return int(corner[b, a, lane]) if _one(lane) else corner[b, a]
 
 
-@overload(corner_node, jit_options=OVERLOAD_OPTIONS)
-def _corner_node(corner, b, a, lane):
-    if takes_all(lane):
-        return lambda corner, b, a, lane: load_lanes(corner, (b, a, 0))
-    return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
+@in_kernels(corner_node)
+def _corner_node(corner: Any, b: Any, a: Any, lane: Any) -> Any:
+    every = takes_all(lane)
+
+    def code(context: Any, builder: Any, values: Any) -> Any:
+        corner_, b_, a_, lane_ = values
+        kind, last = (ir.VectorType(I32, WIDTH), ZERO) if every else (I32, lane_)
+        where = address(context, builder, corner, corner_, [b_, a_, last], kind)
+        ids = builder.load(where, align=4)
+        return ids if every else builder.sext(ids, I64)
+
+    returned = LANE_IDS if every else types.intp
+    return returned(corner, types.intp, types.intp, lane_of(lane)), code
 
 
 def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
@@ -152,11 +201,16 @@ def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
     return int(corner[b, a, lane if _one(lane) else 0])
 
 
-@overload(first_node, jit_options=OVERLOAD_OPTIONS)
-def _first_node(corner, b, a, lane):
-    if takes_all(lane):
-        return lambda corner, b, a, lane: np.int64(corner[b, a, 0])
-    return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
+@in_kernels(first_node)
+def _first_node(corner: Any, b: Any, a: Any, lane: Any) -> Any:
+    def code(context: Any, builder: Any, values: Any) -> Any:
+        corner_, b_, a_, lane_ = values
+        index = [b_, a_, ZERO if takes_all(lane) else lane_]
+        return builder.sext(
+            builder.load(address(context, builder, corner, corner_, index, I32)), I64
+        )
+
+    return types.intp(corner, types.intp, types.intp, lane_of(lane)), code
 
 
 def scatter_add(
@@ -168,16 +222,31 @@ def scatter_add(
             rows[corner[b, a, place], c] += force[c] if _one(lane) else force[c][place]
 
 
-@overload(scatter_add, jit_options=OVERLOAD_OPTIONS)
-def _scatter_add(rows, corner, b, a, lane, force):
-    if takes_all(lane):
-        return lambda rows, corner, b, a, lane, force: scatter_add_rows(rows, corner, b, a, force)
+@in_kernels(scatter_add)
+def _scatter_add(rows: Any, corner: Any, b: Any, a: Any, lane: Any, force: Any) -> Any:
+    def code(context: Any, builder: Any, values: Any) -> None:
+        rows_, corner_, b_, a_, lane_, force_ = values
+        columns = cgutils.unpack_tuple(builder, force_, 6)
 
-    def one(rows, corner, b, a, lane, force):
-        for c in range(6):
-            rows[corner[b, a, lane], c] += force[c]
+        def row_of(place: Any) -> Any:
+            node = builder.load(address(context, builder, corner, corner_, [b_, a_, place], I32))
+            return row_address(context, builder, rows, rows_, builder.sext(node, I64))
 
-    return one
+        if not takes_all(lane):
+            _add_to_row(builder, row_of(lane_), columns)
+            return
+        for place, row in enumerate(transposed(builder, columns)):
+            add_to(builder, row_of(ir.Constant(I64, place)), row)
+
+    taken = types.UniTuple(numbers_of(lane), 6)
+    return types.void(rows, corner, types.intp, types.intp, lane_of(lane), taken), code
+
+
+def _add_to_row(builder: Any, row: Any, columns: list[Any]) -> None:
+    """Add doubles to the first columns of a row at an address."""
+    first = builder.bitcast(row, DOUBLE.as_pointer())
+    for c, column in enumerate(columns):
+        add_to(builder, builder.gep(first, [ir.Constant(I64, c)]), column, CONTRACT)
 
 
 def at(values: Floats, n: Any, c: int, lane: Lane) -> Number:
@@ -190,13 +259,20 @@ def at(values: Floats, n: Any, c: int, lane: Lane) -> Number:
     return values[n : n + WIDTH, c].copy()
 
 
-@overload(at, jit_options=OVERLOAD_OPTIONS)
-def _at(values, n, c, lane):
-    if isinstance(n, LaneIdsType):
-        return lambda values, n, c, lane: gather_column(values, c, n)
-    if takes_all(lane):
-        return lambda values, n, c, lane: load_lanes(values, (n, c))
-    return lambda values, n, c, lane: values[n, c]
+@in_kernels(at)
+def _at(values: Any, n: Any, c: Any, lane: Any) -> Any:
+    of_ids = isinstance(n, LaneIdsType)
+
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        values_, n_, c_, _ = given
+        if of_ids:
+            column = address(context, builder, values, values_, [ZERO, c_], DOUBLE)
+            return gathered(builder, column, n_)
+        kind = LANES if takes_all(lane) else DOUBLE
+        return builder.load(address(context, builder, values, values_, [n_, c_], kind), align=8)
+
+    taken = values, n if of_ids else types.intp, types.intp, lane_of(lane)
+    return numbers_of(lane)(*taken), code
 
 
 @always_inline
@@ -210,11 +286,13 @@ def along(values: Floats, n: int, lane: int | None) -> Number:
     return values[n : n + WIDTH].copy() if lane is None else values[n]
 
 
-@overload(along, jit_options=OVERLOAD_OPTIONS)
-def _along(values, n, lane):
-    if takes_all(lane):
-        return lambda values, n, lane: load_lanes(values, (n,))
-    return lambda values, n, lane: values[n]
+@in_kernels(along)
+def _along(values: Any, n: Any, lane: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        kind = LANES if takes_all(lane) else DOUBLE
+        return builder.load(address(context, builder, values, given[0], [given[1]], kind), align=8)
+
+    return numbers_of(lane)(values, types.intp, lane_of(lane)), code
 
 
 def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> None:
@@ -225,15 +303,22 @@ def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> N
         values[n, c] = value
 
 
-@overload(put_at, jit_options=OVERLOAD_OPTIONS)
-def _put_at(values, n, c, lane, value):
-    if takes_all(lane):
-        return lambda values, n, c, lane, value: store_lanes(values, (n, c), value)
+@in_kernels(put_at)
+def _put_at(values: Any, n: Any, c: Any, lane: Any, value: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> None:
+        values_, n_, c_, _, value_ = given
+        where = address(context, builder, values, values_, [n_, c_], value_.type)
+        builder.store(value_, where, align=8)
 
-    def one(values, n, c, lane, value):
-        values[n, c] = value
+    return types.void(values, types.intp, types.intp, lane_of(lane), numbers_of(lane)), code
 
-    return one
+
+def _rows_at(context: Any, builder: Any, kinds: Any, given: Any) -> list[Any]:
+    """Return the addresses of the row at a node, or of eight rows, of rows, n, lane."""
+    rows, n, _ = given[:3]
+    count = WIDTH if takes_all(kinds[2]) else 1
+    places = (shifted(builder, n, i) for i in range(count))
+    return [row_address(context, builder, kinds[0], rows, place) for place in places]
 
 
 def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
@@ -243,15 +328,20 @@ def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
     return tuple(rows[n, c] for c in range(6))
 
 
-@overload(row_columns, jit_options=OVERLOAD_OPTIONS)
-def _row_columns(rows, n, lane):
-    if takes_all(lane):
-        return lambda rows, n, lane: load_row_columns(rows, n)
+@in_kernels(row_columns)
+def _row_columns(*kinds: Any) -> Any:
+    rows, _, lane = kinds
+    returned = types.UniTuple(numbers_of(lane), 6)
 
-    def one(rows, n, lane):
-        return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3], rows[n, 4], rows[n, 5]
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        loaded = [builder.load(row, align=8) for row in _rows_at(context, builder, kinds, given)]
+        if takes_all(lane):
+            columns = transposed(builder, loaded)[:6]
+        else:
+            columns = [builder.extract_element(loaded[0], ir.Constant(I32, c)) for c in range(6)]
+        return context.make_tuple(builder, returned, columns)
 
-    return one
+    return returned(rows, types.intp, lane_of(lane)), code
 
 
 def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
@@ -260,16 +350,22 @@ def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> 
         rows[n : n + (WIDTH if lane is None else 1), c] += column
 
 
-@overload(add_row_columns, jit_options=OVERLOAD_OPTIONS)
-def _add_row_columns(rows, n, lane, columns):
-    if takes_all(lane):
-        return lambda rows, n, lane, columns: add_to_rows(rows, n, columns)
+@in_kernels(add_row_columns)
+def _add_row_columns(*kinds: Any) -> Any:
+    rows, _, lane, columns = kinds
 
-    def add(rows, n, lane, columns):
-        for c in range(3):
-            rows[n, c] += columns[c]
+    def code(context: Any, builder: Any, given: Any) -> None:
+        added = cgutils.unpack_tuple(builder, given[3], columns.count)
+        where = _rows_at(context, builder, kinds, given)
+        if not takes_all(lane):
+            _add_to_row(builder, where[0], added)
+            return
+        padded = [*added, *[ZEROS] * (WIDTH - columns.count)]
+        for place, row in zip(where, transposed(builder, padded), strict=True):
+            add_to(builder, place, row)
 
-    return add
+    taken = types.UniTuple(numbers_of(lane), 3)
+    return types.void(rows, types.intp, lane_of(lane), taken), code
 
 
 def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
@@ -277,16 +373,15 @@ def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
     rows[n : n + (WIDTH if lane is None else 1)] = 0.0
 
 
-@overload(clear_rows, jit_options=OVERLOAD_OPTIONS)
-def _clear_rows(rows, n, lane):
-    if takes_all(lane):
-        return lambda rows, n, lane: zero_rows(rows, n)
+@in_kernels(clear_rows)
+def _clear_rows(*kinds: Any) -> Any:
+    rows, _, lane = kinds
 
-    def clear(rows, n, lane):
-        for c in range(8):
-            rows[n, c] = 0.0
+    def code(context: Any, builder: Any, given: Any) -> None:
+        for row in _rows_at(context, builder, kinds, given):
+            builder.store(ZEROS, row, align=8)
 
-    return clear
+    return types.void(rows, types.intp, lane_of(lane)), code
 
 
 def zero(lane: Lane) -> Number:
@@ -294,11 +389,10 @@ def zero(lane: Lane) -> Number:
     return 0.0 if _one(lane) else np.zeros(WIDTH)
 
 
-@overload(zero, jit_options=OVERLOAD_OPTIONS)
-def _zero(lane):
-    if takes_all(lane):
-        return lambda lane: no_lanes()
-    return lambda lane: 0.0
+@in_kernels(zero)
+def _zero(lane: Any) -> Any:
+    nothing = ZEROS if takes_all(lane) else ir.Constant(DOUBLE, 0.0)
+    return numbers_of(lane)(lane_of(lane)), lambda context, builder, given: nothing
 
 
 def total(value: Number) -> float:
@@ -309,11 +403,16 @@ def total(value: Number) -> float:
     return sum_
 
 
-@overload(total, jit_options=OVERLOAD_OPTIONS)
-def _total(value):
-    if isinstance(value, LanesType):
-        return lambda value: sum_of_lanes(value)
-    return lambda value: value
+@in_kernels(total)
+def _total(value: Any) -> Any:
+    if not isinstance(value, LanesType):
+        return types.float64(types.float64), lambda context, builder, given: given[0]
+
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        lanes = [builder.extract_element(given[0], ir.Constant(I32, k)) for k in range(WIDTH)]
+        return functools.reduce(builder.fadd, lanes)
+
+    return types.float64(value), code
 
 
 def multiply_add(a: Number, b: Number, c: Number) -> Number:
@@ -325,8 +424,9 @@ def multiply_add(a: Number, b: Number, c: Number) -> Number:
     return a * b + c
 
 
-@overload(multiply_add, jit_options=OVERLOAD_OPTIONS)
-def _multiply_add(a, b, c):
-    if isinstance(a, LanesType):
-        return lambda a, b, c: fused(a, b, c)
-    return lambda a, b, c: fused(np.float64(a), np.float64(b), np.float64(c))
+@in_kernels(multiply_add)
+def _multiply_add(a: Any, b: Any, c: Any) -> Any:
+    kind = DOUBLES if isinstance(a, LanesType) else types.float64
+    return kind(kind, kind, kind), lambda context, builder, given: called(
+        builder, "fmuladd", *given
+    )

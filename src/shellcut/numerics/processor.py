@@ -9,19 +9,20 @@
 =============================  ==================================================================
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
+# Numba's and llvmlite's calls have no types.
+# mypy: disable-error-code="no-untyped-call"
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload
 
-from .lane_instructions import CACHE_LINE, I8, I32, OVERLOAD_OPTIONS
+from .intrinsics import in_kernels
+from .lane_instructions import CACHE_LINE, I8, I32
 
 FLUSH = 0x8040  # bits of x86's MXCSR: flush results to zero, treat operands as zero
 
@@ -43,49 +44,6 @@ def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
     return builder.load(where)
 
 
-@intrinsic
-def mxcsr(typing_context: Any) -> Any:
-    """Return x86's floating-point setting (MXCSR); 0 elsewhere."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        nothing = I32(0)
-        return _of_mxcsr(builder, "stmxcsr", nothing) if _on_x86(builder) else nothing
-
-    return types.int32(), generate
-
-
-@intrinsic
-def set_mxcsr(typing_context: Any, setting: Any) -> Any:
-    """Set x86's floating-point setting."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        if _on_x86(builder):
-            _of_mxcsr(builder, "ldmxcsr", args[0])
-        return context.get_dummy_value()
-
-    return types.void(types.int32), generate
-
-
-def _marking(*attributes: str) -> Any:
-    """Return an intrinsic that aligns the stack of the function around it, and marks it."""
-
-    @intrinsic
-    def mark(typing_context: Any) -> Any:
-        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            builder.function.attributes.alignstack = CACHE_LINE
-            for one in attributes:
-                builder.function.attributes.add(one)
-            return context.get_dummy_value()
-
-        return types.void(), generate
-
-    return mark
-
-
-# True for all kernels; llvmlite needs an attribute to write others.
-_aligned, _apart = _marking("nounwind"), _marking("noinline", "nounwind")
-
-
 def align_stack() -> None:
     """Align the stack of the calling kernel to a cache line.
 
@@ -93,11 +51,6 @@ def align_stack() -> None:
     cache lines each, which costs a kernel about a tenth of its time, depending on the caller's
     stack.
     """
-
-
-@overload(align_stack, inline="always")
-def _aligned_stack():
-    return lambda: _aligned()
 
 
 def not_inlined() -> None:
@@ -108,9 +61,22 @@ def not_inlined() -> None:
     """
 
 
-@overload(not_inlined, inline="always")
-def _kept_apart():
-    return lambda: _apart()
+def _mark(function: Callable[[], None], *marks: str) -> None:
+    """Let a call of a function align the stack of the function around it, and mark that."""
+
+    @in_kernels(function)
+    def marked() -> Any:
+        def code(context: Any, builder: Any, given: Any) -> None:
+            builder.function.attributes.alignstack = CACHE_LINE
+            for one in marks:
+                builder.function.attributes.add(one)
+
+        return types.void(), code
+
+
+# True for all kernels; llvmlite needs an attribute to write others.
+_mark(align_stack, "nounwind")
+_mark(not_inlined, "noinline", "nounwind")
 
 
 def seldom(condition: bool) -> bool:
@@ -121,24 +87,16 @@ def seldom(condition: bool) -> bool:
     return condition
 
 
-@intrinsic
-def expect_false(typing_context: Any, condition: Any) -> Any:
-    """Return a truth value, with the compiler told that it is most often false."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bit = args[0].type
+@in_kernels(seldom)
+def _seldom(condition: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        bit = given[0].type
         function = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1"
         )
-        return builder.call(function, [args[0], ir.Constant(bit, 0)])
+        return builder.call(function, [given[0], ir.Constant(bit, 0)])
 
-    return types.boolean(types.boolean), generate
-
-
-# In the function that branches: the hint does not survive inlining.
-@overload(seldom, inline="always")
-def _seldom(condition):
-    return lambda condition: expect_false(condition)
+    return types.boolean(types.boolean), code
 
 
 def flush_subnormals() -> int:
@@ -151,20 +109,26 @@ def flush_subnormals() -> int:
     return 0
 
 
-@overload(flush_subnormals, jit_options=OVERLOAD_OPTIONS)
-def _flush_subnormals():
-    def flush():
-        before: int = mxcsr()
-        set_mxcsr(before | FLUSH)
+@in_kernels(flush_subnormals)
+def _flush_subnormals() -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        if not _on_x86(builder):
+            return I32(0)
+        before = _of_mxcsr(builder, "stmxcsr", I32(0))
+        _of_mxcsr(builder, "ldmxcsr", builder.or_(before, I32(FLUSH)))
         return before
 
-    return flush
+    return types.int32(), code
 
 
 def set_rounding(setting: int) -> None:
     """Restore the setting that :func:`flush_subnormals` returned."""
 
 
-@overload(set_rounding, jit_options=OVERLOAD_OPTIONS)
-def _restore_rounding(setting):
-    return lambda setting: set_mxcsr(setting)
+@in_kernels(set_rounding)
+def _set_rounding(setting: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> None:
+        if _on_x86(builder):
+            _of_mxcsr(builder, "ldmxcsr", given[0])
+
+    return types.void(types.int32), code

@@ -9,7 +9,8 @@ import numpy as np
 
 from shellcut.checks import Sweep, edge_line
 from shellcut.formats.errors import counted
-from shellcut.view.progress import percent
+from shellcut.unit import pretty, shown, with_unit
+from shellcut.view.progress import duration, percent
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 # Time of a step and of each quad of it [s], from the opening test on M1 and M2 in
 # docs/performance.md; how many times that if all of the film yields.
 _STEP_COST, _QUAD_COST, _YIELDING = 45e-6, 37e-9, 5.0
-
-_SIZES = ((3600.0, "h"), (60.0, "min"))
 
 # Smallest energy that is said, over the largest.
 _SAID = 1e-4
@@ -44,16 +43,18 @@ def start_lines(
     """
     mesh, tool = sim.mesh, sim.tool
     edges = mesh.edge_lengths()
+    unit, per = shown("mm")
     held = int(sim.state.node.supported[: mesh.n_node].sum())
     yield (
         f"film   {mesh.n_quad:,} quads, {mesh.n_node:,} nodes, {held:,} of them held, edges "
-        f"{edges.min():.3g} to {edges.max():.3g} mm, {sim.material.thickness:.3g} mm thick"
+        f"{per * edges.min():.3g} to {per * edges.max():.3g} {unit}, "
+        f"{per * sim.material.thickness:.3g} {unit} thick"
     )
     if tool is not None:
         length = sum(chain.length for chain in tool.chains())
         yield (
             f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle:,} triangles, "
-            f"{counted(tool.n_chain, 'cutting edge')}, {length:.4g} mm"
+            f"{counted(tool.n_chain, 'cutting edge')}, {with_unit(length, 'mm')}"
         )
     if sweep is not None:
         yield edge_line(sweep)
@@ -62,7 +63,7 @@ def start_lines(
     yield f"shown  {r.meaning}, over the {r.coordinate_name}"
     yield (
         f"step   {sim.dt:.4g} s at first, so about {round(until / sim.dt, -2):,.0f} steps to "
-        f"{r.coordinate_name} {r.coordinate(until):.4g} {r.coordinate_unit}, {1e3 * until:.4g} ms; "
+        f"{r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)}, {1e3 * until:.4g} ms; "
         f"{how_long(sim, until)}"
     )
 
@@ -80,18 +81,18 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
         Completed part of the run, 0 to 1.
     """
     r, s, ledger = resistance, sim.state, sim.ledger
-    figure, unit = r.columns[0]
+    (figure, unit), (of_energy, per) = r.columns[0], shown("N*mm")
     entries = ledger.entries()
     least = _SAID * max(map(abs, entries.values()))
     energies = ", ".join(
-        f"{name} {energy:.4g}" for name, energy in entries.items() if abs(energy) > least
+        f"{name} {per * energy:.4g}" for name, energy in entries.items() if abs(energy) > least
     )
     felt = r.felt(sim)[0]
     return (
-        f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
-        f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
-        f"E: {energies} N*mm | balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
-        f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
+        f"{percent(share)} %: {r.coordinate_name} "
+        f"{with_unit(r.coordinate(s.time), r.coordinate_unit)}, {figure} {with_unit(felt, unit)} | "
+        f"E: {energies} {pretty(of_energy)} | balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
+        f"crack {with_unit(s.crack_length, 'mm')}, cables {s.n_cable} made "
         f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
     )
 
@@ -115,6 +116,5 @@ def crack_line(sim: Simulation) -> str:
 def how_long(sim: Simulation, until: float) -> str:
     """Say about how long a run up to ``until`` [s] takes."""
     seconds = until / sim.dt * (_STEP_COST + _QUAD_COST * sim.mesh.n_quad)
-    size, unit = next(((n, u) for n, u in _SIZES if seconds >= 2.0 * n), (1.0, "s"))
     longer = "" if sim.material.is_linear else f", {_YIELDING:g} times that if all of it yields"
-    return f"about {np.ceil(seconds / size):.0f} {unit} on a free core{longer}"
+    return f"about {duration(np.ceil(seconds))} on a free core{longer}"

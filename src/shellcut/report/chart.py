@@ -49,6 +49,7 @@ def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
     height : float
         Of the figure [pixel].
     """
+    diagram = diagram.shown()
     x, curves = np.asarray(diagram.x, float), diagram.curves
     values = [np.asarray(curve.values, float) for curve in curves]
     common = [y for curve, y in zip(curves, values, strict=True) if curve.x is None]

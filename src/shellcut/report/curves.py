@@ -11,13 +11,13 @@ from shellcut.arrays import Bools, Floats
 from shellcut.results.comparison_table import rows_of, scope_of
 from shellcut.results.energy_account import account
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
-from shellcut.results.summary_figures import window_of, with_unit
-from shellcut.unit import in_unit, pretty
+from shellcut.results.summary_figures import window_of
+from shellcut.unit import in_unit, pretty, with_unit
 from shellcut.view import Curve, Diagram
 
 from .chart import chart
 from .gathered import Gathered
-from .markup import figure_of, missing, sentences, table
+from .markup import missing, sentences, table
 
 
 def resistance(run: Gathered) -> str:
@@ -30,7 +30,6 @@ def resistance(run: Gathered) -> str:
         x, y = found.measured_curve
         measured = Curve("measured", y, "measured", x=x)
         diagram = replace(diagram, curves=[*diagram.curves, measured])
-    diagram = diagram.shown_in(run.shown_in)
     drawn = _chart(diagram, f"{diagram.name} over {diagram.x_name}")
     return f'{drawn}<p class="caption">{escape(_said_of(run))}</p>'
 
@@ -42,12 +41,11 @@ def _said_of(run: Gathered) -> str:
     said = []
     if "resistance" in figures:
         resists = "the tool" if "tool_work_Nmm" in figures else "the motion"
-        said.append(f"Shown is the {figures['resistance']}; positive resists {resists}.")
+        said.append(f"The curve is the {figures['resistance']}. Positive values resist {resists}.")
     mean = f"{first}_plateau_{unit.replace('*', '')}"
     if mean in figures:
-        window = window_of(figures, run.shown_in)
-        shown = with_unit(mean, figures[mean], run.shown_in)
-        said.append(f"The mean over the steady window, {window}, is {shown}.")
+        shown = with_unit(figures[mean], unit)
+        said.append(f"The mean over the steady window, {window_of(figures)}, is {shown}.")
     elif "no_window" in figures:
         said.append(f"There is no steady window, so there is no mean: {figures['no_window']}.")
     return " ".join(said)
@@ -67,11 +65,11 @@ def measured(run: Gathered) -> str:
     drawn = chart(
         Diagram(x, curves, found.x_name, found.x_unit, found.y_name, found.y_unit),
         f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
-        f"their root-mean-square difference is {found.rms:.4g} {found.y_unit}.",
+        f"their root-mean-square difference is {with_unit(found.rms, found.y_unit)}.",
     )
     head = ("", "measured", "simulated", "difference")
     return (
-        f'{drawn}<p class="caption">{escape(pretty(scope_of(found)).replace(" °", "°"))}.</p>'
+        f'{drawn}<p class="caption">{escape(scope_of(found))}.</p>'
         + table([(in_unit(row.name, row.unit), *row[2:]) for row in rows_of(found)], head)
         + sentences(("note", "note", note) for note in found.notes)
     )
@@ -83,27 +81,25 @@ def energy(run: Gathered) -> str:
     if "tool_work" not in h:
         return missing("No ledger: the history is missing.")
     rows = [
-        (words, with_unit("_Nmm", energy, run.shown_in), f"{100.0 * share:.1f} %")
+        (words, with_unit(energy, "N*mm"), f"{100.0 * share:.1f} %")
         for lines in account(run.figures)
         for words, energy, share in lines
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
-    ledger = at_end + _chart(
-        energy_diagram(h, run.units).shown_in(run.shown_in), "energies and the work put in"
-    )
+    ledger = at_end + _chart(energy_diagram(h, run.units), "energies and the work put in")
     trusted = run.trusted
     if trusted.sum() < 2:
         return ledger
     missed = imbalance_diagram(h, run.units)
-    start = figure_of(h[missed.x_name][trusted][0], run.coordinate[1])
-    missed = missed.shown_in(run.shown_in)
-    missed = replace(missed, name=f"imbalance of the ledger from {start} on")
-    return ledger + _chart(missed, "imbalance of the ledger", 170.0, trusted)
+    start = with_unit(h[missed.x_name][trusted][0], run.coordinate[1])
+    missed = replace(missed, name=f"imbalance of the energies from {start} on")
+    return ledger + _chart(missed, "imbalance of the energies", 170.0, trusted)
 
 
 def _chart(
     diagram: Diagram, of: str, height: float = 300.0, rows: Bools | slice = slice(None)
 ) -> str:
+    diagram = diagram.shown()
     x = np.asarray(diagram.x)[rows]
     # A motion may rest or reverse; a curve over its coordinate needs ascending values.
     ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))

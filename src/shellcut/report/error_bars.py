@@ -20,18 +20,16 @@ def error_bars(found: ErrorBars | None) -> str:
     if found is None:
         return ""
     head = ("figure", "value", "±", *(f"± {part}" for part in PARTS), "as given")
-    rows = [
-        (in_unit(bar.name, bar.unit), *found.cells(bar), f"{bar.values[0]:.5g}")
-        for bar in found.bars
-    ]
-    pictures = []
+    rows, pictures = [], []
     for bar in found.bars:
         had = [(run, v) for run, v in zip(found.runs, bar.values, strict=True) if v is not None]
-        band = found.diagram(bar).curves[0]
+        band, (unit, factor) = found.diagram(bar).shown().curves[0], bar.shown
+        as_given = f"{factor * had[0][1]:.5g}"
+        rows.append((in_unit(bar.name, unit), *found.cells(bar), as_given))
         pictures.append(
             panel(
                 Axis(SIZE, "", np.array([run.size for run, _ in had])),
-                Axis(bar.name, bar.unit, np.array([v for _, v in had])),
+                Axis(bar.name, unit, factor * np.array([v for _, v in had])),
                 [f"{run.name}: {with_unit(bar.figure, v)}" for run, v in had],
                 colors=[PALETTE[COLOURS[run.part]] for run, _ in had],
                 lines=[(np.asarray(band.x, float), np.asarray(band.values, float), band.style)],

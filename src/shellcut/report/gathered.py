@@ -45,8 +45,6 @@ class Gathered:
         Missing data, in sentences for the reader.
     measured : Comparison or None
         The run compared with a measured curve.
-    shown_in : str
-        Units of figures and curves, as of :func:`shellcut.unit.shown_in`.
     """
 
     folder: Path
@@ -57,7 +55,6 @@ class Gathered:
     model: str = ""
     problems: list[str] = field(default_factory=list)
     measured: Comparison | None = None
-    shown_in: str = ""
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -8,11 +8,6 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 
-from shellcut.unit import after
-
-# Of lengths and areas over those of the whole, of angles in degrees.
-_AS_GOOD_AS_ZERO = 5e-4
-
 _LONG = 15  # characters of a cell that may be wrapped
 
 
@@ -59,11 +54,6 @@ def legend(names: Iterable[tuple[str, str]]) -> str:
 def missing(text: str) -> str:
     """Return a sentence about missing content."""
     return f'<p class="missing">{escape(text)}</p>'
-
-
-def figure_of(value: float, unit: str, whole: float = 1.0) -> str:
-    """Return a number of three figures and its unit; 0 if it is next to none of the whole."""
-    return (f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO * whole else "0") + after(unit)
 
 
 def link_to(path: Path, report: Path) -> str:

@@ -40,7 +40,7 @@ def page_of(
         body=body,
         footer=escape(
             f"Written by shellcut {importlib.metadata.version('shellcut')} on "
-            f"{time.strftime('%Y-%m-%d %H:%M')}. Units: mm, N, s, tonne, MPa."
+            f"{time.strftime('%Y-%m-%d %H:%M')}."
         ),
         style=_part("page.css") + style,
         script="\n".join([*(charts if 'class="chart' in body else ()), script]),

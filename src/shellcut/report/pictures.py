@@ -50,7 +50,7 @@ def crack_map(run: Gathered) -> str:
 
 
 def snapshots(run: Gathered) -> str:
-    """Return the pictures that the run has drawn, side by side."""
+    """Return the pictures that the run has drawn, side by side, large enough to be read."""
     pictures = [path.read_bytes() for path in run_folder.snapshots(run.folder)]
     if not pictures:
         return missing("No pictures: the run has drawn none. shellcut view draws them.")
@@ -58,4 +58,5 @@ def snapshots(run: Gathered) -> str:
         f"<figure>{image(png, f'Film and tool, picture {k} of {len(pictures)}')}</figure>"
         for k, png in enumerate(pictures, 1)
     )
-    return f'<div class="strip">{shown}</div>'
+    said = f"{len(pictures)} pictures, side by side: scroll to the right for the next."
+    return f'<div class="strip" tabindex="0">{shown}</div><p class="caption">{said}</p>'

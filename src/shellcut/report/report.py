@@ -11,7 +11,7 @@ from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.scene_page import scene_scripts, scene_style
-from shellcut.unit import after, shown_in
+from shellcut.unit import with_unit
 
 from . import curves, pictures, scene, words
 from .error_bars import error_bars
@@ -27,7 +27,6 @@ def report_run(
     path: str | os.PathLike[str] | None = None,
     *,
     measured: str | os.PathLike[str] | MeasuredCurve | Comparison | None = None,
-    units: str = "",
 ) -> Path:
     """Write one self-contained HTML file about a run: model, verdict, results.
 
@@ -44,8 +43,6 @@ def report_run(
     measured : path, MeasuredCurve or Comparison, optional
         A measured curve to show and compare with the simulated one, or the result of
         :func:`compare`, if columns and units have to be given.
-    units : str, optional
-        For figures and curves, with commas, as ``"in, lbf"``; sentences and pictures keep mm and N.
 
     Returns
     -------
@@ -71,8 +68,6 @@ def report_run(
     run = gather(Path(folder))
     inputs = [measured] if isinstance(measured, str | os.PathLike) else []
     out = target(path, run.folder / "report.html", inputs)
-    shown_in("mm", units)  # refuses what is no unit
-    run.shown_in = units
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
     body = _body(run)
@@ -93,7 +88,7 @@ def _lead(run: Gathered) -> str:
     if run.history:
         name, unit = run.coordinate
         end = run.history[name][-1]
-        parts.append(f"up to {name} {end:.4g}{after(unit)}")
+        parts.append(f"up to {name} {with_unit(end, unit)}")
     if run.results is not None:
         parts.append(f"{run.results.n_frame} frames")
     return ", ".join(parts) + "."

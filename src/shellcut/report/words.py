@@ -13,12 +13,13 @@ from shellcut.results.cut_quality import UNITS as CUT_UNITS
 from shellcut.results.cut_quality import cut_quality
 from shellcut.results.summary_figures import conclusion, key_figures
 from shellcut.results.verdict import Line, verdict
-from shellcut.unit import in_unit
+from shellcut.unit import in_unit, shown
 from shellcut.view import edge_length
 
 from .gathered import Gathered
-from .markup import figure_of, missing, sentences, table
+from .markup import missing, sentences, table
 
+_NOTHING = 5e-4  # of lengths and areas over those of the whole, of angles [deg], of numbers
 _N_QUALITY = 5  # frames for which the quality of the cut is listed
 
 _QUALITY = {
@@ -58,13 +59,13 @@ def judged(run: Gathered, last: Frame | None) -> tuple[str, str]:
         lines = verdict(figures)
     told = [("doubt", "missing", problem) for problem in run.problems]
     told += [(line.kind, line.word, line.text) for line in lines]
-    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told), run.shown_in)
+    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told))
     return f"<p>{escape(said)}</p>" if said else "", sentences(told)
 
 
 def figures(run: Gathered) -> str:
     """Return the summary as a table."""
-    rows = key_figures(run.figures, run.shown_in)
+    rows = key_figures(run.figures)
     half = -(-len(rows) // 2)
     tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
     return f'<div class="beside">{tables}</div>' if tables else ""
@@ -76,20 +77,18 @@ def quality(run: Gathered) -> str:
     if not frames:
         return missing("No figures of the cut: there are no frames.")
     rows = [cut_quality(frame).figures() for frame in frames]
-    coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
+    coordinate, (unit, along) = frames[0].coordinate_name, shown(frames[0].coordinate_unit)
     # Give units once per row, so that the numbers fit beside each other on a phone.
-    head = [in_unit(f"at {coordinate}", unit), *(figure_of(f.coordinate, "-") for f in frames)]
+    head = [in_unit(f"at {coordinate}", unit), *(f"{along * f.coordinate:.3g}" for f in frames)]
     # a 25th of the film: 5e-4 of that is nothing to be seen
     part = 0.04 * float(np.linalg.norm(np.ptp(frames[0].reference, axis=0)))
-    whole = {"mm": part, "mm^2": part * part}
-    units = {name: CUT_UNITS[name] for name in _QUALITY}
-    lines = [
-        [
-            in_unit(label, units[name]),
-            *(figure_of(row[name], "-", whole.get(units[name], 1.0)) for row in rows),
-        ]
-        for name, label in _QUALITY.items()
-    ]
+    least = {"mm": _NOTHING * part, "mm^2": _NOTHING * part * part}
+    lines = []
+    for name, label in _QUALITY.items():
+        unit, factor = shown(CUT_UNITS[name])
+        floor = least.get(CUT_UNITS[name], _NOTHING)
+        values = (factor * row[name] if abs(row[name]) >= floor else 0.0 for row in rows)
+        lines.append([in_unit(label, unit), *(f"{value:.3g}" for value in values)])
     return table(lines, head) + (
         '<p class="caption">Evaluated on the frames; cables are not film. A bridge is film between '
         "two crack ends that face each other; the cut-out is the piece to be cut free.</p>"

@@ -39,8 +39,8 @@ from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.numerics.broken_line import BrokenLine
 from shellcut.unit import conversion, dimension
+from shellcut.unit import with_unit as said
 from shellcut.view import Curve, Diagram, draw_curves
-from shellcut.view import number_with_unit as said
 
 from .comparison_table import table_of
 from .measured_curve import MeasuredCurve, read_measured_curve

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from shellcut.unit import after, shown
+
 if TYPE_CHECKING:
     from .comparison import Comparison
 
@@ -24,34 +26,47 @@ class Row(NamedTuple):
 def rows_of(found: Comparison) -> list[Row]:
     """Return the figures."""
     c, x, y = found, found.x_unit, found.y_unit
-    shift = f"{c.peak_at_simulated - c.peak_at_measured:+.4g}"
-    both = [
+    shift = c.peak_at_simulated - c.peak_at_measured
+    both: list[tuple[str, str, float, float, str | float]] = [
         (f"peak {c.y_name}", y, c.peak_measured, c.peak_simulated, _percent(c.peak_error)),
         (f"{c.x_name} of the peak", x, c.peak_at_measured, c.peak_at_simulated, shift),
         ("work", c.work_unit, c.work_measured, c.work_simulated, _percent(c.work_error)),
     ]
     if c.steady_range is not None:
-        low, high = c.steady_range
-        name = f"mean over {low:.3g}-{high:.3g}{_shown(x)}"
+        unit, factor = shown(x)
+        low, high = (factor * end for end in c.steady_range)
+        name = f"mean over {low:.3g}-{high:.3g}{after(unit)}"
         both.insert(2, (name, y, c.mean_measured, c.mean_simulated, _percent(c.mean_error)))
     if np.isfinite(c.pierced_at):
-        name = f"at first piercing, {c.pierced_at:.3g}{_shown(x)}"
-        change = f"{c.pierced_simulated - c.pierced_measured:+.4g}"
+        unit, factor = shown(x)
+        name = f"at first piercing, {factor * c.pierced_at:.3g}{after(unit)}"
+        change = c.pierced_simulated - c.pierced_measured
         both.append((name, y, c.pierced_measured, c.pierced_simulated, change))
     correlation = f"{c.correlation:.4f}" if np.isfinite(c.correlation) else "-"
     return [
-        *(Row(name, unit, f"{m:.4g}", f"{s:.4g}", off) for name, unit, m, s, off in both),
-        Row("RMS difference", y, "", "", f"{c.rms:.4g}"),
+        *(_row(*cells) for cells in both),
+        _row("RMS difference", y, None, None, c.rms, sign=""),
         Row("RMS difference over the peak", "-", "", "", _percent(c.rms_relative, sign="")),
         Row("correlation", "-", "", "", correlation),
     ]
 
 
+def _row(
+    name: str, unit: str, m: float | None, s: float | None, off: str | float, sign: str = "+"
+) -> Row:
+    """Return numbers as text in the unit in which they are shown; ``off`` may be text already."""
+    unit, factor = shown(unit)
+    measured, simulated = ("" if value is None else f"{factor * value:.4g}" for value in (m, s))
+    difference = off if isinstance(off, str) else f"{factor * off:{sign}.4g}"
+    return Row(name, unit, measured, simulated, difference)
+
+
 def scope_of(found: Comparison) -> str:
     """Return the scope of a comparison: common range, number of points, smoothing."""
-    x = _shown(found.x_unit)
-    a, b = found.range
-    smoothed = "" if found.window is None else f", simulated mean over {found.window:g}{x}"
+    unit, factor = shown(found.x_unit)
+    a, b, width = (factor * along for along in (*found.range, found.window or 0.0))
+    x = after(unit)
+    smoothed = f", simulated mean over {width:.4g}{x}" if width else ""
     return f"{found.x_name} {a:.4g} to {b:.4g}{x}, {len(found.x)} points{smoothed}"
 
 
@@ -59,7 +74,7 @@ def table_of(found: Comparison) -> str:
     """Return a small table with its scope above it and the notes below."""
     table = [("", "measured", "simulated", "difference")]
     for row in rows_of(found):
-        unit = _shown(row.unit)
+        unit = after(row.unit)
         both = [f"{cell}{unit}" if cell else "" for cell in (row.measured, row.simulated)]
         own = "" if row.difference.endswith(("%", "-")) else unit
         table.append((row.name, both[0], both[1], f"{row.difference}{own}"))
@@ -71,10 +86,6 @@ def table_of(found: Comparison) -> str:
     ]
     notes = [f"note: {note}" for note in found.notes]
     return "\n".join([f"{found.name}: {scope_of(found)}", *lines, *notes])
-
-
-def _shown(unit: str) -> str:
-    return "" if unit == "-" else f" {unit}"
 
 
 def _percent(fraction: float, sign: str = "+") -> str:

@@ -104,10 +104,9 @@ def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
     figures["imbalance"] = total(PUT_IN, entries) - total(TAKEN_UP, entries)
     if not isfinite(figures["imbalance"]):
         return {}
-    for name in ("contact_stored", "contact_absorbed", "friction_dissipated"):
+    for name in ("contact_stored", "friction_dissipated"):
         figures[name] = entries.get(name, 0.0)
-    held = figures["contact_stored"] + figures["contact_absorbed"]
-    figures["contact_lost"] = figures["contact"] - held
+    figures["contact_lost"] = figures["contact"] - figures["contact_stored"]
     figures["self_contact_lost"] = figures["self_contact"] - entries.get("self_contact_stored", 0.0)
     return {f"{name}_Nmm": energy for name, energy in figures.items() if energy}
 
@@ -157,12 +156,12 @@ def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
 def dissipated(figures: Mapping[str, Any]) -> tuple[list[Share], float]:
     """Return what went where the laws of the run let it go, and all such shares together.
 
-    The shares are of the dissipated work: besides these, damping and what contact has absorbed and
-    lost, whatever their signs. Energy that is stored or kinetic is not in it. Cables count with all
-    their work: what they hold is dissipated when they break.
+    The shares are of the dissipated work: besides these, damping and what contact has lost,
+    whatever their signs. Energy that is stored or kinetic is not in it. Cables count with all their
+    work: what they hold is dissipated when they break.
     """
     asked = [(part.words, figures.get(f"{part.name}_Nmm", 0.0)) for part in ASKED_FOR]
-    lost = ("damping", "contact_absorbed", "contact_lost", "self_contact_lost")
+    lost = ("damping", "contact_lost", "self_contact_lost")
     whole = sum(energy for _, energy in asked)
     whole += sum(abs(figures.get(f"{name}_Nmm", 0.0)) for name in lost)
     if not whole > 0.0:

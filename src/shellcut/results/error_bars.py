@@ -32,6 +32,7 @@ import scipy
 
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
+from shellcut.unit import in_unit, shown
 from shellcut.view.curves import Curve, Diagram
 
 from .summary_figures import label_of, unit_of
@@ -105,6 +106,11 @@ class ErrorBar:
         """Unit of all numbers."""
         return unit_of(self.figure)
 
+    @property
+    def shown(self) -> tuple[str, float]:
+        """Unit in which they are shown, and the factor to it."""
+        return shown(self.unit)
+
 
 @dataclass(frozen=True)
 class Run:
@@ -135,7 +141,7 @@ class ErrorBars:
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
     figure                                              value        ±      mesh     speed    chance
     force, peak [N]                                      3.10     0.10       0.1         -         -
-    force, peak: an order takes 3 meshes; mostly mesh, edges half as long would leave ± 0.05 N
+    force, peak: an order takes 3 meshes; most of ± comes from mesh: edges half as long would leave ± 0.05 N
     """
 
     key: str
@@ -148,17 +154,18 @@ class ErrorBars:
         lines = [f"{'figure':<46}{'value':>11}{'±':>9}" + "".join(f"{p:>10}" for p in PARTS)]
         for bar in self.bars:
             value, width, *parts = self.cells(bar)
-            unit = f" [{bar.unit}]" if bar.unit else ""
-            head = f"{bar.name + unit:<46}{value:>11}{width:>9}"
+            head = f"{in_unit(bar.name, bar.shown[0]):<46}{value:>11}{width:>9}"
             lines.append(head + "".join(f"{part:>10}" for part in parts))
         return "\n".join([*lines, *self.said()])
 
     def cells(self, bar: ErrorBar) -> list[str]:
         """Return value, half-width and parts as texts, "-" for a part without runs."""
-        digits = 1 - math.floor(math.log10(bar.half_width)) if bar.half_width > 0.0 else 4
+        factor = bar.shown[1]
+        value, half = factor * bar.value, factor * bar.half_width
+        digits = 1 - math.floor(math.log10(half)) if half > 0.0 else 4
         parts = (bar.parts.get(part) for part in PARTS)
-        texts = ("-" if width is None else f"{width:.2g}" for width in parts)
-        return [*(f"{v:.{max(0, digits)}f}" for v in (bar.value, bar.half_width)), *texts]
+        texts = ("-" if width is None else f"{factor * width:.2g}" for width in parts)
+        return [*(f"{v:.{max(0, digits)}f}" for v in (value, half)), *texts]
 
     def said(self) -> list[str]:
         """Return how each figure converges and how its bar shrinks, and which part is missing."""
@@ -176,8 +183,9 @@ class ErrorBars:
             order = f"an order takes {_FEWEST} meshes"
         most = max(bar.parts, key=lambda part: bar.parts[part])
         less = {**bar.parts, most: 0.5 * bar.parts[most]}
-        left = f"{math.hypot(*less.values()):.2g} {bar.unit}".rstrip()
-        return f"{bar.name}: {order}; mostly {most}, {_HALVED[most]} would leave ± {left}"
+        unit, factor = bar.shown
+        left = f"{factor * math.hypot(*less.values()):.2g} {unit}".rstrip()
+        return f"{bar.name}: {order}; most of ± comes from {most}: {_HALVED[most]} would leave ± {left}"
 
     def write(self, path: Path) -> None:
         """Write them as JSON."""

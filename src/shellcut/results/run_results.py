@@ -28,7 +28,7 @@ from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, 
 from shellcut.formats.errors import counted
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
-from shellcut.unit import after
+from shellcut.unit import with_unit
 from shellcut.view import Curve, Look, draw_curves, png_of
 
 from .cut_quality import UNITS, cut_quality
@@ -36,7 +36,7 @@ from .history import read_history
 from .run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_figures, steady_window
-from .summary_figures import LABELS, label_of, window_of, with_unit
+from .summary_figures import LABELS, key_figures, window_of
 from .verdict import Line
 from .vtkhdf_reader import VtkHdfReader
 
@@ -99,9 +99,8 @@ class Results:
 
     def _repr_html_(self) -> str:
         names = [name for name in LABELS if re.search(_IN_CARD, name) and name in self.summary]
-        window = window_of(self.summary)
         figures: Figures = [("frames", self.n_frame, "")]
-        figures += [(label_of(n, window), with_unit(n, self.summary[n]), "") for n in names]
+        figures += [(label, shown, "") for label, shown in key_figures(self.summary, names)]
         lines = [Line(**line) for line in self.summary.get("verdict", ())]
         doubts = [(line.kind, str(line)) for line in lines if line.kind == "doubt"]
         n_good = sum(line.kind == "good" for line in lines)
@@ -213,7 +212,7 @@ class Results:
         mean = figures.get(f"{name}_plateau_{unit.replace('*', '')}")
         if mean is not None:
             ends = [figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"]]
-            label = f"mean over {window_of(figures)}: {mean:.4g}{after(unit)}"
+            label = f"mean over {window_of(figures)}: {with_unit(float(mean), unit)}"
             plateau = Curve(label, [mean, mean], "mean", x=ends)
             diagram = replace(diagram, curves=[*diagram.curves, plateau])
         draw_curves(path, [replace(diagram, title=self.name)])

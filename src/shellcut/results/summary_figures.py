@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from shellcut.unit import after, shown_in
+from shellcut.unit import after, shown
+from shellcut.unit import with_unit as number_with_unit
 
 from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
 
@@ -33,8 +34,7 @@ LABELS = {
     "cohesive_dissipated_Nmm": "dissipated by the cables",
     "cohesive_stored_Nmm": "stored in the cables",
     "contact_stored_Nmm": "contact, held by its springs",
-    "contact_absorbed_Nmm": "contact, taken by absorbed jumps",
-    "contact_lost_Nmm": "contact, lost in impacts",
+    "contact_lost_Nmm": "contact, lost in impacts and where it lets go",
     "self_contact_lost_Nmm": "contact of the film with itself, lost in impacts",
     "friction_dissipated_Nmm": "friction, dissipated by slip",
     "dWcoh_dtheta_Nmm": f"cables' work per radian{_STEADY}",
@@ -85,24 +85,25 @@ _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path"
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 
 
-def key_figures(summary: Mapping[str, Any], units: str = "") -> list[tuple[str, str]]:
-    """Return label and value with unit: the known figures in order, then the others by name.
+def key_figures(
+    summary: Mapping[str, Any], names: Iterable[str] | None = None
+) -> list[tuple[str, str]]:
+    """Return label and value with unit of the named figures that are there.
 
-    ``units`` as of :func:`shellcut.unit.shown_in`.
+    By default of all but those that the verdict has: the known ones in order, then others by name.
 
     Examples
     --------
     >>> key_figures({"n_step": 39194, "torque_peak_Nmm": 208.17})
     [('torque, peak', '208.2 N·mm'), ('steps', '39,194')]
     """
-    known = [key for key in LABELS if key in summary and key not in _ELSEWHERE]
-    others = [key for key in summary if key not in LABELS and key not in _ELSEWHERE]
-    window = window_of(summary, units)
-    rows = [*known, *others]
-    return [(label_of(key, window), with_unit(key, summary[key], units)) for key in rows]
+    if names is None:
+        names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in _ELSEWHERE]
+    window = window_of(summary)
+    return [(label_of(n, window), with_unit(n, summary[n])) for n in names if n in summary]
 
 
-def conclusion(summary: Mapping[str, Any], n_doubt: int, units: str = "") -> str:
+def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
     """Return what a run found, and whether its checks hold, in one sentence.
 
     Examples
@@ -114,12 +115,12 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int, units: str = "") -> str
     for key in summary:
         name, _, which = key.rpartition("_")[0].partition("_")
         if name in ("torque", "force") and which in ("plateau", "peak"):
-            over = f"on average over {window_of(summary, units)}"
+            over = f"on average over {window_of(summary)}"
             mean = over if which == "plateau" else "at most"
-            takes.append((which, f"{with_unit(key, summary[key], units)} {mean}", name))
+            takes.append((which, f"{with_unit(key, summary[key])} {mean}", name))
     if not takes:
         return ""
-    what = f"A crack of {with_unit('crack_mm', crack, units)}" if crack else "Moving the film"
+    what = f"A crack of {with_unit('crack_mm', crack)}" if crack else "Moving the film"
     trust = "every check holds"
     if n_doubt:
         trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
@@ -128,23 +129,7 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int, units: str = "") -> str
     return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
 
 
-def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[tuple[str, float]]:
-    """Yield label with unit and value of some figures, in ASCII for any terminal.
-
-    Examples
-    --------
-    >>> list(plain_figures({"n_step": 39194, "torque_peak_Nmm": 208.17}, ["torque_peak_Nmm"]))
-    [('torque, peak [N*mm]', 208.17)]
-    """
-    window = window_of(summary).replace("°", " deg").replace("-", " to ")
-    for name in names:
-        if name in summary:
-            unit = "-" if name.endswith("_rel") else unit_of(name).replace("·", "*")
-            label = LABELS[name].format(window=window)
-            yield f"{label} [{unit}]" if unit else label, summary[name]
-
-
-def window_of(summary: Mapping[str, Any], units: str = "") -> str:
+def window_of(summary: Mapping[str, Any]) -> str:
     """Return the steady window of a summary as text; "" without one.
 
     Examples
@@ -154,19 +139,17 @@ def window_of(summary: Mapping[str, Any], units: str = "") -> str:
     """
     for unit in ("deg", "mm"):
         if f"window_from_{unit}" in summary:
-            shown, factor = shown_in(unit, units)
+            other, factor = shown(unit)
             low, high = (factor * summary[f"window_{end}_{unit}"] for end in ("from", "to"))
-            return f"{low:.3g}-{high:.3g}{after(shown)}"
+            return f"{low:.3g}-{high:.3g}{after(other)}"
     return ""
 
 
-def with_unit(key: str, value: Any, units: str = "") -> str:
-    """Return a figure of ``summary.json`` with the unit at the end of its name, or another."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return str(value)
-    unit, factor = shown_in(unit_of(key), units)
-    number = f"{value:,}" if isinstance(value, int) else f"{factor * value:.4g}"
-    return f"{number}{after(unit)}"
+def with_unit(key: str, value: Any) -> str:
+    """Return a figure of ``summary.json`` with the unit at the end of its name, as shown."""
+    if isinstance(value, float):
+        return number_with_unit(value, unit_of(key))
+    return f"{value:,}{after(unit_of(key))}" if type(value) is int else str(value)
 
 
 def unit_of(key: str) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.frame import Frame
 from shellcut.results.run_results import Results
+from shellcut.unit import shown
 from shellcut.view import Look, legend_of, title_parts, tool_creases
 from shellcut.view.fields import Field
 
@@ -110,6 +111,7 @@ def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
         )
     described = {
         "name": taken.name,
+        "length": shown("mm"),
         "frames": [
             {"number": number, "caption": caption, "pose": pose}
             for number, caption, pose in zip(

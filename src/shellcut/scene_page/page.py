@@ -206,7 +206,7 @@ def _footer(scene: Scene, results: Results) -> str:
     version = importlib.metadata.version("shellcut")
     said = f"{len(scene.taken.numbers)} of {results.n_frame} frames of {results.folder.resolve()}"
     why = f" ({scene.dropped})" if scene.dropped else ""
-    return f"{said}{why}. Written by shellcut {version} with three.js. Units: mm, N, s, tonne, MPa."
+    return f"{said}{why}. Written by shellcut {version} with three.js."
 
 
 def _part(name: str) -> str:

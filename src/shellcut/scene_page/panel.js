@@ -199,10 +199,12 @@ class Panel {
     const node = polygon[Math.min(picked.corner, polygon.length - 1)];
     this.view.markQuad(picked.quad, node);
     const steps = this.of.points.step;
-    const place = this.view.film.at(node).toArray().map((at, axis) => digits(at, steps[axis]));
+    const [unit, of] = this.content.length;
+    const at = this.view.film.at(node).toArray();
+    const place = at.map((along, axis) => digits(of * along, of * steps[axis]));
     const value = this.values.number(frame, field.of === "quad" ? picked.quad : node);
     this.part("read").textContent =
-      `quad ${picked.quad}, node ${node} at (${place.join(", ")}) mm: ` +
+      `quad ${picked.quad}, node ${node} at (${place.join(", ")}) ${unit}: ` +
       `${field.label} ${digits(value, this.values.step[0])} ${pretty(field.unit)}`;
     this.drawCourse(field.of === "quad" ? picked.quad : node);
   }

@@ -49,8 +49,6 @@ class Ledger:
     """Work that went into the contact from both sides, nodes and tool."""
     contact_stored: float = 0.0
     """Penalty energy, the recoverable part of it."""
-    contact_absorbed: float = 0.0
-    """What absorbed jumps have taken up of it; negative: what they have given to the film."""
     self_contact_work: float = 0.0
     """Work that went into the contact of the film with itself."""
     self_contact_stored: float = 0.0

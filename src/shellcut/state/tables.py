@@ -215,7 +215,9 @@ class NodeTable(_Table):
     contact_depth: Floats
     """Penetration at the last search [mm], 0 outside."""
     contact_offset: Floats
-    """Part of the penetration that is being absorbed [mm]."""
+    """Part of the penetration that does not press [mm]."""
+    contact_place: Annotated[Floats, (3,)]
+    """Place in the tool's frame where that came up [mm]."""
     contact_work: Floats
     """Work put into the contact of the node since it began [N·mm]."""
     contact_force: Annotated[Floats, (3,)]

@@ -12,7 +12,7 @@ import importlib.util
 import json
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
@@ -255,7 +255,7 @@ def optimise(
                 value = None if trial.figure is None else sign * trial.figure
                 study.tell(one, value, optuna.trial.TrialState.FAIL if failed else None)
             trials += done
-        figure = figure_name(wanted, _figures(trials[0].folder))
+        figure = figure_name(wanted, _figures(trials[0].folder, [wanted]))
         found = Optimum(figure, sign, tuple(subject_to), tuple(trials))
         if confirm and found.best:
             again = run([{}, found.best.values], confirm)
@@ -309,7 +309,8 @@ def _trial(
     folder = str(run.folder(study))
     if outcome.status != "done":
         return Trial(run.values, folder, reason=outcome.reason or outcome.status)
-    figures = {**_figures(folder), **outcome.figures}
+    names = wanted, *(name for name, _, _ in limits)
+    figures = {**_figures(folder, names), **outcome.figures}
     missed = 0.0
     for name, sign, bound in limits:
         beyond = float(figures[figure_name(name, figures)]) - bound
@@ -317,10 +318,13 @@ def _trial(
     return Trial(run.values, folder, float(figures[figure_name(wanted, figures)]), missed)
 
 
-def _figures(folder: str) -> dict[str, Any]:
-    """Return the figures of a run: its summary, and the quality of its cut at the end."""
+def _figures(folder: str, names: Iterable[str]) -> dict[str, Any]:
+    """Return the summary of a run, and the quality of its cut at the end if a name is of that."""
     results = read(Path(folder))
     figures = dict(results.summary)
-    if results.n_frame:
-        figures |= cut_quality(results.frame(-1)).figures()
+    try:
+        for name in names:
+            figure_name(name, figures)
+    except ValueError:
+        figures |= cut_quality(results.frame(-1)).figures() if results.n_frame else {}
     return figures

@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 
-from shellcut.results.summary_figures import plain_figures
+from shellcut.results.summary_figures import key_figures
+from shellcut.view.progress import duration
 
 from .one_run import Outcome
 from .plan import Plan
@@ -48,7 +49,7 @@ class StudyProgress:
         )
         if outcome.status == "done":
             shown = [name for name in _SHOWN if name in outcome.figures][:1]
-            said = "".join(f", {n} {v:.4g}" for n, v in plain_figures(outcome.figures, shown))
+            said = "".join(f", {name} {value}" for name, value in key_figures(outcome.figures, shown))
             said = f"{outcome.seconds:.1f} s{said}"
         else:
             said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
@@ -60,7 +61,7 @@ class StudyProgress:
         if left <= 0 or new <= 0:
             return ""
         seconds = (time.monotonic() - self._began) / new * left
-        return f"; {_duration(seconds)} left"
+        return f"; {duration(seconds)} left"
 
     def end(self, outcomes: Mapping[int, Outcome]) -> None:
         """Say how the study ended."""
@@ -69,16 +70,8 @@ class StudyProgress:
             for status in ("done", "failed", "stopped")
         }
         said = ", ".join(f"{n} {status}" for status, n in counts.items() if n)
-        took = _duration(time.monotonic() - self._began)
+        took = duration(time.monotonic() - self._began)
         self.say(f"{said}, in {took}")
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    if seconds < 5400.0:
-        return f"{seconds / 60.0:.0f} min"
-    return f"{seconds / 3600.0:.1f} h"
 
 
 def _to_standard_error(line: str) -> None:

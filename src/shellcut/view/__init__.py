@@ -3,7 +3,6 @@
 May import ``frame``, ``formats`` and rows below.
 """
 
-from ._figure import with_unit as number_with_unit
 from ._panel import edge_length, legend_of, title_parts, tool_creases
 from .crack_map import draw_crack_map
 from .curves import Curve, Diagram, draw_curves
@@ -25,7 +24,6 @@ __all__ = [
     "draw_scene",
     "edge_length",
     "legend_of",
-    "number_with_unit",
     "png_of",
     "title_parts",
     "tool_creases",

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from shellcut.files.whole_file import atomic_write
-from shellcut.unit import after
 
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
@@ -37,9 +36,3 @@ def save(figure: Any, path: str | os.PathLike[str]) -> None:
     """
     with atomic_write(Path(path)) as temporary:
         figure.savefig(temporary)
-
-
-def with_unit(value: float, unit: str) -> str:
-    """Return a number with four significant digits and its unit."""
-    value += 0.0  # no "-0"
-    return (f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}") + after(unit)

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from shellcut.arrays import Floats, Ints
 from shellcut.frame import JOINTED, STRAIGHT, Frame, is_corner, sides_of
+from shellcut.unit import shown, with_unit
 
-from ._figure import with_unit
 from ._raster import LAMP, Camera, Canvas, view_axes
 from .fields import at_corners
 from .look import Look
@@ -184,17 +184,12 @@ def color_scale(look: Look, limits: tuple[float, float]) -> Any:
     return ScalarMappable(Normalize(*limits), ListedColormap(look.colors()))
 
 
-def caption_of(frame: Frame) -> list[str]:
-    """Return the caption of a frame: coordinate and first scalar, with units."""
+def title_parts(frame: Frame) -> list[str]:
+    """Return the title of a frame: coordinate, first scalar and time, with units."""
     parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]
     for name in list(frame.scalars)[:1]:
         parts.append(f"{name} {with_unit(frame.scalars[name], frame.scalar_units[name])}")
-    return parts
-
-
-def title_parts(frame: Frame) -> list[str]:
-    """Return the caption and the time."""
-    return [*caption_of(frame), f"time {1e3 * frame.time:.3f} ms"]
+    return [*parts, f"time {1e3 * frame.time:.3f} ms"]
 
 
 def round_length(wanted: float) -> float:
@@ -210,6 +205,8 @@ def eight_bit(image: Floats) -> npt.NDArray[np.uint8]:
 
 def show(axes: Any, image: Floats, across: float) -> None:
     """Show an image in axes of its size, with a bar of a round length; ``across``: width [mm]."""
+    unit, factor = shown("mm")
+    across *= factor
     axes.imshow(eight_bit(image), interpolation="none", aspect="equal")
     axes.set_autoscale_on(False)
     axes.set_xticks([])
@@ -223,7 +220,7 @@ def show(axes: Any, image: Floats, across: float) -> None:
     axes.plot([x, to], [y, y], color="white", lw=4.5)
     axes.plot([x, to], [y, y], color="black", lw=2.5, solid_capstyle="butt")
     text = {"ha": "center", "va": "bottom", "bbox": PAPER}
-    axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} mm", **text)
+    axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} {unit}", **text)
 
 
 def add_color_bar(
@@ -289,5 +286,5 @@ def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -
         if look.shows(shown.part)
     ]
     if handles:
-        where = {"loc": "lower right", "ncol": len(handles), "frameon": False} | where
+        where = {"loc": "lower right", "ncol": -(-len(handles) // 2), "frameon": False} | where
         figure.legend(handles=handles, **where)

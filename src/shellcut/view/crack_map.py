@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.frame import Frame, sides_of
-from shellcut.unit import in_unit
+from shellcut.unit import in_unit, shown, with_unit
 
 from ._figure import new_figure, save
 from ._panel import mesh_edges
@@ -66,7 +66,8 @@ def draw_crack_map(
         raise ValueError("a crack map needs at least one frame, got none")
     last = frames[-1]
     i, j, _ = plane_axes(last.reference)
-    flat = last.reference[:, [i, j]]
+    (unit, factor), ij = shown("mm"), [i, j]
+    flat = factor * last.reference[:, ij]
     segments, opened = crack_history(frames)
     before = opened == frames[0].coordinate
 
@@ -78,21 +79,21 @@ def draw_crack_map(
     _draw_film(axes, last, flat)
     for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
-        axes.plot(way[:, i], way[:, j], color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label)
+        axes.plot(*factor * way[:, ij].T, color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label)
     if before.any():
-        _add_lines(axes, segments[before][..., [i, j]], colors=_BEFORE_COLOR, label="open before")
-    scale = _add_opened(axes, segments[~before][..., [i, j]], opened[~before], frames)
+        _add_lines(axes, factor * segments[before][..., ij], colors=_BEFORE_COLOR, label="open before")
+    scale = _add_opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
-        _add_splits(axes, np.asarray(places, dtype=float).reshape(-1, 3)[:, [i, j]], kind, k)
+        _add_splits(axes, factor * np.reshape(places, (-1, 3))[:, ij], kind, k)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
-    axes.set_xlabel(f"{'xyz'[i]} [mm]")
-    axes.set_ylabel(f"{'xyz'[j]} [mm]")
+    axes.set_xlabel(in_unit("xyz"[i], unit))
+    axes.set_ylabel(in_unit("xyz"[j], unit))
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
-    axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges")
+    axes.set_title(f"crack of {with_unit(length, 'mm')} in {len(segments)} edges")
     if scale is not None:
         bar = figure.colorbar(scale, cax=figure.add_axes(beside))
-        bar.set_label(in_unit(f"opened at {last.coordinate_name}", last.coordinate_unit))
+        bar.set_label(in_unit(f"opened at {last.coordinate_name}", shown(last.coordinate_unit)[0]))
     handles, labels = axes.get_legend_handles_labels()
     if handles:
         figure.legend(
@@ -178,11 +179,12 @@ def _add_opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Fr
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
 
-    limits = Normalize(frames[0].coordinate, frames[-1].coordinate)
+    _, factor = shown(frames[0].coordinate_unit)
+    limits = Normalize(factor * frames[0].coordinate, factor * frames[-1].coordinate)
     lines = LineCollection(
         list(segments), cmap=_COLORMAP, norm=limits, linewidths=4.0, capstyle="round", zorder=3
     )
-    lines.set_array(opened)
+    lines.set_array(factor * opened)
     axes.add_collection(lines)
     return lines
 

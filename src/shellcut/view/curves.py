@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats
-from shellcut.unit import in_unit, shown_in
+from shellcut.unit import in_unit, shown
 
 from ._figure import new_figure, save
 
@@ -93,9 +93,9 @@ class Diagram:
     height: float = 1.0
     zero: bool = True
 
-    def shown_in(self, units: str) -> Diagram:
-        """Return it in other units, as of :func:`shellcut.unit.shown_in`."""
-        (x_unit, along), (unit, up) = shown_in(self.x_unit, units), shown_in(self.unit, units)
+    def shown(self) -> Diagram:
+        """Return it in the units in which figures are shown."""
+        (x_unit, along), (unit, up) = shown(self.x_unit), shown(self.unit)
         curves = [
             replace(
                 c,
@@ -143,7 +143,7 @@ def draw_curves(
     shared = {"sharex": "col" if alike else "none", "squeeze": False, "height_ratios": heights}
     every = figure.subplots(rows, columns, **shared).ravel()
     for axes, diagram in zip(every, diagrams, strict=False):
-        _draw(axes, diagram)
+        _draw(axes, diagram.shown())
         if alike:
             axes.label_outer()
     for axes in every[len(diagrams) :]:

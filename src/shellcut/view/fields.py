@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shellcut.arrays import Floats, norm
 from shellcut.frame import Frame, is_corner
+from shellcut.unit import shown
 
 _STRESSES: dict[str, Callable[[Frame], Floats]] = {
     "largest principal": lambda frame: frame.quad_principal[:, 0],
@@ -60,7 +61,7 @@ FIELDS = tuple(field.name for field in _OF_ALL)
 
 
 def fields_of(frame: Frame) -> dict[str, Field]:
-    """Return the fields that a frame has, by name: those of every film, and of its material.
+    """Return the fields of a frame, those of its material too, by name, in the units shown.
 
     Examples
     --------
@@ -72,7 +73,12 @@ def fields_of(frame: Frame) -> dict[str, Field]:
     for key in frame.quad_history:
         name, _, unit = key.removesuffix("]").partition(" [")
         found[name] = Field(name, name, unit, "quad", _history(key))
-    return found
+    return {name: _shown(field) for name, field in found.items()}
+
+
+def _shown(field: Field) -> Field:
+    unit, factor = shown(field.unit)
+    return replace(field, unit=unit, values=lambda frame: factor * field.values(frame))
 
 
 def at_corners(field: Field, frame: Frame, smooth: bool) -> Floats:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.unit import in_unit, shown
 
 from ._figure import new_figure, save
 from ._panel import mesh_edges
@@ -90,6 +91,9 @@ def draw_model(
     figure = new_figure(size, dpi)
     figure.suptitle(title, fontsize=13)
     figure.text(0.06, 0.01, caption, va="bottom", fontsize=9, family="monospace")
+    unit, factor = shown("mm")
+    lengths = {name: factor * getattr(model, name) for name in ("nodes", "way", "track")}
+    model = replace(model, **lengths, tool=[factor * pose for pose in model.tool])
     # A refused model may lack its film.
     extent = np.ptp(model.nodes if len(model.nodes) else model.tool[0], axis=0)
     across = np.argsort(-extent, kind="stable")
@@ -104,8 +108,8 @@ def draw_model(
             _draw_pose(axes, model, k, axes_ids)
             axes.set_aspect("equal", adjustable="datalim")
             axes.autoscale_view()
-            axes.set_xlabel(f"{'xyz'[axes_ids[0]]} [mm]", fontsize=8)
-            axes.set_ylabel(f"{'xyz'[axes_ids[1]]} [mm]", fontsize=8)
+            axes.set_xlabel(in_unit("xyz"[axes_ids[0]], unit), fontsize=8)
+            axes.set_ylabel(in_unit("xyz"[axes_ids[1]], unit), fontsize=8)
             axes.tick_params(labelsize=8)
             if bottom > 0.3:
                 axes.set_title(model.titles[k], fontsize=10)

@@ -16,6 +16,8 @@ from collections.abc import Callable, Mapping
 from types import TracebackType
 from typing import Any, TextIO
 
+from shellcut.unit import with_unit
+
 BAR_INTERVAL = 0.2
 """Shortest time between two drawings of the bar [s]."""
 LINE_INTERVAL = 10.0
@@ -153,9 +155,9 @@ class Progress:
         texts = []
         if share > start:
             left = (now - began) * (1.0 - share) / (share - start)
-            texts.append(f"{_duration(left)} left")
+            texts.append(f"{duration(left)} left")
         texts += [
-            f"{name} {_number(value, self._figure_units.get(name, ''))}"
+            f"{name} {with_unit(value, self._figure_units.get(name, ''))}"
             for name, value in figures.items()
         ]
         if self._shown is not None and now > self._shown[0] and step > self._shown[1]:
@@ -233,18 +235,12 @@ def percent(share: float) -> int:
     return math.floor(100.0 * min(share, 1.0) + _ROUND_OFF)
 
 
-def _number(value: float, unit: str) -> str:
-    # Four digits are enough to watch a run; a blank separates number and unit.
-    value += 0.0  # no "-0"
-    digits = f"{value:.1f}" if 0.1 <= abs(value) < 1e5 else f"{value:.3g}"
-    return f"{digits} {unit}".rstrip()
-
-
 def _speed(value: float) -> str:
     return f"{value:,.0f}" if value >= 10.0 else f"{value:.2g}"
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """Return a time in words, as "1 min 25 s"."""
     minutes, s = divmod(max(0, round(seconds)), 60)
     hours, m = divmod(minutes, 60)
     if hours:

@@ -39,7 +39,7 @@ from .look import Look
 # Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
 _ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
-_INCHES = 13.0  # width of a figure, with room for its text
+_INCHES = 10.5  # width of a figure: its text is legible where it is shown 700 pixels wide
 _LOOK = Look()
 
 
@@ -128,7 +128,7 @@ class SnapshotSeries:
             bar, label = (0.04, 0.075, 0.30, 0.02), in_unit(field.label, field.unit)
             add_color_bar(self._figure, color_scale(look, self._limits), values, bar, label)
         add_legend(self._figure, seen, look, bbox_to_anchor=(0.995, 0.025))
-        self._title = self._figure.suptitle("", fontsize=15, y=0.975)
+        self._title = self._figure.suptitle("", fontsize=14, x=0.012, y=0.975, ha="left")
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
 
@@ -168,7 +168,7 @@ class SnapshotSeries:
 
         at = self._camera.project(close.centre)[:2] / OVERSAMPLING
         radius = 0.5 * close.shape[0] / close.scale * self._camera.scale / OVERSAMPLING
-        look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25", "clip_on": False}
+        look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25"}
         self._left.add_patch(Circle(tuple(at), radius, **look))
 
 

@@ -18,7 +18,7 @@ from shellcut.study.plan import RUNS, Definition
 from shellcut.study.study_file import STUDY, read_study
 from shellcut.study.surrogate.inputs import Input
 from shellcut.study.table import TABLE
-from shellcut.unit import pretty
+from shellcut.unit import shown
 
 _MAIN = (
     ("torque_plateau_Nmm", "force_plateau_N"),
@@ -170,10 +170,15 @@ def read_folder(folder: Path) -> Study:
         columns["reason"],
         inputs,
         _factors(planned, inputs),
-        tuple(FigureOfRuns(n, label_of(n, _STEADY), unit_of(n), figures[n]) for n in chosen),
+        tuple(_figure(name, figures[name]) for name in chosen),
         figures,
         lacking,
     )
+
+
+def _figure(name: str, values: Floats) -> FigureOfRuns:
+    unit, factor = shown(unit_of(name))
+    return FigureOfRuns(name, label_of(name, _STEADY), unit, factor * values)
 
 
 def of_interest(
@@ -192,7 +197,8 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
     units = {key: _unit_of_key(key) for key in columns}
     short = [key.rpartition(".")[2] for key in columns]
     found = []
-    for key, texts in columns.items():
+    for key, cells in columns.items():
+        texts, (unit, factor) = tuple(cells), shown(units[key])
         plain = key.rpartition(".")[2]
         name = plain if short.count(plain) == 1 else key
         name = name.removesuffix("_deg").replace("_", " ")
@@ -204,7 +210,7 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
         ]
         numbers = [_number(text, units[key]) for text in (*texts, *probes)]
         if all(number is not None for number in numbers):
-            values = np.array(numbers, float)
+            values = factor * np.array(numbers, float)
             ends = float(values.min()), float(values.max())
             names: tuple[str, ...] = ()
             values = values[: len(texts)]
@@ -212,7 +218,6 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
             names = tuple(dict.fromkeys((*probes, *texts)))
             values = np.array([names.index(text) for text in texts], float)
             ends = 0.0, len(names) - 1.0
-        unit, texts = pretty(units[key]), tuple(texts)
         found.append(Studied(name, ends, names, key=key, unit=unit, values=values, texts=texts))
     return tuple(found)
 

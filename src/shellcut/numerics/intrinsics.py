@@ -1,0 +1,47 @@
+"""Functions whose code is written in LLVM's language, straight into the kernel that calls them."""
+
+# Numba's classes for typing have no types.
+# mypy: disable-error-code="misc, no-untyped-call, untyped-decorator"
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from numba.core import types
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def in_kernels(function: Callable[..., Any]) -> Callable[[F], F]:
+    """Return a decorator of what says which code stands for calls of a function in kernels.
+
+    What is decorated takes Numba's types of the arguments and returns a signature, or None if there
+    is no such function of them, and a function of context, builder and values that writes LLVM's
+    code and returns the value, if there is one. An integer that stands in the source has its value
+    in its type. From Python the function itself is called.
+
+    An ``overload`` would be a function of its own to Numba, compiled for each of its callers. Its
+    ``inline="always"`` makes Numba look for dead code, and what is stored into a borrowed table
+    passes for dead.
+    """
+
+    def registered(typed: F) -> F:
+        class _Typing(AbstractTemplate):
+            key = function
+            prefer_literal = True
+
+            def generic(self, args: Any, kws: Any) -> Any:
+                return None if kws else (typed(*args) or (None,))[0]
+
+        def write(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            value = typed(*signature.args)[1](context, builder, values)
+            return context.get_dummy_value() if value is None else value
+
+        infer_global(function, types.Function(_Typing))
+        lower_builtin(function, types.VarArg(types.Any))(write)
+        return typed
+
+    return registered
