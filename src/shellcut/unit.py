@@ -93,9 +93,7 @@ DIMENSIONS: Mapping[str, Sizes] = {
     "ratio": RATIO,
 }
 """Unit of each dimension in a history or a measured table."""
-LIBRARY_UNITS = dict(
-    zip(DIMENSIONS, ("mm", "deg", "N", "N*mm", "MPa", "s", "-"), strict=True)
-)
+LIBRARY_UNITS = dict(zip(DIMENSIONS, ("mm", "deg", "N", "N*mm", "MPa", "s", "-"), strict=True))
 """The unit in which histories store each dimension."""
 
 _KINDS: tuple[tuple[Sizes, Exponents], ...] = (

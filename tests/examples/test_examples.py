@@ -90,7 +90,7 @@ def test_cut_quality(run_example, tmp_path):
 
 def test_compare_with_measured(run_example, tmp_path):
     told = run_example("compare_with_measured.py", tmp_path)
-    assert re.search(r"peak torque +147\.1 N\*mm", told)  # 14.71 N*cm of the table
+    assert re.search(r"peak torque +147\.1 N·mm", told)  # 14.71 N*cm of the table
     found = figures(tmp_path / "comparison.json")["figures"]
     # The table was made up to lie near the run; far off, columns or units are wrong.
     assert abs(found["peak_error"]["value"]) < 0.1

@@ -91,7 +91,7 @@ def break_side(cuts, shell, state, a, b, kind="criterion"):
     side = start if stop == (start + 1) % 4 else stop
     segment = Segment(row, CORNERS[start], CORNERS[stop], side, stop, along_side=True)
     cut = cuts.along(state, segment, kind, 1.2)
-    cuts.wake(state)
+    cuts.renew(state)
     return cut
 
 

@@ -6,17 +6,21 @@ from shellcut.fracture.quad_polygon import density, divide, shape_functions, sha
 from shellcut.state import BROKEN
 
 
-def measure(trial, state, tip, segment):
-    """Return F_c · m over what the cables would carry; a driven cut is due at 1."""
-    found = force(trial, state, segment)
-    if found is None:
+def measure(trial, state, segment):
+    """Return F · m over what the cables would carry; a driven cut is due at 1."""
+    if force(trial, state, segment) is None:
         return -np.inf
     m, length = across(state, segment)
-    return float(found @ m) / (trial.carried * 0.5 * (trial.behind(tip) + length))
+    found = force(trial, state, segment, held_by=lambda share, closed: share - closed)
+    before = behind(trial, state, segment)
+    return float(found @ m) / (trial.carried * 0.5 * (before + length))
 
 
-def force(trial, state, segment):
-    """Return F_c [N], shape (3,); None if the cut would part nothing at the tip."""
+def force(trial, state, segment, held_by=lambda share, closed: share):
+    """Return F_c [N], shape (3,); None if the cut would part nothing at the tip.
+
+    held_by : how much of a cable's force counts.
+    """
     part = np.array([1.0, *shares(trial, state, segment)])
     d, kappa = np.zeros(3), 0.0
     for weight, sides in trial.pairs(state, segment):
@@ -24,12 +28,24 @@ def force(trial, state, segment):
             share = part[side.part]
             mass = float(share @ trial.corner_mass(side))
             total = share @ trial.corner_forces(state, side.rows, side.nodes)
-            for cable, end, held in side.cables:
+            for cable, end, held, closed in side.cables:
                 if state.cable.status[cable] != BROKEN:
-                    total += held * state.cable.force[cable, end]
+                    total += held_by(held, closed) * state.cable.force[cable, end]
             d += sign * weight * total / mass
             kappa += weight**2 / mass
     return d / kappa if kappa > 0.0 else None
+
+
+def behind(trial, state, segment):
+    """Return L_in [mm]: of one side, and of the corners that part, the area of what holds there."""
+    pairs = trial.pairs(state, segment)
+    areas = [
+        closed * state.cable.area[cable]
+        for _, (minus, _) in pairs
+        for cable, _, _, closed in minus.cables
+        if state.cable.status[cable] != BROKEN
+    ]
+    return 2.0 * sum(areas) / trial.thickness / sum(weight for weight, _ in pairs)
 
 
 def shares(trial, state, segment):

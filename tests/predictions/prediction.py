@@ -39,7 +39,7 @@ class Figure:
     published : str
         The number, in words.
     low, high : float
-        Its band.
+        Its band; without one our value stands alone.
     short : (float, float), optional
         What the mean of the short runs must lie in where that is not the band, because our figure
         misses it or only finer meshes reach it: four standard deviations of such a mean and more
@@ -48,8 +48,8 @@ class Figure:
 
     name: str
     published: str
-    low: float
-    high: float
+    low: float = math.nan
+    high: float = math.nan
     short: tuple[float, float] | None = None
 
 
@@ -119,6 +119,8 @@ class Found:
     @property
     def verdict(self) -> str:
         """Hit or miss, in words."""
+        if math.isnan(self.figure.low):
+            return "–"
         if self.hits:
             return "hit"
         near = self.figure.low if self.value < self.figure.low else self.figure.high
@@ -129,6 +131,8 @@ class Found:
 def found(case: Prediction, figure: Figure, results: Mapping[str, Mapping[str, Any]]) -> Found:
     """Return a figure of a case with its error bar from what the runs returned."""
     values = {name: one[figure.name] for name, one in results.items() if figure.name in one}
+    if not values:
+        return Found(figure, math.nan, {}, n=0)
     groups: dict[tuple[float, float], list[float]] = {}
     for name, value in values.items():
         groups.setdefault((case.runs[name].edge, case.runs[name].speed), []).append(value)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from prediction import Figure, Prediction, Run, found
-from run import CASES, DOCS, case_of
+from run import CASES, DOCS, band, case_of
 
 
 @pytest.mark.slow
@@ -29,8 +29,7 @@ def test_the_page_shows_what_is_declared(name):
     for text in (case.title, case.source, case.known, case.model, case.said):
         assert text in page
     for one in case.figures:
-        row = f"| {one.name} | {one.published} | {one.low:.4g} to {one.high:.4g} |"
-        assert row in page
+        assert f"| {one.name} | {one.published} | {band(one)} |" in page
 
 
 def test_an_error_bar_holds_mesh_speed_and_chance():

@@ -192,12 +192,19 @@ PREDICTION = Prediction(
     source="""Force of a sharp wedge of half-angle θ that has cut a length l into sheet of
 thickness t: [LuCalladine1990], W = 2.3 σ_y t^1.7 l^1.3; [WierzbickiThomas1993], F = 1.67 σ_0
 t^1.6 l^0.4 [(tan θ)^0.4 + µ (tan θ)^-0.6] at a tip opening of t; [OhtsuboWang1995], F = 1.51
-σ_0 t^1.5 l^0.5 (sin θ)^0.5 (1 + µ/tan θ). Zheng and Wierzbicki (1996) is for a wedge with
-shoulders in steady cutting, which this one is not.""",
-    sure="""low: written down from memory, no page of the papers was at hand. Wierzbicki and
-Thomas agrees with its own published minimum, 3.28 σ_0 t^1.6 l^0.4 µ^0.4, within 0.2 %, and all
-three have the dimension of a force. They scatter among themselves by 10 to 40 %. The band of
-the level, ±30 % about the mean of the three, is ours; exponents and ratios are theirs.""",
+σ_0 t^1.5 l^0.5 (sin θ)^0.5 (1 + µ/tan θ). Zheng and Wierzbicki (1996), for a wedge with
+shoulders in steady cutting, which this one is not, has no formula here.""",
+    sure="""low for the constants, middling for the exponents. 2.3, 1.67 and 1.51, which flow stress
+is meant, and the powers of θ are from memory: no page with a formula could be opened (of the
+theses of the MIT tanker program, [Zheng1994], [Puente1995], only the first pages were at hand).
+Derived and so confirmed: the exponents of length and thickness belong together. Where flaps bend
+with σ_0 t² l/R and the tip takes σ_0 t^(2-n) R^n, the radius R of the least sum gives F ~
+t^((n+2)/(n+1)) l^(n/(n+1)): t^1.5 l^0.5 for n = 1 as Ohtsubo and Wang, t^1.6 l^0.4 for n = 2/3 as
+Wierzbicki and Thomas, t^1.7 l^0.3 for n = 3/7 as measured by Lu and Calladine. The factor of
+friction, 1 + µ/tan θ in both theories, is the equilibrium of two flanks pressed alike. Wierzbicki
+and Thomas agrees with its own published minimum, 3.28 σ_0 t^1.6 l^0.4 µ^0.4, within 0.2 %. The
+three scatter among themselves by 7 to 43 %. The band of the level, ±30 % about their mean, is ours;
+exponents and ratios are theirs.""",
     known="""The formulas, and runs with another steel (Swift 550 (0.003 + p)^0.18): within ±30
 % at friction 0.1 and 0.2, up to twice at 0.3; exponents in l 0.17 to 0.48, in t 1.40 to 1.43.
 Of this model one run was seen, 1.19 at friction 0.1; with cables of 600 MPa, stronger than the
@@ -253,6 +260,9 @@ upright, from 20 mm on) no power of the length means anything.
 **The force rises too slowly with the length** at small friction: tilted, its power is 0.06 at
 friction 0.1 and 0.27 at 0.2. Shares of the work there: yielding 0.58, 0.53; cables 0.21, 0.15,
 in proportion to the length; friction 0.19, 0.31. Cables of half as much energy again (tilted,
-friction 0.1) raise the force from 1094 to 1361 N.""",
+friction 0.1) raise the force from 1094 to 1361 N. The powers of the formulas add up to 2, as they
+must for a sheet with a flow stress alone; one with an essential work has a length of its own,
+G/σ_0 = 1 mm. Without the G t of the cables, tilted, F has t^1.65 at friction 0.1, and l^0.09 to
+l^0.12 there, l^0.23 to l^0.29 at 0.2: the thickness is as published, the length is not.""",
     caption="Force over the length of the cut, beside three formulas",
 )

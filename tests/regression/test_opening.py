@@ -28,7 +28,7 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     # Closed form; measured 0.997-1.005 of it.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
     state = case.simulation.state
-    assert summary["n_cable_created"] == 2 * N_RING[mesh]  # one a half-edge
+    assert summary["n_cable_created"] == 6 * N_RING[mesh]  # of a segment
     places = np.array([split.reference for split in state.split_log])
     np.testing.assert_allclose(np.hypot(places[:, 0], places[:, 1]), 9.4, rtol=1e-12)
     assert history["cohesive_work"][-1] <= BOUND
@@ -46,12 +46,8 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     taken_up = (history["tool_work"] - history["imbalance"])[window]
     mean_rate = (taken_up[-1] - taken_up[0]) / (angle[-1] - angle[0])
     assert power == pytest.approx(mean_rate, rel=1e-4)
-    # On quick the two cables of one segment may break early, by chance: 0.006 ± 0.012 in the
-    # perturbed runs, of which four of twenty exceed 0.012, the worst with 0.044.
-    ratio = np.sort(abs(broken_ratio(case) - 1.0))
-    third, largest = (0.02, 0.06) if mesh == "quick" else (0.012, 0.012)
-    assert ratio[-3] < third
-    assert ratio[-1] < largest
+    # Measured 2e-4 on quick, 1e-4 on M1.
+    assert abs(broken_ratio(case) - 1.0).max() < 0.012
     area = state.cable.area[: state.cable.count].sum()
     assert area == pytest.approx(0.074 * state.crack_length, rel=1e-12)
     return summary
@@ -59,15 +55,15 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
 
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
-    # Regressions, by twenty perturbed runs: 27.5902 ± 0.0001 and 67.5415 ± 0.0006 (rows are 0.05
-    # degrees apart), 141.51 ± 0.11, -0.776 ± 0.013, on this coarse ring, 0.93 %. Imbalance 1.7e-5
-    # of one run; where a step may grow at once, right after a cut, it is 7.8e-5.
-    assert summary["window_from_deg"] == pytest.approx(27.60, abs=0.06)
-    assert summary["window_to_deg"] == pytest.approx(67.54, abs=0.06)
-    assert summary["torque_plateau_Nmm"] == pytest.approx(141.51, abs=0.45)
-    assert summary["axial_force_plateau_N"] == pytest.approx(-0.776, abs=0.055)
-    assert summary["imbalance_rel"] < 4e-5
-    assert summary["kinetic_rel"] < 0.0105
+    # Regressions, by twenty perturbed runs: 27.24942 ± 0.00001 and 68.8656 ± 0.0004 (rows are 0.05
+    # degrees apart), 140.6055 ± 0.0015, -0.2681 ± 0.0003, on this coarse ring, 0.82 %. Imbalance
+    # 1.16e-5; where a step may grow at once, right after a cut, it is larger.
+    assert summary["window_from_deg"] == pytest.approx(27.25, abs=0.06)
+    assert summary["window_to_deg"] == pytest.approx(68.87, abs=0.06)
+    assert summary["torque_plateau_Nmm"] == pytest.approx(140.61, abs=0.1)
+    assert summary["axial_force_plateau_N"] == pytest.approx(-0.268, abs=0.01)
+    assert summary["imbalance_rel"] < 3e-5
+    assert summary["kinetic_rel"] < 0.009
     # What goes in between nodes is felt, to half the film's thickness or so: 0.017 mm.
     assert summary["unfelt_film_edge_mm"] < 0.6 * 0.074
 
@@ -105,11 +101,12 @@ def test_twelve_teeth_are_steady_nowhere(tmp_path):
 
 def test_teeth_that_leave_the_film_are_steady_until_then(tmp_path):
     summary, history = short_run(tmp_path, 60.0, pitch=40.0)
-    # 5 mm high and 40 mm a turn down, they are below the film at 45 degrees.
-    assert 35.0 < summary["window_to_deg"] < 45.0
+    # 5 mm high and 40 mm a turn down, they would leave a flat film at 45 degrees. It goes down with
+    # them by 0.24 to 0.38 mm, 2 to 3 degrees.
+    assert 35.0 < summary["window_to_deg"] < 48.0
     assert history["to_spare_edge_1"][-1] == 0.0
     theory = steady_work_per_radian(pitch=40.0)
-    # Closed form; measured 0.990.
+    # Closed form; measured 0.993.
     assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
 
 
@@ -154,14 +151,22 @@ def test_equilibrium_start(tmp_path):
 def test_mesh_that_ignores_the_path_is_reported(tmp_path):
     """Cracks along edges need a line of them under the blade's path; a zigzag holds the blade up.
 
-    Measured on seed 0 (2,505 quads): cables 0.93 of theory, torque 531 instead of 144 N*mm, 16 of
-    228 sides begin more than 0.3 mm off the path; the ledger closes all the same.
+    The theory is of a cut as long as the path. Between points of this mesh near the circle the
+    shortest way along edges is 1.3 times the arc (median), and the crack has arms beside it: it
+    grows 1.56, 1.62 and 1.70 times as fast as the path on seeds 0, 1 and 2. A cable that breaks
+    takes G A (0.9998 in the mean). A fifth of the crack's area lies beside the blade and hardly
+    opens, so that all cables take 0.73, 0.71 and 0.71 of G h a length of crack. Torque 379, 405 and
+    395 instead of 144 N*mm; the ledger closes all the same.
     """
     case = opening_test(unstructured_disc(seed=0), fracture=Fracture(path="edges"))
     summary, history = run(case, tmp_path)
     late = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
-    work = history["cohesive_work"][late]
-    rate = (work[-1] - work[0]) / np.radians(40.0)
-    assert 0.8 < rate / steady_work_per_radian() < 1.2
+    grown, work = (np.ptp(history[name][late]) for name in ("crack_length", "cohesive_work"))
+    assert grown * 43.5 * 0.074 > 1.4 * steady_work_per_radian() * np.radians(40.0)
+    assert work / (43.5 * 0.074 * grown) == pytest.approx(0.72, abs=0.1)
+    assert history["cohesive_work"][-1] < 43.5 * 0.074 * history["crack_length"][-1]
+    ratio = broken_ratio(case)
+    assert ratio.mean() == pytest.approx(1.0, abs=2e-3)
+    assert abs(ratio - 1.0).max() < 0.02
     assert history["torque"][late].mean() > 2.0 * 143.8
     assert summary["imbalance_rel"] < 0.01

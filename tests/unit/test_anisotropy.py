@@ -14,8 +14,8 @@ FILM = sc.Anisotropy(direction=(1.0, 1.0, 3.0), along=0.6, across=1.4)
 def test_the_factor_goes_with_the_angle_to_md_in_the_sheet(angle, wanted):
     film = sc.Anisotropy(direction=(2.0, 2.0, 0.0), along=0.6, across=1.4)
     way = 3.0 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0.0])
-    assert film.factor(way, UP) == pytest.approx(wanted, rel=1e-12)  # round-off
-    assert film.factor(-way, UP) == film.factor(way, UP)
+    assert film.factors(way[None], UP)[0] == pytest.approx(wanted, rel=1e-12)  # round-off
+    assert film.factors(-way[None], UP) == film.factors(way[None], UP)
 
 
 def test_only_the_part_of_md_in_the_sheet_counts_and_nonsense_is_refused():

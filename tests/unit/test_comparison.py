@@ -60,7 +60,7 @@ def test_the_work_is_the_integral(run):
     assert found.work_simulated == pytest.approx(2.0 * 140.0 / WAVE, rel=DISCRETISATION)
     assert found.work_error == pytest.approx(1.0, rel=DISCRETISATION)
     assert found.notes == (
-        "the ranges overlap only partly: measured 0 to 45 deg, simulated 0 to 90 deg",
+        "the ranges overlap only partly: measured 0° to 45°, simulated 0° to 90°",
         *NO_MEAN,
     )
 

@@ -98,7 +98,7 @@ def test_a_third_tip_at_a_joint_stays():
     sim = on_one_side(0.2)
     free = sim.cracks
     first = free.tips[0]
-    third = Tip(first.ends, first.s, first.quad, np.array([0.6, 0.8, 0.0]), 0.0)
+    third = Tip(first.ends, first.s, first.quad, np.array([0.6, 0.8, 0.0]))
     free.tips.insert(0, third)
     # It comes straight towards the first, through the quad beyond.
     y = NODE[1] + 0.2 * H

@@ -55,14 +55,12 @@ def test_what_exists_along_edges_only_asks_for_them(option):
 
 
 def test_what_exists_through_quads_only_asks_for_them():
-    option = {"cable_places": "gauss"}
+    option = {"branching": True}
     assert Fracture(**option).needed_path == Fracture(**option).decided().path == "free"
     with pytest.raises(ValueError, match="through the quads only: take path='free'"):
         Fracture(path="edges", **option)
     with pytest.raises(ValueError, match=r"criterion must be left out.* or .*, of cracks thr"):
         Fracture(criterion="stress", **option)
-    case = opening_test("quick", fracture=Fracture(**option))
-    assert case.simulation.fracture.path == "free"
 
 
 def test_what_is_asked_for_by_hand_and_named_by_an_earlier_path():
@@ -160,14 +158,12 @@ def test_a_notch_along_a_straight_path():
         notch=2.0,
         supports=SIDES,
     )
-    (tip,) = case.simulation.cracks.tips
     (end,) = case.simulation.cracks.at_tips(case.simulation.mesh.nodes)
     start = np.array([0.0, -1.0 + 0.05 * np.tan(0.3), 0.0])
     along, beside = (end - start) @ np.array([[c, -s], [s, c], [0.0, 0.0]])
     assert 2.0 <= along < 2.8
     assert abs(beside) < 0.05 * 0.8  # corners that are nearer are met
     assert case.simulation.state.crack_length == 0.0
-    assert tip.length == 0.0
     assert case.check.findings == ()
 
 

@@ -38,7 +38,7 @@ def inner_tips(sim, roll):
         u, v = roll.unrolled(X[node][None])
         (before, here), _ = roll.onto(np.array([u[0] - 0.4, u[0]]), v)
         way = (here - before) / np.linalg.norm(here - before)
-        found.append(Tip((node, node), 0.0, -1, way, 0.4))
+        found.append(Tip((node, node), 0.0, -1, way))
     return found
 
 
@@ -68,7 +68,7 @@ def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_de
     sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
     (node,) = mesh.nodes_where(lambda x, y, z: np.hypot(x - 2.5, y) < 1e-9)
     heading = np.array([1.0, aside, 0.0]) / np.hypot(1.0, aside)
-    tip = Tip((int(node), int(node)), 0.0, -1, heading, SIZE)
+    tip = Tip((int(node), int(node)), 0.0, -1, heading)
     c, s = np.cos(np.radians(fold_deg)), np.sin(np.radians(fold_deg))
     fold = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
     ahead = mesh.nodes[:, 0] > 2.5

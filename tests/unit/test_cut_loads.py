@@ -53,7 +53,7 @@ def random_cut(sim, cuts, row, rng):
 
 def random_cuts(sim, loads, number, rng, after=lambda state: None):
     """Cut rows, every second one at the rim under a load."""
-    cuts = Cuts(sim.state, sim.shell, sc.CohesiveLaw(), loads=loads)
+    cuts = Cuts(sim.state, sim.shell, sc.CohesiveLaw(), loads=loads, fibres=6)
     topology = cuts.topology
     rim = np.flatnonzero(np.isin(sim.mesh.quads, sim.mesh.node_set("right")).any(axis=1))
     for k in range(number):

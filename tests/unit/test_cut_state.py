@@ -59,7 +59,7 @@ def conserved(sim):
 def test_random_cuts_conserve_everything(kind, material):
     sim = film(kind, **material)
     s, rng = sim.state, RNG(11)
-    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw(), fibres=6)
     before = conserved(sim)
     for _ in range(60):
         random_cut(sim, cuts, int(rng.integers(cuts.topology.n_row)), rng)
@@ -76,7 +76,7 @@ def test_frequencies_of_all_parts_stay_below_their_bounds(kind):
     # A sliver has more mass than film, the other part less: its frequency rises at every cut.
     sim = film(kind)
     s, rng = sim.state, RNG(5)
-    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw(), fibres=6)
     for _ in range(60):
         random_cut(sim, cuts, int(rng.integers(cuts.topology.n_row)), rng)
     frequencies = sim.shell.frequencies

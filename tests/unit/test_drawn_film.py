@@ -135,7 +135,7 @@ def test_ends_of_cracks(cut):
     assert 0.0 < zone < length < cut.state.crack_length
     c = cut.state.cable
     jointed = np.flatnonzero(c.status[: cut.state.n_cable] == JOINTED)
-    edge = cut.state.node.X[c.ends[jointed, 0], 0].max()
+    edge = c.at_ends(cut.state.node.X)[jointed, 0, 0].max()
     assert ahead == pytest.approx(6.0 - edge, abs=1e-3)
     assert spare > 0.5
 

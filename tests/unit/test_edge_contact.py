@@ -353,6 +353,8 @@ def test_friction_on_places_holds_to_mu_times_the_pressure_and_closes():
 def ends_by_place(state, outline):
     """Places of both ends of all open edges, by the rows' polygons; where nodes or points are."""
     found, flank = [], state.flank
+    tied_to = [set(nodes[w > 1e-9]) for nodes, w in zip(flank.nodes, flank.weight, strict=True)]
+    parted = np.array([tied_to[k] != tied_to[flank.twin[k]] for k in range(flank.count)], bool)
     of_row = flank.row[: flank.count]
     for row in range(state.n_quad):
         n = outline.n_edge[row]
@@ -360,8 +362,8 @@ def ends_by_place(state, outline):
         xi, eta = points.T
         weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
         x = 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]).T @ state.node.x[state.quads[row]]
-        # Where a crack starts there is no flank point, and nothing is touched.
-        tied = flank.place[: flank.count][of_row == row]
+        # Where a crack starts its flanks have not parted, and nothing is touched.
+        tied = flank.place[: flank.count][(of_row == row) & parted]
         there = [(abs(p) == 1).all() or np.isin(p, tied).all() for p in points]
         for k in range(n):
             if outline.open[row, k] and not outline.absent[row]:

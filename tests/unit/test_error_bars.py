@@ -92,7 +92,7 @@ def test_the_table_has_two_digits_of_the_half_width(found):
     assert head.split() == ["figure", "value", "±", "mesh", "speed", "chance"]
     assert peak.split()[-5:] == ["2.85", "0.21", "0.2", "0.05", "0.043"]
     assert crack.split()[-5:] == ["12.00", "0.27", "0.27", "-", "-"]
-    assert said[0].endswith("most of ± comes from mesh: edges half as long would leave ± 0.12 N")
+    assert said[0].endswith("most of ± is mesh: edges half as long would leave ± 0.12 N")
     assert said[-1] == "speed: slower <b> is not done"
 
 

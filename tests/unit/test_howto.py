@@ -75,9 +75,9 @@ def test_trust(page):
 @pytest.mark.usefixtures("no_pictures")
 def test_first_cut(page):
     told = page("../first-cut.md")[1].splitlines()[-2:]
-    # the quick opening test to 40 degrees, measured 199 N*mm; a band for another step
+    # the quick opening test to 40 degrees, measured 169 N*mm; a band for another step
     largest = float(told[0].split()[2])
-    assert 170.0 < largest < 230.0
+    assert 150.0 < largest < 190.0
     assert told[0].endswith(" N*mm")
     assert told[1].startswith("crack ")
 
@@ -87,7 +87,7 @@ def test_hand_built(page):
     assert 0.5 < names["sim"].pose.translation[0] < 0.6  # the hook ended the run
     assert max(names["hook"].force) > 0.0
     told = told.splitlines()
-    assert float(told[0].split()[-3]) == pytest.approx(1.5, abs=0.1)  # N mm, of 3.2 of the tool
+    assert float(told[0].split()[-3]) == pytest.approx(1.36, abs=0.1)  # N mm, of 3.0 of the tool
     assert told[1].startswith("Results of 'cut' in out")
     # between a beam (lateral strain free, 0.2193 mm) and a plate (1 - nu² of it, 0.1996 mm)
     assert 0.1996 < float(told[-1].split()[1]) < 0.2193

@@ -120,7 +120,7 @@ def test_work_of_a_dead_pressure_counts_every_node():
 def test_dead_pressure_goes_with_the_quads_of_a_split_node():
     mesh, shell, state = prepared()
     loads = LoadSet(mesh, [Pressure(0.3)])
-    cuts = Cuts(state, shell, CohesiveLaw())
+    cuts = Cuts(state, shell, CohesiveLaw(), fibres=6)
     for _, side, _ in SEQUENCE:
         cases.break_side(cuts, shell, state, *side)
         n = state.n_node

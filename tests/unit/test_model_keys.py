@@ -328,8 +328,6 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {}
     if title == "material.layers":
         given = dict(LAYER)
-    if key == "cable_places" and "path" in kind.keys:
-        given = {"path": "free"}
     if title.startswith("material") and key not in LAYER:
         given = {**given, **BESIDE.get(key, {})}
     if key == "joint_friction":

@@ -61,16 +61,17 @@ def coarse():
 
 def test_the_crack_runs_ahead_of_the_bar(coarse):
     # The crack comes towards the bar's line and stays near it. From x = 12 mm on its way hangs on
-    # chance (docs/theory/oscillating.md): in 4 of 36 runs it comes to the line later. The bounds
+    # chance (docs/theory/oscillating.md): in 2 of 37 runs it comes to the line later. The bounds
     # hold for all of them; their bars were wider or narrower by 0.1 to 10 µm or had 36 to 144
     # facets, or nodes were moved by 1e-9 to 1e-3 mm.
     sim, path = coarse
     front = sim.pose.translation[0]
-    assert path[-1, 0] > front + 1.0  # it tears ahead of the bar, by 2.9 to 6.6 mm
+    assert path[-1, 0] > front + 1.0  # it tears ahead of the bar, by 2.9 to 6.3 mm
     assert path[0, 1] == pytest.approx(2.1)  # round-off: the end of the notch
-    assert np.interp([11.0, 12.0], *path.T) == pytest.approx([1.79, 1.18], abs=0.02)  # 1.17 to 1.19
-    assert np.abs(path[path[:, 0] < 14.0, 1]).min() < 1.3  # 0.07 to 1.1
-    assert np.abs(path[path[:, 0] > 14.0, 1]).max() < 3.5  # 0.3 to 3.2; half the bar is 3
+    # 1.785 and 1.207 in the mean, 1.781 to 1.787 and 1.197 to 1.221
+    assert np.interp([11.0, 12.0], *path.T) == pytest.approx([1.785, 1.207], abs=0.02)
+    assert np.abs(path[path[:, 0] < 14.0, 1]).min() < 1.3  # 0.4 to 1.1
+    assert np.abs(path[path[:, 0] > 14.0, 1]).max() < 3.5  # 0.4 to 2.8; half the bar is 3
     assert (np.diff(path[:, 0]) > -0.75).all()  # half an edge; 0.5 at most
     assert len(sim.cracks.tips) == 1
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 0.01

@@ -29,10 +29,11 @@ SECTIONS = SECTIONS.split(", ")
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
-    """A short cut of a coarse strip."""
+    """A short cut of a coarse strip, too fast."""
     folder = tmp_path_factory.mktemp("run") / "a & b"
+    strip = {"size": 1.0, "length": 6.0, "width": 4.0, "notch": 1.0, "travel": 3.0}
     law = shellcut.CohesiveLaw(strength=12.0)
-    case = shellcut.guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=3.0, law=law)
+    case = shellcut.guillotine(**strip, speed=8000.0, law=law)
     case.run(folder, n_row=150, n_frame=12, n_snapshot=2, progress=False)
     (folder / "used.toml").write_text('[membrane]\nname = "<script>alert(1)</script>"\n')
     return folder

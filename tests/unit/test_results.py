@@ -215,11 +215,12 @@ def test_curves_are_drawn_from_what_was_read(run, tmp_path):
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
     frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
-    c, x = sim.state.cable, sim.state.node.x
+    c = sim.state.cable
+    ends = c.at_ends(sim.state.node.x)
     wanted = []
     for state in (0, 1):
         ids = [k for k in range(c.count) if c.status[k] == state]
-        minus, plus = x[c.ends[ids, 0]], x[c.ends[ids, 1]]
+        minus, plus = ends[ids, 0], ends[ids, 1]
         rows = [(minus, plus)] if state == 0 else [(minus, c.joint[ids]), (c.joint[ids], plus)]
         wanted += [(a, b, c.opening[ids], c.traction[ids], state) for a, b in rows]
     assert (c.status[: c.count] == 2).any()  # some are broken, and not shown

@@ -14,7 +14,7 @@ from shellcut.report import report_run
 from shellcut.results.error_bars import ErrorBars, Run, error_bar
 from shellcut.scene_page import view_html
 from shellcut.study.optimise import Optimum, Trial
-from shellcut.unit import shown, showing, with_unit
+from shellcut.unit import showing, shown, with_unit
 from shellcut.view import Look, draw_crack_map
 from shellcut.view.snapshot import SnapshotSeries
 

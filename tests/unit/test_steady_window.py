@@ -153,10 +153,12 @@ def test_a_small_run_says_what_it_cut(tmp_path):
     zone = cable.length[:n][holds].sum()
     assert h["process_zone_edge_1"][-1] == pytest.approx(zone, rel=1e-15)
     assert (np.diff(h["cut_length_edge_1"]) >= 0.0).all()
-    # One crack along y = 0 up to 3.2 mm, the film's end, node by node of 0.4 mm. The edge meets the
-    # first cable at 0.4 mm, wherever the tip is, and has none to go when the tip is at the end.
-    ahead = h["uncut_ahead_edge_1"]
-    assert ahead[ahead > 0.0][0] == pytest.approx(2.8, abs=1e-12)
-    assert (np.diff(ahead[ahead > 0.0]) <= 0.0).all()
-    assert ahead / 0.4 == pytest.approx(np.round(ahead / 0.4), abs=1e-9)
+    # One crack along y = 0 up to 3.2 mm, the film's end, node by node of 0.4 mm, six cables a node.
+    # The edge meets the first half a spacing beyond 0.4 mm, wherever the tip is, and has none to go
+    # when the tip is at the end.
+    ahead, spacing = h["uncut_ahead_edge_1"], 0.4 / 6.0
+    left = ahead[ahead > 0.0]
+    assert left[0] == pytest.approx(2.8 - 0.5 * spacing, abs=1e-12)
+    assert (np.diff(left) <= 0.0).all()
+    assert left / spacing - 0.5 == pytest.approx(np.round(left / spacing - 0.5), abs=1e-9)
     assert ahead[-1] == 0.0

@@ -42,7 +42,7 @@ class Rules:
         ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
-        measure = segment and trial_cut.measure(self.trial, state, tip, segment)
+        measure = segment and trial_cut.measure(self.trial, state, segment)
         return segment, measure, passed
 
     def compare(self, tips):
@@ -122,7 +122,7 @@ def test_same_along_sides_and_where_they_are_broken(broken):
         for a, b in pairwise(line):
             rules.topology.break_side(a, b)
     heading = np.array([1.0, 0.0, 0.0])
-    tips = [Tip((n, n), 0.0, -1, heading, 0.3) for n in line[3:10]]
+    tips = [Tip((n, n), 0.0, -1, heading) for n in line[3:10]]
     kinds = rules.compare(tips)
     assert any(along for _, along, _ in kinds) != broken
 

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from naive import cases
-from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.cuts import Cuts
-from shellcut.fracture.quad_polygon import CORNERS
 from shellcut.mesh.structured import rectangle
 
 LAW = CohesiveLaw()
 H = 0.074
+FIBRES = 6
 
 # Six by four quads; node j * 7 + i is the i-th of row j. Each side: its nodes, and which of them
 # part when it is broken after those before it.
@@ -52,7 +51,7 @@ def prepared():
 
 def broken(mesh, shell, state, n_side):
     """Break the first sides of the sequence; return what cuts."""
-    cuts = Cuts(state, shell, LAW)
+    cuts = Cuts(state, shell, LAW, fibres=FIBRES)
     for _, side, _ in SEQUENCE[:n_side]:
         cases.break_side(cuts, shell, state, *side)
     return cuts
@@ -74,30 +73,22 @@ def totals(shell, state):
     }
 
 
-def check_cables(mesh, state):
-    """Area and ends of all cables against the reference mesh."""
+def check_cables(mesh, state, sides):
+    """Area and ends of all cables against the sides that are broken, one after the other."""
     c, live = state.cable, state.n_cable
-    ends = naive.open_ends(mesh, state)
-    length = naive.crack_length(mesh, state)
-    assert c.area[:live].sum() == pytest.approx(H * length, rel=1e-12)
-    seen = []
+    assert live == FIBRES * len(sides)
     for k in range(live):
-        origins = set()
-        for end in range(2):
-            row, corner = c.row[k, end], c.corner[k, end]
-            inward = c.inward[k, end] - CORNERS[corner]
-            after = CORNERS[(corner + 1) % 4]
-            along = inward @ np.subtract(after, CORNERS[corner]) > 0.0
-            quad = mesh.quads[row]
-            origins.add((int(quad[corner]), int(quad[(corner + (1 if along else 3)) % 4])))
-            assert state.quads[row, corner] == c.ends[k, end]
-        ((origin, far),) = origins  # both flanks agree on it
-        seen.append((origin, far))
-        assert frozenset(c.ends[k].tolist()) == ends[origin, far]
-        reference = 0.5 * np.linalg.norm(mesh.nodes[origin] - mesh.nodes[far])
-        assert c.length[k] == pytest.approx(reference, rel=1e-14)
-        assert c.area[k] == pytest.approx(H * reference, rel=1e-14)
-    assert sorted(seen) == sorted(ends)  # every open end has one cable
+        here, there = sides[k // FIBRES]
+        beside = [q for q, quad in enumerate(mesh.quads.tolist()) if here in quad and there in quad]
+        assert sorted(c.row[k].tolist()) == beside  # a flank each
+        for side, row in enumerate(c.row[k].tolist()):
+            quad = mesh.quads[row].tolist()
+            assert c.ends[k, side] == state.quads[row, quad.index(here)]
+            assert c.far[k, side] == state.quads[row, quad.index(there)]
+        assert c.share[k] == pytest.approx((k % FIBRES + 0.5) / FIBRES, rel=1e-14)
+        length = np.linalg.norm(mesh.nodes[here] - mesh.nodes[there]) / FIBRES
+        assert c.length[k] == pytest.approx(length, rel=1e-14)
+        assert c.area[k] == pytest.approx(H * length, rel=1e-14)
 
 
 @pytest.mark.parametrize("k", range(len(SEQUENCE)), ids=KINDS)
@@ -139,12 +130,9 @@ def test_a_broken_side_keeps_mass_momentum_energy_and_cohesive_area(k):
             kept = n.contact_force[half] / n.mass[half]
             was = pushed[half] if half < n_node else pushed[halves[0]]
             np.testing.assert_allclose(kept, was, rtol=1e-10)
-    check_cables(mesh, state)
+    check_cables(mesh, state, [side for _, side, _ in SEQUENCE[: k + 1]])
     c = state.cable
-    assert (state.n_cable > n_cable) == bool(parts)
     for new in range(n_cable, state.n_cable):
-        minus, plus = c.ends[new]
-        assert n.origin[minus] == n.origin[plus] in parts
         np.testing.assert_array_equal(c.branch[new], [c.m[new], -c.m[new]])
     record = state.split_log[-1]
     assert record.kind == "criterion"
@@ -159,22 +147,23 @@ def test_a_cable_goes_with_the_half_that_owns_its_flank():
     mesh, shell, state = prepared()
     cuts = broken(mesh, shell, state, 2)
     c = state.cable
-    assert state.n_cable == 2  # one to either side of node 17
-    for k in range(2):
+    assert state.n_cable == 2 * FIBRES  # of the sides before and behind node 17
+    for k in range(2 * FIBRES):
         c.force[k], c.work[k], c.opening_max[k], c.status[k] = k + np.ones((2, 3)), k, 0.3 + k, k
-    before, ends = state.saved()["cable"], c.ends[:2].copy()
+    before, held = state.saved()["cable"], np.stack([c.ends, c.far])[:, : c.count]
     kept = {name: before[name].copy() for name in ("force", "work", "opening_max", "status")}
     cases.break_side(cuts, shell, state, 17, 10)
     record, c = state.split_log[-1], state.cable
-    assert state.n_cable == 3
+    assert state.n_cable == 3 * FIBRES
     for name, rows in kept.items():
-        np.testing.assert_array_equal(getattr(c, name)[:2], rows, err_msg=name)
-    # The flank of one of the two may be that of the twin; nothing else of them has changed.
-    moved = c.ends[:2] != ends
-    assert moved.sum() == 1
-    assert ends[moved] == record.node
-    assert c.ends[:2][moved] == record.twin
-    check_cables(mesh, state)
+        np.testing.assert_array_equal(getattr(c, name)[: 2 * FIBRES], rows, err_msg=name)
+    # The flank of one of the two sides is that of the twin; nothing else of them has changed.
+    now = np.stack([c.ends, c.far])[:, : 2 * FIBRES]
+    moved = now != held
+    assert moved.sum() == FIBRES
+    assert (held[moved] == record.node).all()
+    assert (now[moved] == record.twin).all()
+    check_cables(mesh, state, [(16, 17), (17, 18), (17, 10)])
 
 
 def test_equilibrium_start_takes_over_what_the_node_carried():
@@ -184,21 +173,22 @@ def test_equilibrium_start_takes_over_what_the_node_carried():
         cuts = broken(mesh, shell, state, 1)
         state.time = 0.25
         cut = cases.break_side(cuts, shell, state, 17, 18)
-        cuts.hand_over(state, cut, [force], 0, exactly=exactly)
-        c = state.cable
-        pull = LAW.strength * c.area[:2, None] * c.m[:2]
-        assert (c.birth[:2] == 0.25).all()
-        assert (c.traction[:2] == LAW.strength).all()
+        cuts.hand_over(state, cut, [force], FIBRES, exactly=exactly)
+        c, new = state.cable, slice(FIBRES, 2 * FIBRES)
+        pull = LAW.strength * c.area[new, None] * c.m[new]
+        at_start = 1.0 - c.share[new]
+        assert (c.birth[new] == 0.25).all()
+        assert (c.traction[new] == LAW.strength).all()
         if not exactly:
-            jump = np.linalg.norm(force - pull.sum(axis=0))
+            jump = np.linalg.norm(force - at_start @ pull)
             assert state.split_log[-1].force_jump == pytest.approx(jump, rel=1e-14)
-            assert not c.start_force[:2].any()
+            assert not c.start_force[new].any()
             continue
-        begins = c.start_force[:2] + pull
-        np.testing.assert_allclose(begins.sum(axis=0), force, atol=1e-15)
-        # Shared like the areas.
-        share = c.area[0] / c.area[:2].sum()
-        np.testing.assert_allclose(begins[0], share * force, atol=1e-15)
+        begins = c.start_force[new] + pull
+        np.testing.assert_allclose(at_start @ begins, force, atol=1e-14)
+        # All fibres alike: the other end is closed and the next tip.
+        alike = np.broadcast_to(c.start_force[FIBRES], (FIBRES, 3))
+        np.testing.assert_allclose(c.start_force[new], alike, atol=1e-14)
         assert state.split_log[-1].force_jump == 0.0
 
 
@@ -206,15 +196,14 @@ def test_many_splits_outgrow_the_reserve():
     # More twins than spare rows: arrays are replaced, and nothing of the above may break.
     mesh = rectangle(40.0, 20.0, n_x=40, n_y=20)
     shell, state = cases.set_up(mesh)
-    cuts = Cuts(state, shell, LAW)
+    cuts = Cuts(state, shell, LAW, fibres=FIBRES)
     mass = state.node.mass[: mesh.n_node].sum()
-    for row in range(1, 20, 2):
-        for i in range(40):
-            cases.break_side(cuts, shell, state, row * 41 + i, row * 41 + i + 1)
+    nodes = [row * 41 + i for row in range(1, 20, 2) for i in range(40)]
+    for node in nodes:
+        cases.break_side(cuts, shell, state, node, node + 1)
     assert state.n_node == mesh.n_node + 410
-    assert state.n_cable == 800
     assert state.node.mass[: state.n_node].sum() == pytest.approx(mass, rel=1e-12)
-    check_cables(mesh, state)
+    check_cables(mesh, state, [(node, node + 1) for node in nodes])
 
 
 READERS = {

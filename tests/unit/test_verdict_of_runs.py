@@ -26,9 +26,9 @@ STRONG = CohesiveLaw(strength=14.0, opening_a=0.25, opening_p=1.5, opening_u=2.0
 WEAK = dataclasses.replace(STRONG, strength=7.0, plateau=6.0)
 
 
-def strip(*, to=6.6, speed=6000.0, motion=None, held=(), half_thickness=0.3, **options):
+def strip(*, size=0.8, to=6.6, speed=6000.0, motion=None, held=(), half_thickness=0.3, **options):
     """Return a blade before a strip, 8 by 4.8 mm."""
-    mesh = rectangle(8.0, 4.8, size=0.8)
+    mesh = rectangle(8.0, 4.8, size=size)
     clamped = [Support.clamped(side) for side in ("bottom", "top")]
     return free_cut(
         mesh,
@@ -123,19 +123,18 @@ def test_a_crack_that_leads_has_not_left_the_path(strip_cut):
 def test_a_film_that_yields_takes_the_same_along_edges_and_through_quads(law, work, of_cables):
     took = []
     for path in ("edges", "free"):
-        for number in (1, 2, 3):
-            fracture = Fracture(path=path)
-            case = strip(material=LDPE, law=law, fracture=fracture, imperfection=number)
+        for number in (1, 2):
+            options = {"fracture": Fracture(path=path), "imperfection": number}
+            case = strip(size=0.4, material=LDPE, law=law, **options)
             simulation = case.simulation
             simulation.run(case.duration)
             beside = [abs(record.reference[1]) for record in simulation.state.split_log]
-            assert max(beside) < 0.2 * 0.8
+            assert max(beside) < 0.2 * 0.4
             entries = simulation.ledger.entries()
             took.append((entries["work of the tool"], entries["cables"]))
-    # Buckling modes: of each path and shape another.
-    np.testing.assert_array_less(np.ptp(took, axis=0), 0.05 * work)
-    # Discretisation: 0.8 mm quads, three rows from the crack to the held sides, 14 to 17 % above.
-    # One shape of the drawn film gives its cables 1.2 to 1.6 N*mm, the others 0.6 to 1.0: a mean.
-    tool, cables = np.reshape(took, (2, 3, 2)).mean(axis=1).T
-    np.testing.assert_allclose(tool, work, rtol=0.2)
-    np.testing.assert_allclose(cables, of_cables, atol=0.05 * work)
+    tool, cables = np.array(took).T
+    # Discretisation, and buckling modes: of the film that is cut one shape takes 4.6 % more, the
+    # others 1 % less. On quads of 0.8 mm all take 4 to 13 % more, cables in the drawn film four
+    # times as much.
+    np.testing.assert_allclose(tool, work, rtol=0.06)
+    np.testing.assert_allclose(cables, of_cables, atol=0.01 * work)

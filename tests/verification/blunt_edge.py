@@ -21,6 +21,7 @@ HALF_ANGLE = np.radians(10.0)
 FRICTION = 0.3
 SIZE = 0.8  # mm
 LENGTH = 20.0  # mm
+NOTCH, WIDTH = 2.0, 8.0  # mm
 RADII = (0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)
 COLUMNS = (
     *("joint", "joint_friction", "edge_radius_mm", "r_over_h", "F_over_Gh"),
@@ -31,13 +32,17 @@ COLUMNS = (
 def cut(radius, size=SIZE, **joint):
     """Return the tool's work, its parts and the largest imbalance, per length over G h.
 
-    An edge that severs cables takes G_s for G.
+    An edge that severs cables takes G_s for G. The cut is steady once all its cables, up to half a
+    drawn one behind the edge, are a width of the strip beyond the notch, from which on the film
+    does not feel the rim. Measured with full G: the cables take G h times 0.10 mm more than beyond
+    8 mm of way, on 9 and on 19 mm of cut alike, and 0.01 to 0.02 mm more beyond 12 mm.
     """
     law = CohesiveLaw(**joint)
     blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)
-    case = guillotine(size, length=LENGTH, law=law, tool=blade)
+    case = guillotine(size, length=LENGTH, width=WIDTH, notch=NOTCH, law=law, tool=blade)
+    begin = NOTCH + WIDTH + 0.5 * law.opening_u
     names = "tool_work", "cohesive_work", "joint_friction", "damping"
-    means, worst, _ = steady_works(case, size, 8.0, *names)
+    means, worst, _ = steady_works(case, size, begin, *names)
     whole = law.at_edge(radius).fracture_energy * THICKNESS
     return (*(mean / whole for mean in means), worst)
 

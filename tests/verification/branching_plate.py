@@ -62,7 +62,7 @@ def plate(
             opening_u=far,
             onset=0.02 * far,
         ),
-        fracture=sc.Fracture(path="free", check_every=2, cable_places="gauss", **options),
+        fracture=sc.Fracture(path="free", check_every=2, fibres=6, **options),
         damping_beta=1e-9,
         threads=threads,
     )

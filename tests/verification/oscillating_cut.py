@@ -91,7 +91,7 @@ def arguments():
     number("--width", type=float, default=6.0, help="of the film [diameters]")
     number("--band", type=float, default=1.2, help="half that of the fine quads [diameters]")
     number("--damping", type=float, default=STIFFNESS_DAMPING, help="of the stiffness [s]")
-    number("--places", choices=("gauss", "ends"), default="gauss", help="of the cables")
+    number("--fibres", type=int, default=FRACTURE.fibres, help="of a segment")
     number("--notch", type=float, default=1.5, help="its length [diameters]")
     number("--offset", type=float, default=0.35, help="of the notch from the bar [diameters]")
     number("--strength", type=float, default=LAW.strength, help="at the same fracture energy [MPa]")
@@ -127,7 +127,7 @@ def case_of(chosen):
         offset=chosen.offset * d,
         law=weaker(chosen.strength),
         material=sc.ShellMaterial.homogeneous(**{**FILM, "thickness": chosen.thickness}),
-        fracture=replace(FRACTURE, cable_places=chosen.places),
+        fracture=replace(FRACTURE, fibres=chosen.fibres),
         damping_beta=chosen.damping,
     )
 

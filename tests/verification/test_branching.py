@@ -110,7 +110,7 @@ def test_a_crack_near_another_tip_does_not_branch():
     glass = sc.ShellMaterial.homogeneous(poisson=POISSON, **GLASS)
     branching = Branching(glass, sc.CohesiveLaw(), sc.Fracture(path="free"))
     length = YOUNG * sc.CohesiveLaw().fracture_energy / sc.CohesiveLaw().strength ** 2
-    tip = Tip((0, 0), 0.0, -1, np.array([1.0, 0.0, 0.0]), 0.0)
+    tip = Tip((0, 0), 0.0, -1, np.array([1.0, 0.0, 0.0]))
     for k in range(5):
         tip.pace = branching.pace_after(tip, k * 0.25 * length / branching.speed, 0.3 * length, 1.0)
     now = 5 * 0.25 * length / branching.speed
@@ -135,7 +135,7 @@ def test_only_branches_keep_their_heading_near_other_tips():
 def test_a_checkpoint_keeps_what_tips_have_run():
     heading = np.array([1.0, 0.0, 0.0])
     paces = [(), ((1e-6, 0.5), (2e-6, 0.4)), ((3e-6, 0.7),)]
-    tips = [Tip((k, k + 1), 0.5, k, heading, 0.1, pace=pace) for k, pace in enumerate(paces)]
+    tips = [Tip((k, k + 1), 0.5, k, heading, pace=pace) for k, pace in enumerate(paces)]
     tips[1].branch = True
     again = restored_tips(saved_tips(tips))
     assert [(tip.pace, tip.branch) for tip in again] == [(t.pace, t.branch) for t in tips]

@@ -75,7 +75,7 @@ def _torn(criterion: str, jitter: float) -> tuple[sc.Simulation, float]:
         sim.step()
         c, n = sim.state.cable, sim.state.n_cable
         live = c.status[:n] != BROKEN
-        live &= sim.state.node.X[c.ends[:n, 0], 0] < LENGTH
+        live &= sim.state.node.X[c.far[:n, 0], 0] < LENGTH
         if live.any():
             unloading = max(unloading, float((c.opening_max[:n] - c.opening[:n])[live].max()))
     return sim, unloading

@@ -3,7 +3,8 @@
 Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
 sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds two nodes
 that may move against each other: twice that on each. Friction around the edge adds
-sigma A kappa / stick along the branches.
+sigma A kappa / stick along the branches. A cable between nodes is no stiffer than shares of it at
+them (:func:`shellcut.fracture.flank_points.hand_on_stiffness`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.numerics.jit import kernel
-from shellcut.numerics.vec3 import load, norm, sub
+from shellcut.numerics.vec3 import combine, load, norm, sub
 from shellcut.state import BROKEN, JOINTED
 
 from .cohesive_law import CohesiveLaw, envelope, unloading_slope
@@ -24,6 +25,8 @@ class HeldCables(NamedTuple):
     """What is asked of the cables, by the names of :class:`shellcut.state.CableTable`."""
 
     ends: Annotated[Ints, "(n_cable, 2)"]
+    far: Annotated[Ints, "(n_cable, 2)"]
+    share: Annotated[Floats, "(n_cable,)"]
     area: Annotated[Floats, "(n_cable,)"]
     status: Annotated[SmallInts, "(n_cable,)"]
     opening: Annotated[Floats, "(n_cable,)"]
@@ -64,7 +67,7 @@ def cable_stiffness(
     """Write the ends of the first ``count`` cables that hold, and bounds of their stiffness [N/mm].
 
     x : of the nodes (n_node, 3).  law, at_edge : of straight and jointed cables, from
-    :meth:`CohesiveLaw.parameters`.  node, stiffness : (2 n_cable,), written; returns how many.
+    :meth:`CohesiveLaw.parameters`.  node, stiffness : (4 n_cable,), written; returns how many.
     """
     n = 0
     for c in range(count):
@@ -80,12 +83,18 @@ def cable_stiffness(
             slope = 0.0
         pull = area * cables.traction[c] * (1.0 + within.grip)
         for side in range(2):
-            end = cables.ends[c, side]
+            here, there, share = cables.ends[c, side], cables.far[c, side], cables.share[c]
             if jointed:
-                branch = max(norm(sub(load(cables.joint, c), load(x, end))), within.short_branch)
+                end = combine(1.0 - share, load(x, here), share, load(x, there))
+                branch = max(norm(sub(load(cables.joint, c), end)), within.short_branch)
                 k = max(pull / branch, slope) + pull * within.grip / within.stick
             else:
                 k = 2.0 * max(pull / (max(cables.opening[c], 0.0) + within.sharpest), slope)
-            node[n], stiffness[n] = end, k
-            n += 1
+            # Where both flanks are at one node, at a tip, the cable holds nothing.
+            if share < 1.0 and cables.ends[c, 0] != cables.ends[c, 1]:
+                node[n], stiffness[n] = here, (1.0 - share) * k
+                n += 1
+            if share > 0.0 and cables.far[c, 0] != cables.far[c, 1]:
+                node[n], stiffness[n] = there, share * k
+                n += 1
     return n

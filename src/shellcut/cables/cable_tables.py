@@ -22,6 +22,8 @@ class CableRows(NamedTuple):
     """What it needs of the cables, by the names of :class:`shellcut.state.CableTable`."""
 
     ends: Annotated[Ints, "(n_cable, 2)"]
+    far: Annotated[Ints, "(n_cable, 2)"]
+    share: Annotated[Floats, "(n_cable,)"]
     area: Annotated[Floats, "(n_cable,)"]
     m: Annotated[Floats, "(n_cable, 3)"]
     start_force: Annotated[Floats, "(n_cable, 3)"]

@@ -217,7 +217,7 @@ class CableSet(ForceTerm):
 
     def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
-        c, room = state.cable, 2 * state.n_cable
+        c, room = state.cable, 4 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
         cables = HeldCables(**{name: getattr(c, name) for name in HeldCables._fields})
         count = self._stiffness(
@@ -249,6 +249,22 @@ def _work(ell: float, ell_max: float, law: Floats) -> float:
 
 
 @always_inline
+def at_end(c: int, end: int, rows: Floats, cables: CableRows) -> Vec3:
+    """Return rows : (n_node, 3) at an end of cable c, between the nodes that carry it."""
+    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
+    return combine(1.0 - share, load(rows, here), share, load(rows, there))
+
+
+@always_inline
+def add_at_end(c: int, end: int, force: Vec3, rows: Floats, cables: CableRows) -> None:
+    """Add a force at an end of cable c to rows : (n_node, 3)."""
+    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
+    for k in range(3):
+        rows[here, k] += (1.0 - share) * force[k]
+        rows[there, k] += share * force[k]
+
+
+@always_inline
 def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
     """Return the vector of one end of cable c of rows : (n_cable, 2, 3)."""
     return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
@@ -268,6 +284,7 @@ def _add_cable_forces(
     Writes the cables' opening, stress, joint, branch directions, force and work, and touch, see
     :class:`CableForces`.  Returns how many joints were made and how many cables broke.
     """
+    held = tables
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:], sums[:] = 0.0, 0.0
@@ -283,10 +300,9 @@ def _add_cable_forces(
     for c in range(tables.n_cable):
         if status[c] == BROKEN:
             continue
-        i, j = cables.ends[c, 0], cables.ends[c, 1]
-        minus, plus = load(nodes.x, i), load(nodes.x, j)
+        minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
         may_meet = tables.directional and status[c] == STRAIGHT
-        met = may_meet and find_joint(c, minus, plus, pose, before, tables)
+        met = may_meet and find_joint(c, minus, plus, pose, before, held)
         if met:
             status[c] = JOINTED
             n_made += 1
@@ -318,7 +334,8 @@ def _add_cable_forces(
         f_plus = scale(1.0 + joint.gain_plus, by_law_plus)
 
         # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
-        v_minus, v_plus = load(nodes.velocity_half, i), load(nodes.velocity_half, j)
+        v_minus = at_end(c, 0, nodes.velocity_half, cables)
+        v_plus = at_end(c, 1, nodes.velocity_half, cables)
         was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
         mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
         mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
@@ -345,10 +362,11 @@ def _add_cable_forces(
         for k in range(3):
             cables.force[c, 0, k] = f_minus[k]
             cables.force[c, 1, k] = f_plus[k]
-            nodes.force[i, k] += f_minus[k] + extra[k]
-            nodes.force[j, k] += f_plus[k] - extra[k]
 
-        # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
+        add_at_end(c, 0, add(f_minus, extra), nodes.force, cables)
+        add_at_end(c, 1, sub(f_plus, extra), nodes.force, cables)
+
+        # Forces on both ends and the tool sum to zero; their moments leave the named couple.
         if jointed:
             p, tooth = joint.place, tables.edges.tooth[cables.edge[c]]
             if radius > 0.0:

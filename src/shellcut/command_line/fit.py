@@ -13,10 +13,10 @@ from .shared_arguments import (
     add_engine_to,
     add_options,
     add_settings_to,
-    print_found,
     key_and_value,
     made_of,
     named,
+    print_found,
     settings_of,
 )
 

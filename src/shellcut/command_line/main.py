@@ -49,6 +49,8 @@ _COMMANDS = (
     doctor,
     warmup,
 )
+_SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
+"""Commands that show figures, in units of the user's choice."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -105,6 +107,6 @@ def parser_of_all() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in _COMMANDS:
         command.add_to(commands)
-    for name in "run resume converge fit optimise preview compare report view".split():
+    for name in _SHOWING:
         add_shown_in_to(commands.choices[name])
     return parser

@@ -8,9 +8,9 @@ from typing import Any
 from .shared_arguments import (
     add_engine_to,
     add_settings_to,
-    print_found,
     key_and_value,
     named,
+    print_found,
     settings_of,
 )
 

@@ -276,8 +276,9 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
         one = np.arange(n.count)
         one[f.node[: f.count]] = f.node[first_at_places(f.nodes[: f.count], f.weight[: f.count])]
         node = one[node]
-        differ = node[:, 0] != node[:, 1]
-        node, key = node[differ], key[differ]
+        # At a tip, where the flanks have not parted, there is nothing to touch yet.
+        touched = (node[:, 0] != node[:, 1]) & n.real[node].all(axis=1)
+        node, key = node[touched], key[touched]
     own = n.contact_share[: n.count] * law.of_nodes(n.contact_area[: n.count])
     ending = np.bincount(node.ravel(), minlength=n.count)
     stiffness = 2.0 * (own[node] / ending[node]).min(axis=1)

@@ -23,6 +23,9 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, unit
+from shellcut.mesh.quad_geometry import corner_normals
+
+from .quad_polygon import Point, shape_functions
 
 
 @checked
@@ -75,6 +78,10 @@ class Anisotropy:
         twice = 2.0 * cosine - size
         return np.asarray(0.5 * (self.along + self.across + (self.along - self.across) * twice))
 
-    def factor(self, way: Floats, normal: Floats) -> float:
-        """Return f for a crack along one way, (3,)."""
-        return float(self.factors(way[None], normal)[0])
+
+def factor_along(film: Anisotropy | None, X: Floats, chord: tuple[Point, Point]) -> float:
+    """Return f for a crack along a chord of a quad with corners at X : (4, 3); 1 if all f are."""
+    if film is None:
+        return 1.0
+    start, stop = (product(shape_functions(p), X) for p in chord)
+    return float(film.factors((stop - start)[None], corner_normals(X))[0])

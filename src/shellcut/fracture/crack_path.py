@@ -299,10 +299,10 @@ class CrackPath:
                 best, direction = ahead, unit(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:
-                    found = Tip((at_end, at_end), 0.0, -1, direction, 0.0)
+                    found = Tip((at_end, at_end), 0.0, -1, direction)
                 else:
                     ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
-                    found = Tip(ends, float(s), -1, direction, 0.0)
+                    found = Tip(ends, float(s), -1, direction)
         return found
 
     def segment_from(
@@ -432,7 +432,7 @@ class CrackPath:
                 return Segment(row, start, stop, k, corner_at(stop), along_side=True)
         return None
 
-    def tip_at(self, end: Segment, heading: Floats, length: float) -> Tip | None:
+    def tip_at(self, end: Segment, heading: Floats) -> Tip | None:
         """Return the tip at the end of a segment that has just been cut; None at a rim.
 
         Where that has come to an earlier crack :meth:`tip_across` finds it.
@@ -440,16 +440,15 @@ class CrackPath:
         ring, quad = self.ring(end.row), self.topology.parent(end.row)
         if end.corner >= 0:
             node = ring[end.corner]
-            tip = Tip((node, node), 0.0, quad, heading, length)
+            tip = Tip((node, node), 0.0, quad, heading)
         else:
-            tip = Tip(*end.on_side_of(ring), quad, heading, length)
+            tip = Tip(*end.on_side_of(ring), quad, heading)
         return tip if self.rows_ahead(tip) else None
 
     def tip_across(self, state: State, end: Segment, heading: Floats) -> Tip | None:
         """Return the tip on the other flank of the crack at which a segment has ended.
 
-        None where there is no film beyond, at a rim. There is no crack behind the new tip: its
-        length is 0.
+        None where there is no film beyond, at a rim.
 
         heading : (3,), direction of the segment in the reference film.
         """
@@ -461,4 +460,4 @@ class CrackPath:
         row, place = ahead
         nodes = nodes_at(state, row, place)
         behind = tuple(other for other, at in touching if nodes_at(state, other, at) != nodes)
-        return Tip((-1, -1), 0.0, self.topology.parent(row), heading, 0.0, place, behind)
+        return Tip((-1, -1), 0.0, self.topology.parent(row), heading, place, behind)

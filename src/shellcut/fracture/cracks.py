@@ -37,6 +37,7 @@ from .pierce import Begun, Pierce
 from .puncture import bending_length, puncture_force
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
+from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import Due, LargestStress, SideTears
 from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
@@ -76,8 +77,10 @@ class Cracks:
         motion: Motion | None = None,
         points: PointContact | None = None,
     ) -> None:
-        film, gauss = fracture.anisotropy, fracture.cable_places == "gauss"
-        self.cuts = Cuts(state, shell, law, film, loads=loads, at_gauss_points=gauss)
+        film, fibres = fracture.anisotropy, fracture.fibres
+        if fibres is None:
+            fibres = BEFORE_AN_EDGE if tool is not None and tool.n_edge else AT_ENDS
+        self.cuts = Cuts(state, shell, law, film, loads=loads, fibres=fibres)
         """Carries them out."""
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every
@@ -90,7 +93,7 @@ class Cracks:
         topology = self.cuts.topology
         self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
         self._exactly = fracture.equilibrium_start
-        self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
+        self._trial = TrialCut(topology, shell, loads, law.strength, film)
         self._sums = TrialSums(self._trial)
         self._sides: SideTears | None = None
         self.stress: LargestStress | None = None
@@ -163,7 +166,7 @@ class Cracks:
         segment = next((one for one in found if one is not None), None)
         if segment is None:
             return None
-        return Due(segment, self._sums.of_tear(state, tip, segment))
+        return Due(segment, self._sums.of_tear(state, segment))
 
     def _is_held(self, state: State, segment: Segment) -> bool:
         """Whether moving supports hold the film together through which a segment would go."""
@@ -203,7 +206,7 @@ class Cracks:
             found = self._path.segment_from(state, tip, one, others=self.tips)
             if found is None or self._is_held(state, found):
                 return False
-            if (measure := self._sums.of_tear(state, tip, found)) < 1.0:
+            if (measure := self._sums.of_tear(state, found)) < 1.0:
                 return False
             both.append((found, measure))
         (left, measure), (right, other_measure) = both
@@ -215,7 +218,7 @@ class Cracks:
         if again is not None:
             cut = self._cut(state, again, "criterion", other_measure)
             self._end_at(state, again, cut, 1, tip.heading, branch=True)
-            self.cuts.wake(state)
+            self.cuts.renew(state)
         return True
 
     def notch(self, state: State, points: Floats) -> None:
@@ -250,7 +253,7 @@ class Cracks:
             cut = self._cut(state, segment, NOTCH, 0.0)
             tip = self._tip_after(state, segment, cut, 1, tip.heading)
             if tip is not None and line.ends(self._path.at_tip(tip, state.node.X), cut.length):
-                self.tips.append(replace(tip, length=0.0))
+                self.tips.append(tip)
                 return
 
     def _slit(self, state: State, line: NotchLine) -> Tip | None:
@@ -268,7 +271,7 @@ class Cracks:
             return None
         behind = self._tip_after(state, back, cut, 0, -cut.heading)
         if behind is not None:
-            self.tips.append(replace(behind, length=0.0))
+            self.tips.append(behind)
         return self._tip_after(state, ahead, cut, 1, cut.heading)
 
     def _through(
@@ -339,7 +342,7 @@ class Cracks:
             size = self._path.size(segment.row)
             pace = self._branching.pace_after(tip, state.time, cut.length, size)
         self._end_at(state, segment, cut, 1, tip.heading, pace, branch=branch or tip.branch)
-        self.cuts.wake(state)
+        self.cuts.renew(state)
         if segment.along_side:
             self.cuts.hand_over(state, cut, forces, n_cable, exactly=self._exactly)
 
@@ -374,7 +377,7 @@ class Cracks:
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
-            tip = self._path.tip_at(segment, heading, cut.length)
+            tip = self._path.tip_at(segment, heading)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
         here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self._path.size(segment.row)
@@ -428,7 +431,7 @@ class Cracks:
                 state.split_log[-1] = replace(state.split_log[-1], work=work, **pierced)
             self._end_at(state, back, cut, 0, -cut.heading)
             self._end_at(state, ahead, cut, 1, cut.heading)
-            self.cuts.wake(state)
+            self.cuts.renew(state)
 
     def _pierced(self, state: State, begun: Begun) -> dict[str, Any]:
         """Return for the record of a cut how whole film is pierced."""

@@ -102,6 +102,12 @@ def nodes_at(state: State, row: int, place: Point) -> set[int]:
     return set(state.quads[row][held].tolist())
 
 
+def parted(state: State, rows: Iterable[int], places: Iterable[Point]) -> bool:
+    """Return whether two flanks have parted at one place of a crack, in the quad of each."""
+    minus, plus = (nodes_at(state, row, at) for row, at in zip(rows, places, strict=True))
+    return minus != plus
+
+
 def renew_nodes(
     state: State, shell: MITC4Shell, topology: CutTopology, nodes: Iterable[int]
 ) -> None:

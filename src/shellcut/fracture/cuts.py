@@ -17,14 +17,18 @@ from shellcut.arrays import Floats, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.small_matrices import pseudo_inverse
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
-from .cut_state import cut_row, nodes_at, renew_nodes, rows_along, side_under
+from .cut_state import cut_row, nodes_at, parted, renew_nodes, rows_along, side_under
 from .cut_topology import CutTopology
 from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
 from .segment_cables import SegmentCables
 from .tip import Segment
+
+# A single cable in the middle of a segment hands as much on to its start as to its stop.
+_ALIKE = 1e-9
 
 
 class Cut(NamedTuple):
@@ -43,11 +47,7 @@ class Cut(NamedTuple):
 
     def is_open(self, state: State, end: int) -> bool:
         """Return whether the flanks part where it starts, end 0, or stops, end 1."""
-        minus, plus = (
-            nodes_at(state, row, chord[end])
-            for row, chord in zip(self.rows, self.chords, strict=True)
-        )
-        return minus != plus
+        return parted(state, self.rows, (chord[end] for chord in self.chords))
 
 
 class Cuts:
@@ -65,8 +65,8 @@ class Cuts:
         Of the film.
     loads : LoadSet, optional
         Learns which part of a quad each copy holds.
-    at_gauss_points : bool
-        Where the cables of segments are, else at their ends.
+    fibres : int
+        Cables across each segment.
     """
 
     def __init__(
@@ -77,13 +77,11 @@ class Cuts:
         anisotropy: Anisotropy | None = None,
         *,
         loads: LoadSet | None = None,
-        at_gauss_points: bool = False,
+        fibres: int,
     ) -> None:
         n = state.node
         self._shell, self._loads, self._strength = shell, loads, law.strength
-        self._cables = SegmentCables(
-            law, shell.material, anisotropy, at_gauss_points=at_gauss_points
-        )
+        self._cables = SegmentCables(law, shell.material, fibres, anisotropy)
         self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
         """Which corners of quads and copies share a node."""
 
@@ -95,7 +93,7 @@ class Cuts:
     def along(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
         """Cut a row along a segment, or break a side or a part of it.
 
-        Its cables sleep until :meth:`wake`.
+        Nodes and flank points are to be brought up to date then (:meth:`renew`).
 
         Parameters
         ----------
@@ -127,14 +125,14 @@ class Cuts:
         if segment.along_side:
             self._name_halves(state, rows, chords)
         if kind != NOTCH:
-            self._cables.lay(rows, chords, length)
+            self._cables.lay(state, rows, chords, length)
             state.crack_length += length
         way = np.array(shape_functions(segment.exit)) - entry
         return Cut(rows, chords, product(way, state.node.X[nodes]) / length, length, kind)
 
-    def wake(self, state: State) -> None:
-        """Make the cables of segments that have come to be open at one of their ends."""
-        self._cables.wake(state, self._shell.area)
+    def renew(self, state: State) -> None:
+        """Bring cables and flank points to the nodes that the last cuts have made."""
+        self._cables.renew(state, self._shell.area)
 
     def _name_halves(
         self, state: State, rows: list[int], chords: list[tuple[Point, Point]]
@@ -165,26 +163,22 @@ class Cuts:
         exactly : bool
             Whether they begin with that force, whatever their law says.
         """
-        c = state.cable
-        jump = 0.0
+        c, new = state.cable, slice(first, state.n_cable)
+        # How much of each cable's force comes to the start and to the stop.
+        part = np.stack([1.0 - c.share[new], c.share[new]])
+        pull, more = self._strength * c.area[new, None] * c.m[new], np.zeros((2, 3))
         for end, force in enumerate(forces):
-            nodes = [
-                nodes_at(state, row, chord[end])
-                for row, chord in zip(cut.rows, cut.chords, strict=True)
-            ]
-            new = first + np.flatnonzero(
-                (np.sort(c.ends[first : c.count], axis=1) == sorted(set().union(*nodes))).all(
-                    axis=1
-                )
-            )
-            if nodes[0] == nodes[1] or not new.size:
-                continue
-            pull = self._strength * c.area[new, None] * c.m[new]
-            if exactly:
-                part = c.area[new] / c.area[new].sum()
-                c.start_force[new] = part[:, None] * force - pull
-            else:
-                jump = max(jump, float(norm(force - pull.sum(axis=0))))
+            if cut.is_open(state, end):
+                more[end] = force - product(part[end], pull)
+        if exactly:
+            # An end that is closed goes on with the same: it is the next tip.
+            more = np.stack([more[k] if more[k].any() else more[1 - k] for k in (0, 1)])
+            at_ends = product(pseudo_inverse(product(part, part.T), _ALIKE), more)
+            c.start_force[new] = product(part.T, at_ends)
+            c.force[new, 0] += c.start_force[new]
+            c.force[new, 1] -= c.start_force[new]
+            more = np.zeros((2, 3))
+        jump = float(norm(more).max())
         state.split_log[-1] = replace(state.split_log[-1], force_jump=jump)
 
     def _share_loads(self, rows: list[int]) -> None:
@@ -196,14 +190,14 @@ class Cuts:
             self._loads.cut.take(row, film_moments(polygon), spans(polygon))
 
     def saved(self) -> dict[str, Any]:
-        """Return the topology and the sleeping cables."""
-        return {"topology": self.topology.saved(), "cables": self._cables.saved()}
+        """Return the topology; the cables are in the state."""
+        return {"topology": self.topology.saved()}
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self.topology.restore(saved["topology"])
         self._share_loads(self.topology.cut_rows())
-        self._cables.restore(saved["cables"])
+        self._cables.restore()
 
 
 def _length(state: State, segment: Segment) -> float:

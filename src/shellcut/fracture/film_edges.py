@@ -26,7 +26,7 @@ GAP = 1.5
 """Local edge lengths: cables that are farther apart along the crack do not belong to one process
 zone."""
 
-# Of the local edge length: cables at the Gauss points of a segment lie so near to it or nearer.
+# Of the local edge length: cables lie so near to their segment or nearer.
 _BESIDE = 0.05
 
 _XI, _ETA = np.array(CORNERS).T
@@ -115,7 +115,7 @@ class FilmEdges:
         """
         c = state.cable
         held = np.flatnonzero(c.status[: state.n_cable] != BROKEN)
-        X, back = state.node.X[c.ends[held, 0]], np.full(len(held), np.inf)
+        X, back = c.at_ends(state.node.X)[held, 0], np.full(len(held), np.inf)
         last = 0.0
         for _, (start, stop), way in self.way_back(place):
             length = float(norm(stop - start))

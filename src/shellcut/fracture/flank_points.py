@@ -80,7 +80,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     """
     n, f = state.node, state.flank
     node, k = n.append_blank(), f.append_blank()
-    f.node[k], f.place[k], f.inward[k] = node, place, inward
+    f.node[k], f.place[k], f.inward[k], f.twin[k] = node, place, inward, k
     f.weight[k] = shape_functions(place)
     n.origin[node] = node
     n.halved[node] = n.real[node] = True
@@ -92,11 +92,12 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     return node
 
 
-def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: Ints) -> None:
+def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     """Tie all flank points to the nodes that their copies have now.
 
-    Of several at one place contact sees the first, and its film is that of the first two: which
-    side of the blade a sliver lies on shows in the copy beyond the side.
+    Contact sees those that have parted from their twins, of several at one place the first. Its
+    film is that of the first two: which side of the blade a sliver lies on shows in the copy beyond
+    the side.
 
     The contact area of one is a quarter of its quad's. It presses with as much of it, and the nodes
     around with as much of theirs, as the film can bear without shortening the step
@@ -112,8 +113,6 @@ def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: I
         Of whole quads [mm²].
     density : float
         rho h [t/mm²].
-    untouched : ndarray of int
-        Those, by their ids among the nodes, that contact does not see.
     """
     f, n = state.flank, state.node
     row, node = f.row[: f.count], f.node[: f.count]
@@ -123,7 +122,8 @@ def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: I
     near = np.isin(f.nodes[: f.count], state.quads[changed]).any(axis=1)
     anew = near | ~sliver
     n.quads[node[anew], 0], n.n_quad_at[node[anew]] = row[anew], 1
-    touched = np.flatnonzero(~np.isin(node, untouched))
+    held = np.sort(np.where(f.weight[: f.count] > UNUSED, f.nodes[: f.count], -1), axis=1)
+    touched = np.flatnonzero((held != held[f.twin[: f.count]]).any(axis=1))
     at = first_at_places(f.nodes[touched], f.weight[touched])
     again = np.flatnonzero(at < np.arange(touched.size))
     seen = (f.weight[touched] > UNUSED).sum(axis=1) > 1  # a corner is a node itself

@@ -31,10 +31,9 @@ from .anisotropy import Anisotropy
 
 Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
-CablePlaces: TypeAlias = Literal["ends", "gauss"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching"
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -98,14 +97,15 @@ class Fracture:
         ),
     ] = None
     anisotropy: Anisotropy | None = None
-    cable_places: Annotated[
-        CablePlaces,
+    fibres: Annotated[
+        int | None,
         Option(
             "",
-            "cables across a segment of a crack through quads, at its ends or its Gauss points, "
-            "where the force of a cut ripples less",
+            "cables across a quad or side that is cut, evenly along it; 0: one at each end",
+            least=0,
+            unset="6 where a tool has cutting edges, else 0",
         ),
-    ] = "ends"
+    ] = None
     puncture_force: Annotated[
         float | None,
         Option(

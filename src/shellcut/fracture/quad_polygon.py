@@ -130,6 +130,11 @@ def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
     return next(on, None)
 
 
+def between(a: Point, b: Point, share: float) -> Point:
+    """Return the point at a share of the way from a to b."""
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+
+
 def fraction_between(a: Point, b: Point, point: Point) -> float | None:
     """Return where a point lies between a and b, as a fraction of the way; None if elsewhere."""
     d, gap = (b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1])

@@ -3,17 +3,17 @@
 From its tip, a node, it may go on along every side that has whole film on both sides of it and by
 which it does not turn too sharply; if all sides turn by more, along those that turn least, for a
 crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_cut`). With the
-nodal force F_c and the chord c from where the crack came to where it would go, m being the normal
-to c in the sheet, the measure is
+force F at the tip and the chord c from where the crack came to where it would go, m being the
+normal to c in the sheet, the measure is
 
-    F_c · m / (sigma_F h (L_in + L_out) / 2),
+    F · m / (sigma_F h (L_in + L_out) / 2),
 
-and the side with the largest normal traction F_c · m / |c| is taken: a uniform stress gives
-F_c = ½ h |c| sigma · m whatever sides lead along c, where the measure would favour short ones.
+and the side with the largest normal traction F · m / |c| is taken: a uniform stress gives
+F = ½ h |c| sigma · m whatever sides lead along c, where the measure would favour short ones.
 
 By the paper's criterion ([Frangi2010] 4) the measure is sigma_I / sigma_F, the largest principal
 stress of the mid-surface recovered from the node's patch ([ZienkiewiczZhu1992]), and the side is
-the one most nearly normal to the direction of sigma_I. It depends on the mesh, which F_c does not.
+the one most nearly normal to the direction of sigma_I. It depends on the mesh, which F does not.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class SideTears:
         """Decides instead of the nodal force."""
         if fracture.criterion == "stress":
             self.stress = LargestStress(shell, path, strength)
-        self._known, self._n_cable = KnownTopology(), -1
+        self._known = KnownTopology()
         self._tried: dict[Tip, _Tried] = {}
 
     def best(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
@@ -127,10 +127,9 @@ class SideTears:
 
         tips : all of them.
         """
-        if not self._known.is_of(state) or state.n_cable != self._n_cable:
+        if not self._known.is_of(state):
             self._tried.clear()
             self._known.take(state)
-            self._n_cable = state.n_cable
         if tip not in self._tried:
             self._tried[tip] = self._try(state, tip)
         segments, nodes, weights, corner, sums, aimed, weighed = self._tried[tip]
@@ -138,14 +137,14 @@ class SideTears:
             return None
         sums.weigh(state, aimed, weighed)
         ways = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
-        chord = ways[:-1] + tip.length * unit(ways[-1])
+        chord = ways[:-1] + weighed.behind[:, None] * unit(ways[-1])
         a, b, c = state.node.t[nodes[-1, corner]].tolist()
         m = product(chord, np.array([[0.0, c, -b], [-c, 0.0, a], [b, -a, 0.0]]))  # t x chord
         size = norm(m)
-        pull = (weighed.force * m).sum(axis=1) / size
+        pull = (weighed.pull * m).sum(axis=1) / size
         if self.stress is None:
             k = int(np.argmax(pull / size))
-            held = 0.5 * (tip.length + weighed.length[k]) * self._trial_cut.carried
+            held = 0.5 * (weighed.behind[k] + weighed.length[k]) * self._trial_cut.carried
             return Due(segments[k], float(pull[k] / held), weighed.force[k])
         measure, direction = self.stress.at(state, [tip], tips)
         k = int(np.argmin(np.abs(product(chord, direction[0])) / size))
@@ -155,13 +154,12 @@ class SideTears:
         """Return the sides along which a crack may go on, each with its trial cut."""
         segments = self._sides(state, tip)
         sums, aimed = TrialSums(self._trial_cut), Aimed.along(state, segments)
-        weighed, length = Weighed.of(len(segments)), self._trial_cut.behind(tip)
-        pairs = [self._trial_cut.pairs(state, one) for one in segments]
-        sums.take([(i, length, some) for i, some in enumerate(pairs)])
+        sums.take([(i, self._trial_cut.pairs(state, one)) for i, one in enumerate(segments)])
         row, entry = self._path.rows_ahead(tip)[0]
         ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
         nodes = state.quads[[*(one.row for one in segments), row]]
-        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, aimed, weighed)
+        known = segments, nodes, np.array(ways), corner_at(entry)
+        return _Tried(*known, sums, aimed, Weighed.of(len(segments)))
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""

@@ -34,8 +34,6 @@ class Tip:
     """Of the mesh, from which it came, -1 of a notch; of a tip on a flank the quad of its place."""
     heading: Floats
     """Unit direction in which it came, in the reference film, shape (3,)."""
-    length: float
-    """Of the segment that led here [mm], 0 of a notch."""
     flank: Point | None = None
     """Place in ``quad`` if it lies on the flank of another crack, which may be on a side or at a
     corner; ``ends`` is then of no meaning."""
@@ -57,7 +55,7 @@ def tips_of_notches(state: State) -> list[Tip]:
     tips = []
     for node, far in crack_tips(state).items():
         heading = unit(state.node.X[node] - state.node.X[far])
-        tips.append(Tip((node, node), 0.0, -1, heading, 0.0))
+        tips.append(Tip((node, node), 0.0, -1, heading))
     return tips
 
 
@@ -68,7 +66,6 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "s": np.array([tip.s for tip in tips], float),
         "quad": np.array([tip.quad for tip in tips], np.int64),
         "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
-        "length": np.array([tip.length for tip in tips], float),
         "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
@@ -88,7 +85,6 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             s=rows["s"][i],
             quad=rows["quad"][i],
             heading=saved["heading"][i].copy(),
-            length=rows["length"][i],
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
             branch=rows["branch"][i],

@@ -45,7 +45,6 @@ class TipWatch:
         self._path, self._trial_cut, self._drive = path, trial_cut, drive
         self._stress = stress
         self._known = KnownTopology()
-        self._count = (-1, -1)
         self._table: Tips
         self._ahead: RowsAhead
         self._director: Floats
@@ -108,18 +107,14 @@ class TipWatch:
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:
         """Return whether the tables are those of some tips in the present topology."""
-        return (
-            self._known.is_of(state)
-            and (state.n_cable, state.flank.count) == self._count
-            and list(tips) == self._tips
-        )
+        return self._known.is_of(state) and list(tips) == self._tips
 
     def _follow(self, state: State, tips: Sequence[Tip], others: Sequence[Tip]) -> None:
         """Build the tables anew where the topology or the tips are others."""
         if self._is_of(state, tips):
             return
         n = len(tips)
-        self._tips, self._count = list(tips), (state.n_cable, state.flank.count)
+        self._tips = list(tips)
         self._known.take(state)
         self._table, self._ahead = tips_of(state, self._path, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
@@ -127,7 +122,7 @@ class TipWatch:
         self._pairs.clear()
         self._way = b""
 
-    def _trials(self, state: State) -> list[tuple[int, float, list[Pair]]]:
+    def _trials(self, state: State) -> list[tuple[int, list[Pair]]]:
         """Return the trial cuts of the tips that have a segment, see :meth:`.TrialSums.take`."""
         trials = []
         for i, way in enumerate(self._aimed.way):
@@ -137,7 +132,7 @@ class TipWatch:
             key = i, way.tobytes()
             if key not in self._pairs:
                 self._pairs[key] = self._trial_cut.pairs(state, segment)
-            trials.append((i, self._trial_cut.behind(self._tips[i]), self._pairs[key]))
+            trials.append((i, self._pairs[key]))
         return trials
 
     def segment(self, i: int) -> Segment | None:

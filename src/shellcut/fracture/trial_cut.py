@@ -10,21 +10,32 @@ two flanks at the place P of the tip, and that of a pair of unit forces there:
     d = sum N_a (f_a+ / m_a+ - f_a- / m_a-),      kappa = sum N_a² (1 / m_a+ + 1 / m_a-),
 
 N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
-the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
-with the normal m from the minus to the plus side and the lengths of the segments before and behind
-the tip; the cut is due at 1.
+the force that the new cables take over; those behind the tip are there already and pull with what
+they carry.
+
+The measure counts both segments that meet at the tip. Their cables hand half of their force on to
+it; those of the segment behind, which pull by B there, hold it closed together with the film ahead.
+So the film pulls at the tip by F = F_c + B, against what the cables of both halves would carry:
+
+    F · m / (sigma_F h (L_in + L_out) / 2),
+
+with the normal m from the minus to the plus side and the lengths of the segments; the cut is due at
+1. F_c alone over sigma_F h L_out / 2 is the same where B = sigma_F h L_in / 2 m. But cables behind
+pull the way the segment has opened, which is straight, and near the tip the film turns from m to
+that: over a length that the mesh need not resolve. What B misses there F_c would have, times
+L_in / L_out: tips whose next segment is short would run without any energy released.
 
 A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
-the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
+the measure is |F| over the same, if F · m >= 0. In front of a process zone that bends, the
 flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
 bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
-its plane F_c · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
-be torn by three times the force. So flanks that are pressed, F_c · m < 0, hold the tip only if F_c
+its plane F · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
+be torn by three times the force. So flanks that are pressed, F · m < 0, hold the tip only if F
 does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
 is taken off the force along the flanks, as in a crack that is sheared under pressure
 ([CamachoOrtiz1996]):
 
-    sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
+    sqrt(|F|² - (F · m)²) - |F · m|      in place of |F|.
 
 At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.options`).
 """
@@ -39,19 +50,18 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
 from shellcut.loads.loads import LoadSet
-from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store
+from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
-from .anisotropy import Anisotropy
-from .cut_state import rows_along, side_under
+from .anisotropy import Anisotropy, factor_along
+from .cut_state import parted, rows_along, side_under
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, divide, holds, shape_functions
+from .quad_polygon import UNUSED, Point, between, divide, holds, shape_functions
 from .ray_ahead import Aimed
-from .tip import Segment, Tip
+from .tip import Segment
 
 UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
@@ -68,8 +78,9 @@ class Side(NamedTuple):
     """The node there now, shape (n,)."""
     part: Ints
     """UNCUT, RIGHT or LEFT: what of the row belongs to it, shape (n,)."""
-    cables: tuple[tuple[int, int, float], ...]
-    """Cable, its end, and how much of its force goes with the class."""
+    cables: tuple[tuple[int, int, float, float], ...]
+    """Cable, its end, how much of its force goes with the class, and how much of that is handed on
+    where the flanks have not parted: at the tip."""
 
 
 class Pair(NamedTuple):
@@ -94,9 +105,6 @@ class TrialCut:
         sigma_F [MPa].
     anisotropy : Anisotropy, optional
         Of the film.
-    held_behind : bool
-        Whether the segment behind a tip has all its cables already, at its Gauss points: L_in is
-        0 then, for the new cables only hold what is ahead.
     """
 
     def __init__(
@@ -106,27 +114,11 @@ class TrialCut:
         loads: LoadSet,
         strength: float,
         anisotropy: Anisotropy | None = None,
-        *,
-        held_behind: bool = False,
     ) -> None:
         self.topology, self._shell, self._loads = topology, shell, loads
-        self._anisotropy, self._held_behind = anisotropy, held_behind
+        self.film, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
-
-    def behind(self, tip: Tip) -> float:
-        """Return L_in, of the segment behind a tip that has a cable to come [mm]."""
-        return 0.0 if self._held_behind else tip.length
-
-    def factors(self, state: State, tip: Tip, segment: Segment) -> tuple[float, float]:
-        """Return the factors on the strength before and behind a tip, of the way there and on."""
-        if self._anisotropy is None:
-            return 1.0, 1.0
-        X = state.node.X[state.quads[segment.row]]
-        start, stop = (product(shape_functions(p), X) for p in (segment.entry, segment.exit))
-        ways = np.stack([tip.heading, stop - start])
-        before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
-        return before, after
 
     def corner_mass(self, side: Side) -> Floats:
         """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
@@ -183,23 +175,20 @@ class TrialCut:
         corner = np.array([corner for _, corner in members])
         mine = [tried[row][1] for row, _ in members if row in tried]
 
-        def holds_end(row: int, inward: Floats) -> bool:
-            """Return whether the side has an end: of the row that is tried it is one part."""
-            return row != segment.row or all(holds(part, tuple(inward)) for part in mine)
+        def holds_place(row: int, place: Point) -> bool:
+            """Return whether the side has a place: of the row that is tried it is one part."""
+            return row != segment.row or all(holds(part, place) for part in mine)
 
-        f, c = state.flank, state.cable
-        at = c.row[: c.count] * 4 + c.corner[: c.count]
-        at_corner = (at[..., None] == rows * 4 + corner).any(axis=2)
-        cables = [
-            (k, end, 1.0)
-            for k, end in np.argwhere(at_corner).tolist()
-            if holds_end(c.row[k, end], c.inward[k, end])
-        ]
-        for k in np.flatnonzero((f.row[: f.count, None] == rows).any(axis=1)).tolist():
-            weight = float(f.weight[k, corner[rows == f.row[k]][0]])
-            if weight > UNUSED and holds_end(f.row[k], f.inward[k]):
-                for cable, end in np.argwhere(c.ends[: c.count] == f.node[k]).tolist():
-                    cables.append((cable, end, weight))
+        c, cables = state.cable, []
+        for k, end in np.argwhere(np.isin(c.row[: c.count], rows)).tolist():
+            row, share = int(c.row[k, end]), float(c.share[k])
+            start, stop = c.chord[k, end].tolist()
+            at = int(corner[rows == row][0])
+            parts = (1.0 - share) * shape_functions(start)[at], share * shape_functions(stop)[at]
+            if sum(parts) > UNUSED and holds_place(row, between(start, stop, share)):
+                opened = (parted(state, c.row[k], c.chord[k, :, which]) for which in (0, 1))
+                closed = sum(w for w, is_open in zip(parts, opened, strict=True) if not is_open)
+                cables.append((k, end, sum(parts), closed))
         return Side(
             rows=rows,
             corner=corner,
@@ -213,7 +202,6 @@ class _Sums(NamedTuple):
     """Trial cuts as the kernel takes them."""
 
     tip: Annotated[Ints, "(n_trial,)"]
-    length: Annotated[Floats, "(n_trial,)"]
     start: Annotated[Ints, "(n_trial + 1,)"]
     """First pair of each trial, and the end."""
     weight: Annotated[Floats, "(n_pair,)"]
@@ -223,8 +211,8 @@ class _Sums(NamedTuple):
     """Pair, side, part (UNCUT, RIGHT, LEFT) and row of the corner forces."""
     cable: Annotated[Ints, "(n_link, 4)"]
     """Pair, side, cable and its end."""
-    share: Annotated[Floats, "(n_link,)"]
-    """How much of that cable's force goes with the side."""
+    share: Annotated[Floats, "(n_link, 2)"]
+    """How much of that cable's force goes with the side, and how much of that acts at the tip."""
 
 
 class Weighed(NamedTuple):
@@ -232,17 +220,20 @@ class Weighed(NamedTuple):
 
     force: Annotated[Floats, "(n_tip, 3)"]
     """F_c [N]."""
-    normal: Annotated[Floats, "(n_tip, 3)"]
-    """m, the unit normal to the segment in the sheet."""
+    pull: Annotated[Floats, "(n_tip, 3)"]
+    """F [N]."""
     length: Annotated[Floats, "(n_tip,)"]
     """Of the segment [mm]."""
+    behind: Annotated[Floats, "(n_tip,)"]
+    """L_in times the factor on its strength [mm]; 0 where no cables hold the segment behind."""
     measure: Annotated[Floats, "(n_tip,)"]
-    """F_c · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
+    """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
 
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        return cls(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.full(n, -np.inf))
+        (force, pull), (length, behind) = np.zeros((2, n, 3)), np.zeros((2, n))
+        return cls(force, pull, length, behind, np.full(n, -np.inf))
 
 
 class TrialSums:
@@ -259,12 +250,12 @@ class TrialSums:
         self._weigh = BoundOnce(_weigh_trials)
         self.take([])
 
-    def take(self, trials: Sequence[tuple[int, float, list[Pair]]]) -> None:
+    def take(self, trials: Sequence[tuple[int, list[Pair]]]) -> None:
         """Take the trial cuts that are to be weighed from now on.
 
-        Of each: which of the tips, the length of the segment behind it [mm], and its pairs.
+        Of each: which of the tips, and its pairs.
         """
-        tips, lengths, every = zip(*trials, strict=True) if trials else ((), (), ())
+        tips, every = zip(*trials, strict=True) if trials else ((), ())
         pairs = [pair for some in every for pair in some]
         corners: dict[tuple[int, int], int] = {}
         members, cables, shares = [], [], []
@@ -276,19 +267,18 @@ class TrialSums:
                 for row, node, part in zip(*columns, strict=True):
                     corner = corners.setdefault((row, node), len(corners))
                     members.append((p, sign, part, corner))
-                cables += [(p, sign, cable, end) for cable, end, _ in side.cables]
-                shares += [share for _, _, share in side.cables]
+                cables += [(p, sign, *link[:2]) for link in side.cables]
+                shares += [link[2:] for link in side.cables]
         held = np.array(list(corners), np.int64).reshape(-1, 2)
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
         self._sums = _Sums(
             tip=np.array(tips, np.int64),
-            length=np.array(lengths, float),
             start=np.cumsum([0, *map(len, every)]),
             weight=np.array([pair.weight for pair in pairs]),
             mass=mass,
             member=np.array(members, np.int64).reshape(-1, 4),
             cable=np.array(cables, np.int64).reshape(-1, 4),
-            share=np.array(shares),
+            share=np.array(shares, float).reshape(-1, 2),
         )
 
     def weigh(self, state: State, aimed: Aimed, weighed: Weighed) -> None:
@@ -303,35 +293,36 @@ class TrialSums:
         weighed : Weighed
             Written, where a tip has a segment.
         """
-        n, c = state.node, state.cable
-        force = self._trial_cut.corner_forces(state, self._rows, self._nodes)
-        carried = self._trial_cut.carried
-        self._weigh(n.x, n.t, n.X, self._sums, aimed, force, c.status, c.force, carried, weighed)
+        n, c, trial = state.node, state.cable, self._trial_cut
+        force = trial.corner_forces(state, self._rows, self._nodes)
+        known = self._sums, aimed, force, c.status, c.force, c.area, trial.carried, trial.thickness
+        self._weigh(n.x, n.t, n.X, *known, weighed)
 
-    def of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
-        """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
-        behind, pairs = self._trial_cut.behind(tip), self._trial_cut.pairs(state, segment)
-        one = self._alone(state, segment, behind, pairs)
+    def of_tear(self, state: State, segment: Segment) -> float:
+        """Return |F| over what the cables would carry; less if it presses. A tear is due at 1."""
+        pairs = self._trial_cut.pairs(state, segment)
+        one = self._alone(state, segment, pairs)
         if one.measure[0] == -np.inf:
             return -np.inf
-        force, length = one.force[0], float(one.length[0])
-        across, pull = float(product(force, one.normal[0])), sqrt(product(force, force))
+        trial, force, length = self._trial_cut, one.pull[0], float(one.length[0])
+        held, pull = 0.5 * trial.carried * float(one.behind[0]), sqrt(product(force, force))
+        across = float(one.measure[0]) * (held + 0.5 * trial.carried * length)
         if across < 0.0:
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
-        before, after = self._trial_cut.factors(state, tip, segment)
-        return pull / (self._trial_cut.carried * 0.5 * (before * behind + after * length))
+        chord, X = (segment.entry, segment.exit), state.node.X[state.quads[segment.row]]
+        return pull / (held + 0.5 * trial.carried * length * factor_along(trial.film, X, chord))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
         pairs = self._trial_cut.pairs(state, segment)
-        return np.asarray(self._alone(state, segment, 0.0, pairs).force[0])
+        return np.asarray(self._alone(state, segment, pairs).force[0])
 
-    def _alone(self, state: State, segment: Segment, behind: float, pairs: list[Pair]) -> Weighed:
-        """Return what the trial cut along one segment has; behind : length of that before [mm]."""
+    def _alone(self, state: State, segment: Segment, pairs: list[Pair]) -> Weighed:
+        """Return what the trial cut along one segment has."""
         one = Weighed.of(1)
-        self.take([(0, behind, pairs)])
+        self.take([(0, pairs)])
         self.weigh(state, Aimed.along(state, [segment]), one)
         return one
 
@@ -346,51 +337,59 @@ def _weigh_trials(
     corner_force: Floats,
     status: SmallInts,
     cable_force: Floats,
+    cable_area: Floats,
     carried: float,
+    thickness: float,
     weighed: Weighed,
 ) -> None:
     """Write what trial cuts have at their tips.
 
     x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
-    (n_cable, 2, 3), [N].  carried : sigma_F h [N/mm].
+    (n_cable, 2, 3), [N].  cable_area : (n_cable,), [mm²].  carried : sigma_F h [N/mm].
     """
     sums, aimed, weighed = borrowed(sums), borrowed(aimed), borrowed(weighed)
     n_trial = sums.tip.shape[0]
-    owner = np.empty(sums.weight.shape[0], np.int64)
+    trial = np.empty(sums.weight.shape[0], np.int64)
     for k in range(n_trial):
-        for p in range(sums.start[k], sums.start[k + 1]):
-            owner[p] = sums.tip[k]
-    force = np.zeros((sums.weight.shape[0], 2, 3))
+        trial[sums.start[k] : sums.start[k + 1]] = k
+    force, behind = np.zeros((2, sums.weight.shape[0], 2, 3))
+    held = np.zeros(n_trial)
     for i in range(sums.member.shape[0]):
         p, side, part, corner = _four(sums.member, i)
-        share = _part(part, aimed.right[owner[p]])
+        share = _part(part, aimed.right[sums.tip[trial[p]]])
         for c in range(3):
             force[p, side, c] += share * corner_force[corner, c]
     for i in range(sums.cable.shape[0]):
         p, side, cable, end = _four(sums.cable, i)
-        if status[cable] != BROKEN:
-            for c in range(3):
-                force[p, side, c] += sums.share[i] * cable_force[cable, end, c]
+        if status[cable] == BROKEN:
+            continue
+        held[trial[p]] += sums.share[i, 1] * cable_area[cable]
+        for c in range(3):
+            force[p, side, c] += sums.share[i, 0] * cable_force[cable, end, c]
+            behind[p, side, c] += sums.share[i, 1] * cable_force[cable, end, c]
     for k in range(n_trial):
         tip = sums.tip[k]
-        right, kappa, d = aimed.right[tip], 0.0, (0.0, 0.0, 0.0)
+        right, kappa, d, closed = aimed.right[tip], 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        whole = sums.weight[sums.start[k] : sums.start[k + 1]].sum()
         for p in range(sums.start[k], sums.start[k + 1]):
             for side in range(2):
                 mass = 0.0
                 for part in range(3):
                     mass += _part(part, right) * sums.mass[p, side, part]
-                sign = 1.0 if side else -1.0
-                d = add_scaled(d, sign * sums.weight[p] / mass, load(force[p], side))
+                moves = sums.weight[p] / mass if side else -sums.weight[p] / mass
+                d = add_scaled(d, moves, load(force[p], side))
+                closed = add_scaled(closed, moves, load(behind[p], side))
                 kappa += sums.weight[p] ** 2 / mass
         if kappa == 0.0:
             weighed.measure[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
-        carries = carried * 0.5 * (sums.length[k] + out)
-        weighed.measure[tip] = dot(d, m) / norm(m) / kappa / carries
-        weighed.length[tip] = out
-        store(weighed.normal, tip, scale(1.0 / norm(m), m))
+        pull = scale(1.0 / kappa, sub(d, closed))
+        before = held[k] / (thickness * whole)
+        weighed.measure[tip] = dot(pull, m) / norm(m) / (0.5 * carried * (before + out))
+        weighed.length[tip], weighed.behind[tip] = out, before
         store(weighed.force, tip, scale(1.0 / kappa, d))
+        store(weighed.pull, tip, pull)
 
 
 @inline

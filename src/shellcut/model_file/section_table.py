@@ -363,7 +363,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         film=HOMOGENEOUS.with_keys(**BAR_FILM),
         law=_law(BAR_LAW),
         contact=CONTACT.with_keys(penalty=BAR_CONTACT.penalty),
-        fracture=_unsteered(BAR_FRACTURE, "cable_places"),
+        fracture=_unsteered(BAR_FRACTURE, "fibres"),
         damping=DAMPING.with_keys(beta=STIFFNESS_DAMPING),
     ),
 }

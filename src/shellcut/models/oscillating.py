@@ -42,7 +42,7 @@ that the step is a quarter shorter."""
 FILM: dict[str, Any] = {"young": 2200.0, "poisson": 0.35, "density": 0.9e-9, "thickness": 0.1}
 """Default film: modulus [MPa] and density [t/mm³] as of bi-oriented polypropylene."""
 
-FRACTURE = Fracture(path="free", check_every=20, cable_places="gauss")
+FRACTURE = Fracture(path="free", check_every=20, fibres=6)
 """Default. With cables at the ends of segments quads snap, and 1.5 times as much work is damped."""
 
 CONTACT = Contact(penalty=200.0)
@@ -158,8 +158,8 @@ def oscillating(
         N/mm with 60 MPa: less strength than such a film has, so that its process zone is some
         quads long.
     **options
-        Options of :class:`Simulation`. ``fracture`` has ``path="free"`` by default, cables at Gauss
-        points, and a check every 20 steps; ``contact`` a penalty of 200 N/mm³, ``damping_beta`` is
+        Options of :class:`Simulation`. ``fracture`` has ``path="free"`` by default, six fibres a
+        segment, and a check every 20 steps; ``contact`` a penalty of 200 N/mm³, ``damping_beta`` is
         3e-9 s.
 
     Returns

@@ -156,9 +156,9 @@ def _draw(
     poses, titles = _poses(parts)
     lines = []
     if mesh is not None:
+        area = with_unit(mesh.quad_areas().sum(), "mm^2")
         lines.append(
-            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {with_unit(mesh.quad_areas().sum(), 'mm^2')}, "
-            f"{parts.held.size} nodes held"
+            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {area}, {parts.held.size} nodes held"
         )
     if tool is not None:
         lines.append(

@@ -43,10 +43,12 @@ class CrackEnds(NamedTuple):
                 free.at_tips(sim.mesh.directors),
             )
         size = np.sqrt(sim.shell.area)
-        n_tip, flanks = len(place), f.node[: f.count]
+        # Those at the tips have not parted.
+        n_tip, parted = len(place), np.flatnonzero(n.real[f.node[: f.count]])
+        flanks = f.node[parted]
         # Nodes through which a crack goes: both flanks have film there.
         film = np.flatnonzero(n.real[: sim.state.n_node])
-        film = film[~np.isin(film, flanks)]
+        film = film[~np.isin(film, f.node[: f.count])]
         origin = n.origin[film]
         nodes = np.union1d(rim, film[np.bincount(origin)[origin] > 1])
         return cls(
@@ -57,7 +59,7 @@ class CrackEnds(NamedTuple):
             np.concatenate(
                 [
                     local_edge_length(n.contact_area[nodes]),
-                    size[f.row[: f.count]],
+                    size[f.row[parted]],
                     np.full(n_tip, np.median(size)),
                 ]
             ),

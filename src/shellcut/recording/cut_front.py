@@ -130,18 +130,20 @@ class CutFront:
             mine = met[holds & (chain == k)]
             assert self._edge is not None
             rows[k, 3] = self._edge.to_spare(cable.edge[mine], cable.joint_body[mine])
-            tip, lead = self._driven(sim, cable.ends[mine, 0], ends.place)
+            tip, lead = self._driven(sim, mine, ends.place)
             if np.isfinite(lead):
                 rows[k, 2] = lead + self._ahead(sim, tip, ends)
         return rows
 
     def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> tuple[int, float]:
-        """Return which of tips : (n, 3) a zone's edge drives, and its lead [mm], inf if none."""
+        """Return which tip, of (n, 3), an edge at cables drives, and its lead [mm], inf if none."""
         if not len(tips):
             return -1, np.inf
-        gap = tips - sim.state.node.X[zone][:, None]
+        cable = sim.state.cable
+        place = cable.at_ends(sim.state.node.X)[zone, 0]
+        gap = tips - place[:, None]
         distance = np.linalg.norm(gap, axis=2)
-        velocity = self._velocity(sim, zone)
+        velocity = self._velocity(sim, place, directors_at(sim, cable.ends[zone, 0]))
         ahead = np.einsum("ztc,zc->zt", gap, velocity)
         moving = np.linalg.norm(velocity, axis=1) > 0.0
         distance[moving[:, None] & (ahead <= 0.0)] = np.inf
@@ -149,13 +151,11 @@ class CutFront:
         best = int(nearest.argmin())
         return best, float(nearest[best])
 
-    def _velocity(self, sim: Simulation, nodes: Ints) -> Floats:
-        """Return the tool's velocity along the film at nodes, 0 where it only passes through."""
+    def _velocity(self, sim: Simulation, place: Floats, t: Floats) -> Floats:
+        """Return the tool's velocity along the film at places with directors t, 0 if through it."""
         assert sim.motion is not None
         spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
-        n = sim.state.node
-        whole = velocity + np.cross(spin, n.X[nodes] - sim.pose.translation)
-        t = directors_at(sim, nodes)
+        whole = velocity + np.cross(spin, place - sim.pose.translation)
         along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
         along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
         return np.asarray(along)

@@ -30,7 +30,7 @@ _OF_NODES = (
     *("x", "t", "velocity_half", "supported", "halved", "real", "origin"),
     *("quads", "n_quad_at"),
 )
-_OF_CABLES = ("ends", "status", "joint", "traction", "opening")
+_OF_CABLES = ("ends", "far", "share", "status", "joint", "traction", "opening")
 
 _Table = TypeVar("_Table", NodeTable, CableTable, QuadTable)
 
@@ -142,11 +142,11 @@ def _placed(tool: Tool | None, pose: Pose) -> dict[str, Any]:
 
 
 def _cables(state: State) -> dict[str, Any]:
-    c, x = state.cable, state.node.x
+    c = state.cable
     live = np.flatnonzero(c.status[: c.count] != BROKEN)
     bent = c.status[live] == JOINTED
     straight, jointed = live[~bent], live[bent]
-    minus, plus = x[c.ends[:, 0]], x[c.ends[:, 1]]
+    minus, plus = c.at_ends(state.node.x).transpose(1, 0, 2)
     branches = [
         np.stack([minus[straight], plus[straight]], axis=1),
         np.stack([minus[jointed], c.joint[jointed]], axis=1),

@@ -63,8 +63,8 @@ def start_lines(
     yield f"shown  {r.meaning}, over the {r.coordinate_name}"
     yield (
         f"step   {sim.dt:.4g} s at first, so about {round(until / sim.dt, -2):,.0f} steps to "
-        f"{r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)}, {1e3 * until:.4g} ms; "
-        f"{how_long(sim, until)}"
+        f"{r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)}, "
+        f"{1e3 * until:.4g} ms; {how_long(sim, until)}"
     )
 
 
@@ -91,7 +91,8 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
     return (
         f"{percent(share)} %: {r.coordinate_name} "
         f"{with_unit(r.coordinate(s.time), r.coordinate_unit)}, {figure} {with_unit(felt, unit)} | "
-        f"E: {energies} {pretty(of_energy)} | balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
+        f"E: {energies} {pretty(of_energy)} | "
+        f"balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
         f"crack {with_unit(s.crack_length, 'mm')}, cables {s.n_cable} made "
         f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
     )

@@ -453,8 +453,8 @@ def _notes(
     (m0, m1), (s0, s1) = ends
     if max(abs(m0 - s0), abs(m1 - s1)) > _SAME_END * (points[-1] - points[0]):
         notes.append(
-            f"the ranges overlap only partly: measured {m0:.4g} to {m1:.4g} {unit}, "
-            f"simulated {s0:.4g} to {s1:.4g} {unit}"
+            f"the ranges overlap only partly: measured {said(m0, unit)} to {said(m1, unit)}, "
+            f"simulated {said(s0, unit)} to {said(s1, unit)}"
         )
     if len(points) < _FEW_POINTS:
         notes.append(f"only {len(points) - 2} measured points lie inside the common range")

@@ -141,7 +141,7 @@ class ErrorBars:
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
     figure                                              value        ±      mesh     speed    chance
     force, peak [N]                                      3.10     0.10       0.1         -         -
-    force, peak: an order takes 3 meshes; most of ± comes from mesh: edges half as long would leave ± 0.05 N
+    force, peak: an order takes 3 meshes; most of ± is mesh: edges half as long would leave ± 0.05 N
     """
 
     key: str
@@ -185,7 +185,7 @@ class ErrorBars:
         less = {**bar.parts, most: 0.5 * bar.parts[most]}
         unit, factor = bar.shown
         left = f"{factor * math.hypot(*less.values()):.2g} {unit}".rstrip()
-        return f"{bar.name}: {order}; most of ± comes from {most}: {_HALVED[most]} would leave ± {left}"
+        return f"{bar.name}: {order}; most of ± is {most}: {_HALVED[most]} would leave ± {left}"
 
     def write(self, path: Path) -> None:
         """Write them as JSON."""

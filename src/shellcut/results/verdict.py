@@ -285,8 +285,9 @@ def _stiff_flanks(figures: Figures) -> Iterator[Line]:
             "note",
             f"The force across the film is too large: its edges along the path are {edge:.3g} mm "
             f"long, but the film bends over {bent:.3g} mm, so its flanks press on the tool instead "
-            "of folding beside it (Contact.film_edges). In the opening test that force is 1.5 times "
-            "as large with edges of twice that length, and twice as large with edges of four times. "
+            "of folding beside it (Contact.film_edges). In the opening test that force is 1.5 "
+            "times as large with edges of twice that length, and twice as large with edges of four "
+            "times. "
             "The force along the cut hardly changes." + remedies(figures, "finer"),
         )
 

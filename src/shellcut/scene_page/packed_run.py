@@ -70,10 +70,10 @@ def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken
             tables[name].append(table(frame).astype(np.int32))
         for field in fields:
             values[field.name].append(field.values(frame).astype(np.float32)[:, None])
-        for shown in legend_of([frame]):
-            switch = _CABLES.get(shown.name, shown.part)
-            part = {"part": shown.part, "switch": switch, "color": shown.color}
-            legend[shown.name] = {"name": shown.name, "area": shown.is_area} | part
+        for entry in legend_of([frame]):
+            switch = _CABLES.get(entry.name, entry.part)
+            part = {"part": entry.part, "switch": switch, "color": entry.color}
+            legend[entry.name] = {"name": entry.name, "area": entry.is_area} | part
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
     entries = list(legend.values())

@@ -117,12 +117,13 @@ class _Table:
         self.count += 1
         return new
 
-    def append_blank(self) -> int:
-        """Append a row of zeros and return its id."""
-        new = self.append_copy(0)
+    def append_blank(self, n: int = 1) -> int:
+        """Append rows of zeros and return the id of the first."""
+        self.reserve(n)
+        first, self.count = self.count, self.count + n
         for name in self._names():
-            getattr(self, name)[new] = 0
-        return new
+            getattr(self, name)[first : self.count] = 0
+        return first
 
     def saved(self) -> dict[str, Any]:
         """Return the rows in use of every array, by name."""
@@ -292,6 +293,9 @@ class FlankTable(_Table):
     inward: Annotated[Floats, (2,)]
     """A place a little further along its flank, which tells to which part of a copy it goes when
     that is cut again."""
+    twin: Ints
+    """The point across the crack: contact sees the two once they have parted. Itself for one that
+    contact never sees."""
     nodes: Annotated[Ints, (4,)]
     """Nodes of the copy."""
     weight: Annotated[Floats, (4,)]
@@ -300,23 +304,28 @@ class FlankTable(_Table):
 
 @dataclass
 class CableTable(_Table):
-    """Cohesive cables; each joins the two flanks of half a segment of a crack ([Frangi2010] 4)."""
+    """Cohesive cables ([Frangi2010] 4): fibres across the segments of cracks, several each.
+
+    The end of one lies between two nodes or flank points, at (1 - share) x_ends + share x_far
+    (:mod:`shellcut.fracture.segment_cables`).
+    """
 
     ends: Annotated[Ints, (2,)]
-    """Node on the minus and on the plus flank."""
+    """Node on the minus and on the plus flank where its segment starts."""
+    far: Annotated[Ints, (2,)]
+    """Those where it stops."""
+    share: Floats
+    """How far along the segment it is, as a fraction of it."""
     status: SmallInts
     """STRAIGHT, JOINTED or BROKEN."""
     area: Floats
     """Cohesive area A_i = thickness x length [mm²]."""
     length: Floats
-    """Reference length of the crack that it holds, half of a segment [mm]."""
+    """Reference length of the crack that it holds [mm]."""
     row: Annotated[Ints, (2,)]
-    """Quad or copy at whose corner either end is, -1 if it is a flank point."""
-    corner: Annotated[Ints, (2,)]
-    """Which of its corners."""
-    inward: Annotated[Floats, (2, 2)]
-    """A place a little further along the flank, which tells to which part of a copy the end goes
-    when that is cut again."""
+    """Quad or copy on either flank."""
+    chord: Annotated[Floats, (2, 2, 2)]
+    """Where the segment starts and stops, xi and eta in the quad of each."""
     m: Annotated[Floats, (3,)]
     """Mean normal to the flanks at birth, from minus to plus."""
     start_force: Annotated[Floats, (3,)]
@@ -359,3 +368,8 @@ class CableTable(_Table):
     """Time of birth [s]."""
     end_time: Floats
     """Time at which it broke [s], zero while it lives."""
+
+    def at_ends(self, rows: Floats) -> Floats:
+        """Return rows : (n_node, k) of the nodes at the ends of all cables, (n_cable, 2, k)."""
+        ends, far, share = (a[: self.count] for a in (self.ends, self.far, self.share))
+        return np.asarray(rows[ends] + share[:, None, None] * (rows[far] - rows[ends]))

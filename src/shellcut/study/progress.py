@@ -49,7 +49,9 @@ class StudyProgress:
         )
         if outcome.status == "done":
             shown = [name for name in _SHOWN if name in outcome.figures][:1]
-            said = "".join(f", {name} {value}" for name, value in key_figures(outcome.figures, shown))
+            said = "".join(
+                f", {name} {value}" for name, value in key_figures(outcome.figures, shown)
+            )
             said = f"{outcome.seconds:.1f} s{said}"
         else:
             said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status

@@ -92,19 +92,19 @@ def segment_part(segments: Floats, k: int, part: int) -> Vec3:
 def strip_coordinates(
     p: Vec3, k: int, segments: Floats, deepest: float
 ) -> tuple[float, float, float, bool]:
-    """Return along, lateral, depth [mm] of a point, and whether segment k owns it.
+    """Return along, lateral, depth [mm] of a point, and whether segment k owns it; else along is 0.
 
     deepest : depth from which on points are no longer owned [mm].
     """
     d = sub(p, segment_part(segments, k, START))
-    v = segment_part(segments, k, VECTOR)
-    length = norm(v)
-    along = dot(d, v) / length
     lateral = dot(d, segment_part(segments, k, NORMAL))
     depth = dot(d, segment_part(segments, k, BACK))
-    slack = _STRIP_SLOPE * depth
-    owns = 0.0 <= depth < deepest and -slack <= along <= length + slack
-    return along, lateral, depth, owns
+    if not 0.0 <= depth < deepest:
+        return 0.0, lateral, depth, False
+    v, slack = segment_part(segments, k, VECTOR), _STRIP_SLOPE * depth
+    length = norm(v)
+    along = dot(d, v) / length
+    return along, lateral, depth, -slack <= along <= length + slack
 
 
 @inline

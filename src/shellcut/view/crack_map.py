@@ -79,9 +79,13 @@ def draw_crack_map(
     _draw_film(axes, last, flat)
     for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
-        axes.plot(*factor * way[:, ij].T, color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label)
+        axes.plot(
+            *factor * way[:, ij].T, color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label
+        )
     if before.any():
-        _add_lines(axes, factor * segments[before][..., ij], colors=_BEFORE_COLOR, label="open before")
+        _add_lines(
+            axes, factor * segments[before][..., ij], colors=_BEFORE_COLOR, label="open before"
+        )
     scale = _add_opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
         _add_splits(axes, factor * np.reshape(places, (-1, 3))[:, ij], kind, k)
