@@ -22,8 +22,8 @@ So the film pulls at the tip by F = F_c + B, against what the cables of both hal
 with the normal m from the minus to the plus side and the lengths of the segments; the cut is due at
 1. F_c alone over sigma_F h L_out / 2 is the same where B = sigma_F h L_in / 2 m. But cables behind
 pull the way the segment has opened, which is straight, and near the tip the film turns from m to
-that: over a length that the mesh need not resolve. What B misses there F_c would have, times
-L_in / L_out: tips whose next segment is short would run without any energy released.
+that, over a length that the mesh need not resolve. The part of B that is lost by this would be in
+F_c, times L_in / L_out: tips whose next segment is short would run without releasing energy.
 
 A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
 the measure is |F| over the same, if F · m >= 0. In front of a process zone that bends, the
