@@ -51,16 +51,18 @@ def cut(options: argparse.Namespace, folder: Path, *, directional: bool) -> None
 
 def draw_both(folder: Path) -> None:
     ours, classical = read(folder).history, read(folder / "classical").history
+    joints, theory = ours["torque_joints"], steady_work_per_radian()
     curves = [
         Curve(
             "classical cables, which never meet the blade",
             classical["torque"],
-            "other",
+            "tooth",
             x=classical["angle"],
         ),
-        Curve("from contact", ours["torque_contact"], "contact"),
-        Curve("from cables at the edge", ours["torque_joints"], "joints"),
+        Curve("from contact", ours["torque"] - joints, "contact"),
         Curve("total", ours["torque"]),
+        Curve("from cables at the edge", joints, "joints"),
+        Curve(f"theory: {theory:.1f} N·mm", [theory, theory], "level", x=[0.0, 90.0]),
     ]
     diagram = Diagram(ours["angle"], curves, "angle", "deg", "torque", "N*mm")
     draw_curves(folder / "torque_compared.png", [diagram])
