@@ -149,12 +149,8 @@ class EdgeContact(PressTerm):
         edges = self._edges.of(state)
         near = edges.near(self._contact.near.ids)
         room = int((edges.length[near] / self._spacing + 2.0).sum())
-        key, node, weight = (
-            np.empty(room, np.int64),
-            np.zeros((room, 4), np.int64),
-            np.zeros((room, 4)),
-        )
-        k = np.empty(room)
+        key, k = np.empty(room, np.int64), np.empty(room)
+        node, weight = np.zeros((room, 4), np.int64), np.zeros((room, 4))
         count = self._list(near, edges, self._spacing, key, node, weight, k)
         key = key[:count].copy()
         was, had = self._key, self._memory
