@@ -284,7 +284,7 @@ def _add_cable_forces(
     Writes the cables' opening, stress, joint, branch directions, force and work, and touch, see
     :class:`CableForces`.  Returns how many joints were made and how many cables broke.
     """
-    held = tables  # one address, for the search of joints, which is not inlined
+    held = tables  # one address, for the search of joints, which LLVM keeps as a call
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:], sums[:] = 0.0, 0.0
