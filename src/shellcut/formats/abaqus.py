@@ -27,21 +27,9 @@ from .file_mesh import FileMesh
 from .losses import blank_note, ragged_note, repeat_note, unused_note
 
 _SILENT = ("HEADING", "END STEP", "PREPRINT")
-_MAKES_MESH = frozenset(
-    [
-        "NGEN",
-        "NFILL",
-        "NCOPY",
-        "NMAP",
-        "ELGEN",
-        "ELCOPY",
-        "SYSTEM",
-        "SUBSTRUCTURE GENERATE",
-        "IMPORT",
-        "IMPORT NODESET",
-        "IMPORT ELSET",
-        "MODEL CHANGE",
-    ]
+_MAKES_MESH = (
+    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBSTRUCTURE GENERATE"),
+    *("IMPORT", "IMPORT NODESET", "IMPORT ELSET", "MODEL CHANGE"),
 )
 
 # Keywords that are read, and parameters allowed on them.
@@ -145,12 +133,10 @@ class _Reader(Deck):
             return
         part = keyword.parameters.get("PART", "")
         if part and part.upper() not in self.parts:
-            raise keyword.error(f"the part must be one of {self._part_names()}, got {part!r}")
+            names = named(sorted(one.name for one in self.parts.values())) or "none"
+            raise keyword.error(f"the part must be one of {names}, got {part!r}")
         self.instance = Instance(name, part.upper(), _transform(keyword), Scope(name))
         self.instances[name.upper()] = self.instance
-
-    def _part_names(self) -> str:
-        return named(sorted(part.name for part in self.parts.values())) or "none"
 
     def _nodes(self, keyword: Keyword) -> None:
         if keyword.parameters.get("SYSTEM", "R").upper() != "R":
@@ -174,7 +160,7 @@ class _Reader(Deck):
 
     def _elements(self, keyword: Keyword) -> None:
         kind = keyword.required("TYPE").upper()
-        n_node = (KINDS | QUADRATIC)[kind][1] if kind in KINDS or kind in QUADRATIC else 0
+        _, n_node = (KINDS | QUADRATIC).get(kind, ("", 0))
         elements, ids = self.scope.elements, []
         lines = iter(keyword.data)
         for line in lines:

@@ -66,12 +66,8 @@ class Keyword(Block):
 def read_deck(deck: Deck, known: frozenset[str]) -> Iterator[Keyword]:
     """Return the keywords of a file and of the files it includes, in order.
 
-    Parameters
-    ----------
-    deck : Deck
-    known : frozenset of str
-        Keywords that the caller uses. Others are passed on too, unless they look like a misspelt
-        one of these.
+    Keywords that are not ``known``, those that the caller uses, are passed on too, unless they look
+    like a misspelt one.
 
     Raises
     ------

@@ -38,16 +38,9 @@ _EIGHT: dict[Layout, list[int]] = {"standard": [10] * 8, "i10": [10] * 8, "long"
 # Options of *ELEMENT_SHELL that add one card to each element and do not change its nodes.
 _SHELL_CARDS = {"THICKNESS": 1, "BETA": 1, "MCID": 1, "OFFSET": 1, "DOF": 1}
 
-_MOVES_MESH = frozenset(
-    [
-        "NODE_TRANSFORM",
-        "NODE_MERGE",
-        "NODE_MERGE_SET",
-        "NODE_MERGE_TOLERANCE",
-        "ELEMENT_GENERATE_SHELL",
-        "ELEMENT_SHELL_SOURCE_SINK",
-        "PART_MOVE",
-    ]
+_MOVES_MESH = (
+    *("NODE_TRANSFORM", "NODE_MERGE", "NODE_MERGE_SET", "NODE_MERGE_TOLERANCE", "PART_MOVE"),
+    *("ELEMENT_GENERATE_SHELL", "ELEMENT_SHELL_SOURCE_SINK"),
 )
 _SILENT = ("TITLE",)
 _QUADRATIC = "ELEMENT_SHELL of 5 to 8 nodes"
@@ -188,9 +181,8 @@ class _Reader(Deck):
 
         order = np.argsort(parts, kind="stable").astype(np.int64)
         of_parts, first = np.unique(parts[order], return_index=True)
-        members_of: dict[int, Ints] = dict(
-            zip(of_parts.tolist(), np.split(order, first[1:]), strict=False)
-        )
+        each = zip(of_parts.tolist(), np.split(order, first[1:]), strict=False)
+        members_of: dict[int, Ints] = dict(each)
 
         def shells_of(part: int) -> Ints:
             shells = members_of.get(part, _NONE)
@@ -208,8 +200,7 @@ class _Reader(Deck):
             for part, shells in members_of.items()
         ]
         cell_sets += _Sets(self, "shell", shells).read(self.sets["SHELL"])
-        part_sets = _Sets(self, "part", None).read(self.sets["PART"])
-        for name, sid, members in part_sets:
+        for name, sid, members in _Sets(self, "part", None).read(self.sets["PART"]):
             rows = [shells_of(part) for part in members.tolist()]
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
         # a triangle is a quad with its last corner repeated, as in the file

@@ -107,7 +107,9 @@ class NumberTable:
                 f"line {there}; thousands separators are not read"
             )
         if problems:
-            raise FileError(self.path, _listed(problems))
+            more = len(problems) - _MOST_PROBLEMS
+            listed = [*problems[:_MOST_PROBLEMS], *([f"and {more} more"] if more > 0 else [])]
+            raise FileError(self.path, "; ".join(listed))
         return values
 
     def column(self, which: str | int) -> int:
@@ -169,11 +171,8 @@ def read_number_table(path: str | Path) -> NumberTable:
         If the file cannot be read or contains only comments.
     """
     path = Path(path)
-    written = [
-        (number, text.rstrip())
-        for number, text in enumerate(_decode(read_bytes(path)).splitlines(), start=1)
-        if text.strip()
-    ]
+    every = enumerate(_decode(read_bytes(path)).splitlines(), start=1)
+    written = [(number, text.rstrip()) for number, text in every if text.strip()]
     lines = [(number, text) for number, text in written if not _is_comment(text)]
     if not lines:
         raise FileError(path, "a table must have a line of headings and lines of numbers")
@@ -342,9 +341,8 @@ def _tell(found: tuple[list[Heading], int] | None) -> bool:
 def _headings(
     preamble: list[tuple[int, str]], separator: str, n: int
 ) -> tuple[list[Heading], int] | None:
-    found = [
-        (line, cells) for line, text in preamble if (cells := _heading_cells(text, separator, n))
-    ]
+    each = ((line, _heading_cells(text, separator, n)) for line, text in preamble)
+    found = [(line, cells) for line, cells in each if cells]
     if not found:
         return None
     line, cells = found[-1]
@@ -377,9 +375,3 @@ def _no_number(cell: str) -> str:
     if _THOUSANDS.fullmatch(cell):
         return f"thousands separators are not read, got {cell!r}"
     return f"must be a number, got {cell!r}"
-
-
-def _listed(problems: list[str]) -> str:
-    left = len(problems) - _MOST_PROBLEMS
-    more = f"; and {left} more" if left > 0 else ""
-    return "; ".join(problems[:_MOST_PROBLEMS]) + more

@@ -10,11 +10,9 @@ from .losses import end_note
 from .surface_file import SurfaceFile, surface_of_polygons
 
 # Statements other than faces: texture, normals, groups, materials, points, lines.
-_PASSED_OVER = frozenset(
-    (
-        *("vt", "vn", "vp", "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "p", "l"),
-        *("bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"),
-    )
+_PASSED_OVER = (
+    *("vt", "vn", "vp", "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "p", "l"),
+    *("bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"),
 )
 
 

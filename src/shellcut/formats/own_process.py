@@ -51,15 +51,8 @@ class OwnProcess:
     def answer(self, path: Path, *arguments: str) -> dict[str, Any]:
         """Run the script with the file, a place for its answer, and further arguments.
 
-        Returns
-        -------
-        dict of str to ndarray
-            What it wrote by ``numpy.savez``.
-
-        Raises
-        ------
-        FileError, ImportError
-            As :meth:`run`, and if the library is not installed.
+        Returns the arrays that it wrote by ``numpy.savez``; raises as :meth:`run`, and ImportError
+        if the library is not installed.
         """
         if not self.installed:
             raise ImportError(self.missing)
@@ -108,10 +101,7 @@ class OwnProcess:
 
 
 def gmsh(script: str, remedy: str, task: str) -> OwnProcess:
-    """Return a script that uses Gmsh, an optional extra; ``task`` is what that cannot do without.
-
-    script, remedy : as of :class:`OwnProcess`.
-    """
+    """Return a script that uses Gmsh, an optional extra; ``task`` is what cannot do without it."""
     return OwnProcess(
         "Gmsh",
         "gmsh",

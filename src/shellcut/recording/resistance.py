@@ -164,24 +164,9 @@ class Resistance:
 
 
 class SupportPull:
-    """Way of the supports, and the force that moves them.
+    """Way of the supports of a film without a tool, and the force that moves them.
 
-    Parameters
-    ----------
-    sim : Simulation
-        Without a tool, with a support that moves.
-    until : float
-        End of the run [s].
-
-    Attributes
-    ----------
-    columns, meaning, coordinate_name, coordinate_unit
-        As in :class:`Resistance`.
-
-    Raises
-    ------
-    ValueError
-        If no support moves.
+    Its attributes are those of :class:`Resistance`; ValueError if no support moves.
     """
 
     def __init__(self, sim: Simulation, until: float) -> None:
@@ -229,13 +214,7 @@ AnyResistance: TypeAlias = Resistance | SupportPull
 
 
 def resistance_of(sim: Simulation, until: float) -> AnyResistance:
-    """Return the resistance that a run up to ``until`` [s] measures.
-
-    Raises
-    ------
-    ValueError
-        If neither a tool nor a support moves.
-    """
+    """Return the resistance that a run up to ``until`` [s] measures; something must move."""
     if sim.motion is not None:
         return Resistance(sim.motion, until)
     return SupportPull(sim, until)

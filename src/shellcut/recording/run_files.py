@@ -31,12 +31,10 @@ class RunFiles:
     """Hold the folder of a run and its growing files.
 
     Open the files with :meth:`begin` or :meth:`resume`; close them with :meth:`close` and free the
-    folder with :meth:`release`.
+    folder with :meth:`release`. A folder that is missing is created.
 
     Parameters
     ----------
-    folder : path
-        The folder; created if missing.
     name : str
         Stem of the result file's name.
     curve : str
@@ -78,15 +76,7 @@ class RunFiles:
         self._is_new = False
 
     def begin(self, *, n_snapshot: int, replace: bool) -> None:
-        """Remove the previous run, if allowed, and create new files.
-
-        Raises
-        ------
-        FileExistsError
-            As :meth:`TakenFolder.begin`.
-        OSError
-            If a file cannot be written.
-        """
+        """Remove the previous run, if allowed, and create new files; see `TakenFolder.begin`."""
         always, later = self._planned(n_snapshot)
         self._taken.begin(always, later, replace=replace)
         try:
@@ -99,12 +89,7 @@ class RunFiles:
     def resume(self, *, row_time: float, frame_time: float, n_picture: int) -> None:
         """Reopen the files of the run in the folder and drop everything after its checkpoint.
 
-        Parameters
-        ----------
-        row_time, frame_time : float
-            Times of the last row and the last frame before the checkpoint [s].
-        n_picture : int
-            Number of pictures before the checkpoint.
+        Before it came the last row and the last frame, at these times [s], and so many pictures.
 
         Raises
         ------

@@ -46,11 +46,6 @@ class VtkHdfReader:
 
     It reads the file as it is now; later frames are not seen.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
     Raises
     ------
     FileNotFoundError
@@ -92,15 +87,7 @@ class VtkHdfReader:
         return self._settled(lambda file: self._read_frame(file, k))
 
     def pose(self, k: int) -> Pose | None:
-        """Return rotation (3, 3) and translation (3,) [mm] of the tool at frame ``k``, exact.
-
-        None if the frame has no tool.
-
-        Raises
-        ------
-        IndexError
-            If there is no such frame.
-        """
+        """Return the exact pose of the tool at frame ``k``, None if the frame has no tool."""
         k = self._index(k)
 
         def read(file: Any) -> tuple[Any, Any]:
@@ -124,7 +111,10 @@ class VtkHdfReader:
                 time.sleep(_TICK_S)
                 before = self.path.stat()
             is_recent = time.time() - before.st_mtime < _HELD_UP_S
-            source = self._image() if is_recent and before.st_size < _LARGEST_IMAGE else None
+            source = None
+            if is_recent and before.st_size < _LARGEST_IMAGE:
+                with self.path.open("rb") as opened:
+                    source = io.BytesIO(opened.read(_LARGEST_IMAGE))
             taken = self.path.stat()
             failed: Exception | None = None
             try:
@@ -145,10 +135,6 @@ class VtkHdfReader:
                     ) from failed
                 return value
         raise ResultFileError(f"{self.path} is being written continuously; read it again later")
-
-    def _image(self) -> io.BytesIO:
-        with self.path.open("rb") as file:
-            return io.BytesIO(file.read(_LARGEST_IMAGE))
 
     def _read_steps(self, file: Any) -> None:
         if not is_ours(file):
@@ -189,18 +175,15 @@ class VtkHdfReader:
         point, n_point = steps["PointOffsets"][k], counts.points[-1]
         cell, n_cell = steps["CellOffsets"][k, 0], counts.cells[-1]
         data = steps["CellDataOffsets/part"][k]
+        on_points, on_cells = root["PointData"], root["CellData"]
+        of_material = filter(is_history, on_cells)
         # Older files lack the fields added later.
-        on_points = {
-            name: root["PointData"][name] for name in POINT_ARRAYS if name in root["PointData"]
+        arrays = {n: rows(on_points[n], point, n_point) for n in POINT_ARRAYS if n in on_points}
+        arrays |= {
+            n: rows(on_cells[n], data, n_cell)
+            for n in (*CELL_ARRAYS, *of_material)
+            if n in on_cells
         }
-        of_material = filter(is_history, root["CellData"])
-        on_cells = {
-            name: root["CellData"][name]
-            for name in (*CELL_ARRAYS, *of_material)
-            if name in root["CellData"]
-        }
-        arrays = {name: rows(column, point, n_point) for name, column in on_points.items()}
-        arrays |= {name: rows(column, data, n_cell) for name, column in on_cells.items()}
         points = rows(root["Points"], point, n_point)
         connectivity = rows(root["Connectivity"], first_id, int(n_id))
         cells = {

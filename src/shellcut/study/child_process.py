@@ -69,7 +69,6 @@ class _Child:
             if line.rstrip().endswith(_FROM_HERE):
                 break
 
-    @property
     def lives(self) -> bool:
         return self._process.poll() is None
 
@@ -109,7 +108,7 @@ def run_in_child(task: Task) -> Outcome:
         If it died meanwhile.
     """
     child: _Child | None = getattr(_of_thread, "child", None)
-    if child is None or not child.lives:
+    if child is None or not child.lives():
         child = _of_thread.child = _Child()
     return child.run(task)
 

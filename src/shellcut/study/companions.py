@@ -57,14 +57,13 @@ def companions_of(
         shape = int("tool" in model.sections and model.sections["tool"].kind != "bar")
     for k in (shape + 1, shape + 2):
         runs[Run(f"shape {k}", CHANCE, 1.0)] = {"imperfection": k}
-    given = {key: _value(model, key) for keys in runs.values() for key in keys}
+    places = {key: key.rpartition(".") for keys in runs.values() for key in keys}
+    given: dict[str, object] = {
+        key: (model.sections[title] if title else model.head).values[name]
+        for key, (title, _, name) in places.items()
+    }
     given["imperfection"] = shape
     return {run: {**given, **keys} for run, keys in runs.items()}, missing
-
-
-def _value(model: Model, key: str) -> Any:
-    title, _, name = key.rpartition(".")
-    return (model.sections[title] if title else model.head).values[name]
 
 
 def _meshes(model: Model, finer: float) -> dict[str, tuple[float, Settings]]:

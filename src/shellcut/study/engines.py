@@ -31,24 +31,16 @@ MOST_DEATHS = 3
 
 @dataclass(frozen=True)
 class Engine:
-    """Carries out tasks.
-
-    Attributes
-    ----------
-    executor : Executor
-        Or what behaves alike. Its workers must see the folder of the study. It is not shut down.
-    work : callable
-        Does a task there.
-    jobs : int
-        Runs at a time, as far as it is known; sets the threads of each and the time left.
-    ahead : int or None
-        Tasks given out at a time; None for all: workers that come later then have some, too.
-    """
+    """Carries out tasks."""
 
     executor: Executor
+    """Or what behaves alike. Its workers must see the folder of the study. It is not shut down."""
     work: Callable[[Task], Outcome]
+    """Does a task there."""
     jobs: int
+    """Runs at a time, as far as it is known; sets the threads of each and the time left."""
     ahead: int | None
+    """Tasks given out at a time; None for all: workers that come later then have some, too."""
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome.

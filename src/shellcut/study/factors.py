@@ -23,24 +23,16 @@ _BETWEEN_KEYS, _BETWEEN_VALUES = ",", ":"
 
 @dataclass(frozen=True)
 class Factor:
-    """A key, or several keys, with several values.
-
-    Attributes
-    ----------
-    keys : tuple of str
-        As of ``--set``: section and key, or the key alone. Of several the values go together.
-    values : tuple
-        The values, as in a model file; of several keys a tuple each; empty for a range.
-    ends : tuple of float or None
-        Least and largest value of a range.
-    unit : str
-        Written after the numbers of a range; empty for that of the key.
-    """
+    """A key, or several keys, with several values."""
 
     keys: tuple[str, ...]
+    """As of ``--set``: section and key, or the key alone. Of several the values go together."""
     values: tuple[Any, ...] = ()
+    """The values, as in a model file; of several keys a tuple each; empty for a range."""
     ends: tuple[float, float] | None = None
+    """Least and largest value of a range."""
     unit: str = ""
+    """Written after the numbers of a range; empty for that of the key."""
 
     @property
     def name(self) -> str:

@@ -13,7 +13,6 @@ determine the parameters of *this* model, not whether the model is right.
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -25,7 +24,7 @@ import scipy
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison
-from shellcut.view import Curve, Diagram, draw_curves
+from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .curve_misfit import independent_points, residuals
 from .fit_runs import FitRuns
@@ -41,57 +40,38 @@ _WIDE = 1.5
 
 @dataclass(frozen=True)
 class FittedValue:
-    """A fitted parameter.
-
-    Attributes
-    ----------
-    key, unit : str
-    start, value : float
-        In the unit.
-    low, high : float
-        Ends of the 95 % interval; nan for one that follows from the others.
-    """
+    """A fitted parameter."""
 
     key: str
     unit: str
     start: float
     value: float
+    """In the unit."""
     low: float
     high: float
+    """Ends of the 95 % interval; nan for one that follows from the others."""
 
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
-    """What a fit has found.
-
-    Attributes
-    ----------
-    values : tuple of FittedValue
-    rms, rms_at_start : float
-        Root mean square difference over the measured peak, now and at the start.
-    correlation : ndarray, shape (n, n)
-        Of the varied parameters.
-    n_run : int
-        Runs it rests on.
-    notes : tuple of str
-        How far the data tell the parameters, in words.
-    comparisons : list of Comparison
-        The curves at the best parameters.
-    at_start : list of Comparison
-        The same at the start.
-    settings : tuple of mapping
-        Keys that the experiment of each curve had otherwise.
-    """
+    """What a fit has found."""
 
     values: tuple[FittedValue, ...]
     rms: float
     rms_at_start: float
+    """Root mean square difference over the measured peak, now and at the start."""
     correlation: Floats
+    """Of the varied parameters, shape (n, n)."""
     n_run: int
+    """Runs it rests on."""
     notes: tuple[str, ...]
+    """How far the data tell the parameters, in words."""
     comparisons: list[Comparison]
+    """The curves at the best parameters."""
     at_start: list[Comparison]
+    """The same at the start."""
     settings: tuple[Mapping[str, object], ...]
+    """Keys that the experiment of each curve had otherwise."""
 
     def __str__(self) -> str:
         """Return a small table and the notes."""
@@ -125,7 +105,7 @@ class FitResult:
             ],
         }
         write_text(folder / FIT, _json(figures))
-        if importlib.util.find_spec("matplotlib") is not None:
+        if can_draw():
             diagrams = []
             for now, before, settings in zip(
                 self.comparisons, self.at_start, self.settings, strict=True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,25 +23,7 @@ class OutOfRuns(Exception):
 
 
 class FitRuns:
-    """Residuals of the measured curves at sets of parameters.
-
-    Parameters
-    ----------
-    variants : ModelVariants
-        The model.
-    parameters : FreeParameters
-        What is fitted.
-    curves : tuple of FitCurve
-        What was measured.
-    folder : Path
-        Of the fit.
-    engine : Engine
-        Carries out the runs.
-    most : int
-        Runs to take at most.
-    say : callable, optional
-        Takes the lines about progress.
-    """
+    """Residuals of the measured curves at sets of parameters, from ``most`` runs in a folder."""
 
     def __init__(
         self,
@@ -57,9 +39,10 @@ class FitRuns:
         self._variants, self._folder, self._engine = variants, folder, engine
         self._most, self._say = most, say
         # Curves of the same settings share a run.
-        several = {_text(curve.settings): dict(curve.settings) for curve in curves}
+        texts = [repr(sorted(curve.settings.items())) for curve in curves]
+        several = {text: dict(curve.settings) for text, curve in zip(texts, curves, strict=True)}
         self._settings = list(several.values())
-        self._run_of = [list(several).index(_text(curve.settings)) for curve in curves]
+        self._run_of = [list(several).index(text) for text in texts]
         # Of each curve; every run is compared at the points of the first one.
         self._windows: list[float] = []
         self._points: list[Floats] = []
@@ -137,11 +120,8 @@ class FitRuns:
             away = step if logs[k] + step <= high[k] or logs[k] - step < low[k] else -step
             points.append(logs + away * np.eye(logs.size)[k])
         here, *there = self.several([logs, *points], beyond=beyond)
-        columns = [
-            (far - here) / (point[k] - logs[k])
-            for k, (far, point) in enumerate(zip(there, points, strict=True))
-        ]
-        return np.column_stack(columns)
+        each = enumerate(zip(there, points, strict=True))
+        return np.column_stack([(far - here) / (p[k] - logs[k]) for k, (far, p) in each])
 
     def tried(self) -> tuple[Floats, Floats]:
         """Return all sets of parameters tried, and their residuals, a row each."""
@@ -191,7 +171,3 @@ class FitRuns:
 
 def _key(logs: Floats) -> tuple[float, ...]:
     return tuple(float(f"{log:.9g}") for log in logs)
-
-
-def _text(settings: Mapping[str, object]) -> str:
-    return repr(sorted(settings.items()))

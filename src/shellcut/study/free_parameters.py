@@ -30,23 +30,16 @@ _DIGITS = 7
 
 @dataclass(frozen=True)
 class Free:
-    """A free parameter.
-
-    Attributes
-    ----------
-    key : str
-        Section and key.
-    start, low, high : float
-        Value of the model, and bounds, in the unit of the key.
-    unit : str
-        Of the key, for messages.
-    """
+    """A free parameter."""
 
     key: str
+    """Section and key."""
     start: float
     low: float
     high: float
+    """Value of the model, and bounds, in the unit of the key."""
     unit: str = ""
+    """Of the key, for messages."""
 
 
 class FreeParameters:

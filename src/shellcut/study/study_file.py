@@ -84,14 +84,10 @@ def read_study(path: str | os.PathLike[str]) -> Definition:
             problems += wrong.problems
     if problems:
         raise ModelFileError(problems)
-    model = _beside(source.folder, values["model"])
+    beside = source.folder / values["model"]
+    model = str(beside) if beside.is_file() else values["model"]
     figures = tuple(str(name) for name in values.get("figures", ()))
     return Definition(model, values["factors"], values.get("set", {}), design, figures)
-
-
-def _beside(folder: Path, model: str) -> str:
-    there = folder / model
-    return str(there) if there.is_file() else model
 
 
 def study_schema() -> dict[str, Any]:
