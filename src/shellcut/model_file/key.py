@@ -151,13 +151,7 @@ class Section:
         return self.of.constructor(**self.arguments(), **more)
 
     def made(self) -> Any:
-        """Return what the section describes.
-
-        Raises
-        ------
-        ValueError
-            If the values do not fit together.
-        """
+        """Return what the section describes; ValueError if the values do not fit together."""
         return self.called() if self.of.make is None else self.of.make(self)
 
 

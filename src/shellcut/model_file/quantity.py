@@ -25,13 +25,8 @@ WITHIN_A_DOUBLE = "that a computer's number can hold, up to 1.8e308"
 def quantity(text: str, unit: str) -> float:
     """Return the number given by a text, in ``unit``; a bare number is already in it.
 
-    Parameters
-    ----------
-    text : str
-        Number and unit; units are multiplied with ``*`` or a blank and divided with ``/``; powers
-        are written ``m^2`` or ``m2``.
-    unit : str
-        The required unit; empty for a pure number.
+    Units are multiplied with ``*`` or a blank and divided with ``/``; powers are written ``m^2`` or
+    ``m2``.
 
     Raises
     ------
