@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 from io import TextIOWrapper
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from shellcut.unit import showing
 
@@ -94,7 +94,7 @@ def parser_of_all() -> argparse.ArgumentParser:
     for command in _COMMANDS:
         said, *more = [" ".join(part.split()) for part in str(command.__doc__).split("\n\n")]
         _, _, name = command.__name__.rpartition(".")
-        told = dict(zip(("description", "epilog"), more, strict=False))
+        told: dict[str, Any] = dict(zip(("description", "epilog"), more, strict=False))
         of = commands.add_parser(name, help=said.partition(": ")[2].removesuffix("."), **told)
         command.add_to(of)
         of.set_defaults(run=command.run)

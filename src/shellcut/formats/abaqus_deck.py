@@ -68,11 +68,6 @@ def read_deck(deck: Deck, known: frozenset[str]) -> Iterator[Keyword]:
 
     Keywords that are not ``known``, those that the caller uses, are passed on too, unless they look
     like a misspelt one.
-
-    Raises
-    ------
-    FileError
-        For a file that is no input file, for misspelt keywords and for missing files.
     """
     if not any(line.lstrip().startswith("*") for line in read_lines(deck.path)):
         raise FileError(deck.path, "an Abaqus input file must hold *KEYWORD lines, got none")

@@ -60,8 +60,15 @@ def main(path: str, out: str, deviation: str, scale: str) -> None:
         problems = [str(refusal)]
     finally:
         gmsh.finalize()
-    surface = {"vertices": vertices, "triangles": triangles, "chord": chord, "n_solid": n_solid}
-    np.savez(out, **surface, notes=notes, problems=problems)
+    np.savez(
+        out,
+        vertices=vertices,
+        triangles=triangles,
+        chord=chord,
+        n_solid=n_solid,
+        notes=notes,
+        problems=problems,
+    )
 
 
 class _Refused(Exception):

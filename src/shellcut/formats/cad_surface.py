@@ -40,15 +40,7 @@ def read_cad(
     Triangles are at most ``chord_deviation`` [mm] off curved faces, by default
     :data:`cad_process.DEVIATION` of the diagonal. The file is read in ``unit_mm`` [mm], if given,
     and not in its own unit. One that states several units is returned in mm, and then there must be
-    no ``unit_mm``.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or holds no surfaces, a solid with a cavity, or solids that
-        touch.
-    ImportError
-        If Gmsh is missing or cannot be loaded.
+    no ``unit_mm``. A solid with a cavity and solids that touch are refused.
     """
     path = Path(path)
     if chord_deviation is not None and not (isfinite(chord_deviation) and chord_deviation > 0.0):

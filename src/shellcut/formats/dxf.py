@@ -43,13 +43,6 @@ def read_dxf(
 
     Layers are named in any case; by default those that are switched on are read. The chord
     deviation is in the file's unit, by default :data:`drawing.DEVIATION` of the diagonal.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, has no such layers, or is not flat.
-    ImportError
-        If ezdxf is missing.
     """
     path = Path(path)
     document = _document(path, read_bytes(path, LARGEST_FILE))

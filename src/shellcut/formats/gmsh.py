@@ -64,15 +64,10 @@ class _Cells(NamedTuple):
 
 
 def read_gmsh(path: str | Path) -> FileMesh:
-    """Read a .msh file.
+    """Read a .msh file of version 2.2 or 4.1.
 
     Points and lines are returned as cells of those kinds. A physical group without a name is called
     ``curve_3`` and the like, by dimension and number.
-
-    Raises
-    ------
-    FileError
-        If the file is no .msh of version 2.2 or 4.1, is cut short or contradicts itself.
     """
     return _Reader(Path(path)).mesh()
 

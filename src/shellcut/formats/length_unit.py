@@ -44,13 +44,9 @@ def unit_in_mm(
     """Return the length of the unit [mm], and a note, empty if there is nothing to say.
 
     The unit is given, or ``stated`` by the file [mm], or guessed from the ``extent``, the largest
-    side of the bounding box in the file's unit. Messages name the part by ``what``.
-
-    Raises
-    ------
-    ValueError
-        If the unit is unknown, or not given and too uncertain to guess, or stated and makes a
-        part of an unlikely size.
+    side of the bounding box in the file's unit. Messages name the part by ``what``. Raises
+    ValueError if the unit is unknown, too uncertain to guess, or stated and makes a part of an
+    unlikely size.
 
     Examples
     --------

@@ -77,13 +77,7 @@ class NumberTable:
         return len(self.headings) or (len(self.rows[0]) if self.rows else 0)
 
     def numbers(self, columns: list[int]) -> Floats:
-        """Return some of the columns, shape (n_row, len(columns)).
-
-        Raises
-        ------
-        FileError
-            Lists rows of another length and cells that are not numbers, with their lines.
-        """
+        """Return some of the columns, shape (n_row, len(columns))."""
         problems: list[str] = []
         values = np.full((len(self.rows), len(columns)), np.nan)
         mark: dict[str, tuple[str, int]] = {}  # first cell with "." and with ","
@@ -115,10 +109,7 @@ class NumberTable:
     def column(self, which: str | int) -> int:
         """Return the index of a column given by heading, with or without unit, or number from 1.
 
-        Raises
-        ------
-        ValueError
-            If there is none, or more than one; the message lists the columns.
+        Raises ValueError if there is none, or more than one, with a list of the columns.
         """
         if isinstance(which, str):
             hits = self.headed(which)
@@ -163,13 +154,7 @@ class NumberTable:
 
 
 def read_number_table(path: str | Path) -> NumberTable:
-    """Read a table of numbers; its cells are converted only when columns are requested.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read or contains only comments.
-    """
+    """Read a table of numbers; its cells are converted only when columns are requested."""
     path = Path(path)
     every = enumerate(_decode(read_bytes(path)).splitlines(), start=1)
     written = [(number, text.rstrip()) for number, text in every if text.strip()]

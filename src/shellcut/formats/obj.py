@@ -17,13 +17,7 @@ _PASSED_OVER = (
 
 
 def read_obj(path: str | Path) -> SurfaceFile:
-    """Read an OBJ file.
-
-    Raises
-    ------
-    FileError
-        For unknown statements: free-form surfaces and misspelt lines.
-    """
+    """Read an OBJ file without free-form surfaces."""
     path = Path(path)
     vertices: list[list[float]] = []
     faces: list[list[int]] = []

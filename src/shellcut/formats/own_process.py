@@ -65,12 +65,7 @@ class OwnProcess:
     def run(self, path: Path, *arguments: str) -> str:
         """Run the script with the file and further arguments; return its standard output.
 
-        Raises
-        ------
-        FileError
-            If it refuses the file, breaks down or does not end.
-        ImportError
-            If the library cannot be loaded.
+        Raises FileError if it refuses the file, breaks down or does not end.
         """
         command = [sys.executable, "-X", "utf8", "-c", _START, self.script, str(path.resolve())]
         try:

@@ -37,13 +37,7 @@ class _Element:
 
 
 def read_ply(path: str | Path) -> SurfaceFile:
-    """Read a PLY file.
-
-    Raises
-    ------
-    FileError
-        If its header is invalid or its content differs from the header.
-    """
+    """Read a PLY file."""
     return _Reader(Path(path)).surface()
 
 

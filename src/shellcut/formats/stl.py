@@ -21,13 +21,7 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def read_stl(path: str | Path) -> SurfaceFile:
-    """Read an STL file; each triangle gets its own three vertices.
-
-    Raises
-    ------
-    FileError
-        If it is neither text nor has the length for its number of triangles.
-    """
+    """Read an STL file; each triangle gets its own three vertices."""
     path = Path(path)
     content = read_bytes(path)
     start = _HEADER + 4

@@ -57,13 +57,6 @@ def read_svg(
     Layers are labels of Inkscape's layers, or labels and ids of groups and elements; by default all
     that are not hidden are read. The chord deviation is in the file's unit, by default
     :data:`drawing.DEVIATION` of the page.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, has no such layers, or scales x and y differently.
-    ImportError
-        If svgpathtools is missing.
     """
     path = Path(path)
     content = read_bytes(path, LARGEST_FILE)

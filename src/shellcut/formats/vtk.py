@@ -45,10 +45,7 @@ _VTK = OwnProcess(
 def read_vtk(path: str | Path) -> FileMesh:
     """Read a grid or polygons: .vtu, .vtp or legacy .vtk.
 
-    Raises
-    ------
-    FileError
-        If neither meshio nor VTK can read it, or they find other counts than declared.
+    Raises FileError if neither meshio nor VTK can read it, or they find other counts than declared.
     """
     path = Path(path)
     declared = _declared(path, read_bytes(path))

@@ -26,12 +26,8 @@ def quantity(text: str, unit: str) -> float:
     """Return the number given by a text, in ``unit``; a bare number is already in it.
 
     Units are multiplied with ``*`` or a blank and divided with ``/``; powers are written ``m^2`` or
-    ``m2``.
-
-    Raises
-    ------
-    ValueError
-        If the text is not a number with a known unit, or has another dimension.
+    ``m2``. Raises ValueError if the text is not a number with a known unit, or has another
+    dimension.
 
     Examples
     --------

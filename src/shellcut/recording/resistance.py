@@ -62,12 +62,7 @@ _Triple = Sequence[float]
 class Resistance:
     """Compute the resistance from the wrench on the tool.
 
-    Parameters
-    ----------
-    motion : Motion
-        Motion of the tool.
-    until : float
-        End of the run [s]: the motion's axis or line is searched up to there.
+    Axis or line of the motion is searched up to ``until`` [s].
 
     Attributes
     ----------
@@ -108,16 +103,10 @@ class Resistance:
         return self._motion.coordinate(time) * self.coordinate_scale
 
     def of(self, wrench: Floats, origin: Floats, time: float) -> list[float]:
-        """Return the figures for one wrench, in the order of ``columns``.
+        """Return the figures for one wrench on the tool at a time [s], in the order of ``columns``.
 
-        Parameters
-        ----------
-        wrench : ndarray, shape (6,)
-            Force [N] and moment about ``origin`` [N·mm] on the tool.
-        origin : ndarray, shape (3,)
-            Point of the moment: the present position of the body's origin [mm].
-        time : float
-            Present time [s].
+        The wrench is force [N] and moment [N·mm] about the present position of the body's origin
+        [mm].
         """
         # Plain floats: NumPy takes ten times as long for six numbers.
         *force, mx, my, mz = wrench.tolist()

@@ -31,27 +31,10 @@ class RunFiles:
     """Hold the folder of a run and its growing files.
 
     Open the files with :meth:`begin` or :meth:`resume`; close them with :meth:`close` and free the
-    folder with :meth:`release`. A folder that is missing is created.
-
-    Parameters
-    ----------
-    name : str
-        Stem of the result file's name.
-    curve : str
-        Quantity plotted over the run, like ``"torque"``.
-    columns : sequence of (name, unit)
-        Columns of the history.
-    also : sequence of str
-        Names of further files that belong to the run.
-
-    Raises
-    ------
-    ValueError
-        If the name is not a file name without folder.
-    FolderInUse
-        If another run writes in the folder.
-    OSError
-        If the folder cannot be created or written.
+    folder with :meth:`release`. A folder that is missing is created; one in which another run
+    writes is refused. ``curve`` is the quantity plotted over the run, like ``"torque"``,
+    ``columns`` are names and units of the history, ``also`` names further files that belong to the
+    run.
     """
 
     history: HistoryWriter
@@ -90,15 +73,6 @@ class RunFiles:
         """Reopen the files of the run in the folder and drop everything after its checkpoint.
 
         Before it came the last row and the last frame, at these times [s], and so many pictures.
-
-        Raises
-        ------
-        FileNotFoundError
-            If a file is missing.
-        ValueError
-            If a file belongs to another run.
-        OSError
-            If a file cannot be written.
         """
         growing = (self.folder / HISTORY, result_file(self.folder, self._name))
         gone = [str(file) for file in growing if not file.exists()]
@@ -125,14 +99,7 @@ class RunFiles:
     def look(self) -> None:
         """Check that the files are still in the folder.
 
-        Raises
-        ------
-        FolderLost
-            If they are not: further output would be lost.
-        FolderInUse
-            If another run uses the folder now.
-        OSError
-            If a frame could not be written.
+        Raises FolderLost if they are not: further output would be lost.
         """
         self.frames.check()
         self.lost = True

@@ -54,16 +54,8 @@ def run_summary(
     """Return the figures by name; counts are integers, reasons are texts.
 
     Figures that are not finite (a film that blew up) are left out: JSON cannot express them.
-
-    Parameters
-    ----------
-    end : mapping of str to float or None
-        The columns of the history at its end, by default its last row: the state of a run that
-        broke off within a step means nothing.
-    stepping, drawing : float
-        Wall time without and for the pictures [s].
-    unfelt : Unfelt
-        Largest penetration that no contact feels.
+    ``end`` are the columns of the history at its end, by default its last row: the state of a run
+    that broke off within a step means nothing. Wall times [s] are without and for the pictures.
     """
     s, r = sim.state, resistance
     figures = {

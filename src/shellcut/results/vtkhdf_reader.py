@@ -44,15 +44,8 @@ class ResultFileError(ValueError):
 class VtkHdfReader:
     """Read the frames of a file, also of a killed run or one still writing it.
 
-    It reads the file as it is now; later frames are not seen.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the file does not exist.
-    ResultFileError
-        If it was not written by :class:`VtkHdfWriter`, or its times, figures or poses have
-        changed since.
+    It reads the file as it is now; later frames are not seen. Raises ResultFileError if it was not
+    written by :class:`VtkHdfWriter`, or its times, figures or poses have changed since.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -73,15 +66,9 @@ class VtkHdfReader:
     def frame(self, k: int) -> Frame:
         """Return frame ``k``, counted from 0, or backwards from -1 at the end.
 
-        The values are those written: points in single precision, other floating-point arrays
-        of 12 bits, ``reference`` (points minus displacement) accordingly, scalars exact.
-
-        Raises
-        ------
-        IndexError
-            If there is no such frame.
-        ResultFileError
-            If its values have changed since it was written.
+        The values are those written: points in single precision, other floating-point arrays of 12
+        bits, ``reference`` (points minus displacement) accordingly, scalars exact. Raises
+        ResultFileError if they have changed since.
         """
         k = self._index(k)
         return self._settled(lambda file: self._read_frame(file, k))

@@ -100,13 +100,7 @@ _of_thread = threading.local()
 
 
 def run_in_child(task: Task) -> Outcome:
-    """Do a run as :func:`run_one` does, in the child of this thread, a new one if it has none.
-
-    Raises
-    ------
-    ChildDied
-        If it died meanwhile.
-    """
+    """Do a run as :func:`run_one` does, in the child of this thread, a new one if it has none."""
     child: _Child | None = getattr(_of_thread, "child", None)
     if child is None or not child.lives():
         child = _of_thread.child = _Child()

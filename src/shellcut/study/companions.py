@@ -69,10 +69,7 @@ def companions_of(
 def _meshes(model: Model, finer: float) -> dict[str, tuple[float, Settings]]:
     """Return edge length over that of the model and keys, of a coarser and a finer mesh.
 
-    Raises
-    ------
-    ValueError
-        Why there is neither.
+    Raises ValueError with the reason if there is neither.
     """
     film = model.sections["membrane"]
     if film.kind == "opening":
@@ -137,13 +134,7 @@ def _scaled(n: int, factor: float) -> int:
 
 
 def _slower(model: Model, times: float) -> Settings:
-    """Return the keys of a slower motion.
-
-    Raises
-    ------
-    ValueError
-        Why there is none.
-    """
+    """Return the keys of a slower motion. Raises ValueError with the reason if there is none."""
     limit, v = model.head.quasi_static, model.sections["motion"].values
     # A limit of the energy goes with the square of the speed, whatever moves.
     paced = {} if limit is None else {"quasi_static": limit / times**2}

@@ -45,10 +45,8 @@ class Engine:
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome.
 
-        Raises
-        ------
-        ConnectionError
-            If the executor gives up its tasks, as Dask does when its scheduler is lost.
+        Raises ConnectionError if the executor gives up its tasks, as Dask does when its scheduler
+        is lost.
         """
         rest, given = iter(tasks), dict[Future[Outcome], Task]()
         ended: SimpleQueue[Future[Outcome]] = SimpleQueue()
@@ -106,15 +104,7 @@ def _failed(error: BaseException) -> Outcome:
 
 
 def engine_of(executor: Any) -> Engine:
-    """Return an engine for a number of processes (one a core), an executor, or a Dask client.
-
-    Raises
-    ------
-    TypeError
-        If it is none of these.
-    ValueError
-        If the number is below one.
-    """
+    """Return an engine for a number of processes (one a core), an executor, or a Dask client."""
     if executor is None:
         executor = available_cores()
     if isinstance(executor, int) and not isinstance(executor, bool):

@@ -23,7 +23,7 @@ import scipy
 
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
-from shellcut.results.comparison import Comparison
+from shellcut.results.comparison import Comparison, finite
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .curve_misfit import independent_points, residuals
@@ -104,7 +104,7 @@ class FitResult:
                 for one, settings in zip(self.comparisons, self.settings, strict=True)
             ],
         }
-        write_text(folder / FIT, _json(figures))
+        write_text(folder / FIT, json.dumps(finite(figures), indent=1))
         if can_draw():
             diagrams = []
             for now, before, settings in zip(
@@ -124,17 +124,7 @@ class FitResult:
 
 
 def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
-    """Return the result at the best set of parameters.
-
-    Parameters
-    ----------
-    runs : FitRuns
-        All runs.
-    slopes : ndarray, shape (n_point, n_varied)
-        Derivatives of the residuals there.
-    ended : str
-        Why the fit ended.
-    """
+    """Return the result of all runs, with the derivatives of the residuals and why they ended."""
     best = runs.best()
     missed, comparisons = runs.at(best)
     start, at_start = runs.at(np.zeros(best.size))
@@ -204,18 +194,3 @@ def _judged(
     if runs.failures:
         notes.append(f"{len(runs.failures)} sets of values could not be run: {runs.failures[0]}")
     return notes
-
-
-def _json(figures: dict[str, object]) -> str:
-    """Return JSON text, numbers that are not finite as null."""
-
-    def finite(value: object) -> object:
-        if isinstance(value, float) and not np.isfinite(value):
-            return None
-        if isinstance(value, dict):
-            return {key: finite(one) for key, one in value.items()}
-        if isinstance(value, list):
-            return [finite(one) for one in value]
-        return value
-
-    return json.dumps(finite(figures), indent=1)

@@ -58,15 +58,7 @@ class FitRuns:
         return (self._most - self.n_run) // len(self._settings)
 
     def begin(self) -> None:
-        """Run at the start, which sets the windows of the curves.
-
-        Raises
-        ------
-        RuntimeError
-            If that run fails.
-        ValueError
-            If a measured curve does not fit its run.
-        """
+        """Run at the start, which sets the windows of the curves."""
         start = np.zeros(len(self.parameters.varied))
         (done,) = self._run([self.parameters.values(start.tolist())])
         for outcome, _ in done:
@@ -92,10 +84,7 @@ class FitRuns:
     def several(self, points: Sequence[Floats], *, beyond: bool = False) -> list[Floats]:
         """Return the residuals at several sets, whose runs go to the engine together.
 
-        Raises
-        ------
-        OutOfRuns
-            If there are not as many runs left, unless ``beyond`` says not to mind.
+        Raises OutOfRuns if there are not as many runs left, unless ``beyond`` says not to mind.
         """
         new = [p for p in {_key(p): p for p in points}.values() if _key(p) not in self._known]
         if new and not beyond and self.left < len(new):

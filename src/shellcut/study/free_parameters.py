@@ -43,23 +43,10 @@ class Free:
 
 
 class FreeParameters:
-    """The free parameters of a fit.
+    """The free parameters of a fit, by section and key, some with bounds.
 
-    Parameters
-    ----------
-    variants : ModelVariants
-        The model.
-    keys : sequence of str
-        Section and key of each.
-    bounds : mapping from str to (float, float)
-        Of some keys.
-    keep_energy : bool
-        Whether the last key follows from the law's fracture energy.
-
-    Raises
-    ------
-    ValueError
-        With all that is wrong with keys and bounds.
+    With ``keep_energy`` the last key follows from the law's fracture energy. Raises ValueError with
+    all that is wrong with keys and bounds.
     """
 
     def __init__(
@@ -102,10 +89,7 @@ class FreeParameters:
     def values(self, logs: Sequence[float]) -> dict[str, float]:
         """Return the values of all free keys.
 
-        Raises
-        ------
-        ValueError
-            If no value of the last key keeps the energy.
+        Raises ValueError if no value of the last key keeps the energy.
         """
         values = {
             free.key: _rounded(free.start * math.exp(log))

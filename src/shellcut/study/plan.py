@@ -66,14 +66,8 @@ class Definition:
         """Return the runs, with further settings; nothing is built or written.
 
         Every value of a list and both ends of a range are tried with the first values of the
-        others. What fails only in other combinations fails in its run.
-
-        Raises
-        ------
-        ModelFileError
-            With every problem of the file and of the values.
-        ValueError
-            If factors and design do not fit together.
+        others. What fails only in other combinations fails in its run. Raises ModelFileError with
+        every problem of the file and of the values.
         """
         factors, single = factors_of(self.factors)
         whole = replace(self, settings={**self.settings, **(settings or {}), **single})
@@ -112,13 +106,7 @@ class Plan:
 def planned_runs(
     variants: ModelVariants, combined: Sequence[Mapping[str, object]]
 ) -> Iterator[PlannedRun]:
-    """Yield a run for each set of values.
-
-    Raises
-    ------
-    ModelFileError
-        If a value cannot be read.
-    """
+    """Yield a run for each set of values."""
     digest = cache(digest_of)
     for number, values in enumerate(combined):
         yield PlannedRun(number, values, _key(variants.read(values, try_out=False), digest))

@@ -52,15 +52,7 @@ def is_study(path: str | os.PathLike[str]) -> bool:
 
 
 def read_study(path: str | os.PathLike[str]) -> Definition:
-    """Read a study file.
-
-    Raises
-    ------
-    ModelFileError
-        With all that is wrong with the file itself.
-    OSError
-        If it cannot be read.
-    """
+    """Read a study file; ModelFileError tells all that is wrong with the file itself."""
     text = read_regular(Path(path), _LARGEST).decode("utf-8-sig")
     source = parse(text, str(path), Path(path).resolve().parent)
     values, problems = source.values, []

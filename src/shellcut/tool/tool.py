@@ -420,7 +420,7 @@ def _cast(
         problems.append(f"{counted(len(bad), 'vertex', 'vertices')} not finite, first id {bad[0]}")
     n_vertex = coordinates.shape[0] if coordinates.ndim else 0
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
-    given = None
+    given: Ints | None = None
     if edges is not None and np.shape(edges) == (0, 2):
         given = np.zeros((0, 2), dtype=np.int64)
     elif edges is not None:

@@ -16,13 +16,7 @@ def can_draw() -> bool:
 
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
-    """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg).
-
-    Raises
-    ------
-    ImportError
-        If Matplotlib is not installed, with the command that installs it.
-    """
+    """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg)."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

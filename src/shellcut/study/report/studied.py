@@ -110,15 +110,7 @@ class Study:
 
 
 def read_folder(folder: Path) -> Study:
-    """Read a study.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no study, or no table yet.
-    ValueError
-        If the table is not one of a study, or the study file is wrong.
-    """
+    """Read a study."""
     if not (folder / STUDY).is_file():
         raise FileNotFoundError(f"{folder} must be the folder of a study, with {STUDY}")
     if not (folder / TABLE).is_file():
