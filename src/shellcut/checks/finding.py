@@ -10,28 +10,19 @@ REFUSE, DOUBT, NOTE = "refuse", "doubt", "note"
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding of a check before the run.
-
-    Attributes
-    ----------
-    severity : {"refuse", "doubt", "note"}
-        A refusal: no sensible result is possible; a doubt: likely a mistake; a note: worth
-        knowing.
-    holds : str
-        What must hold, and why; empty for a note.
-    came : str
-        What came instead.
-    remedy : str
-        What to do.
-    forcible : bool
-        Whether a refusal can be overridden, because the run may make sense to an expert.
-    """
+    """One finding of a check before the run."""
 
     severity: str
+    """``refuse``: no sensible result is possible; ``doubt``: likely a mistake; ``note``: worth
+    knowing."""
     holds: str
+    """What must hold, and why; empty for a note."""
     came: str
+    """What came instead."""
     remedy: str
+    """What to do."""
     forcible: bool = False
+    """Whether a refusal can be overridden, because the run may make sense to an expert."""
 
     def __str__(self) -> str:
         if self.severity == NOTE:

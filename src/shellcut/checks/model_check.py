@@ -29,18 +29,12 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class ModelCheck:
-    """Findings of the checks of a model.
-
-    Attributes
-    ----------
-    findings : tuple of Finding
-        Refusals first, then doubts, then notes.
-    sweep : Sweep or None
-        Path of the cutting edges; None without a tool.
-    """
+    """Findings of the checks of a model."""
 
     findings: tuple[Finding, ...]
+    """Refusals first, then doubts, then notes."""
     sweep: Sweep | None
+    """Path of the cutting edges; None without a tool."""
 
     def of(self, severity: str) -> tuple[Finding, ...]:
         """Return the findings of one severity."""

@@ -48,25 +48,17 @@ _OFF_QUAD = 0.25  # edge lengths; a change of sign farther off is between two sh
 
 @dataclass(frozen=True)
 class Fate:
-    """Contact of one cutting edge, a chain of segments, with the film over the motion.
-
-    Attributes
-    ----------
-    chain : int
-    first, last : float or None
-        Times at which it first and last passes through the film [s]; None if it never does.
-    stays : bool
-        Whether it is in the film when the motion ends.
-    passed_out : bool
-        Whether its end passed through the film to the other side while the tool moves on along
-        the film by more than an edge length: there is no edge for that part.
-    """
+    """Contact of one cutting edge, a chain of segments, with the film over the motion."""
 
     chain: int
     first: float | None
     last: float | None
+    """Times at which it first and last passes through the film [s]; None if it never does."""
     stays: bool
+    """Whether it is in the film when the motion ends."""
     passed_out: bool
+    """Whether its end passed through the film to the other side while the tool moves on along the
+    film by more than an edge length: there is no edge for that part."""
 
     @property
     def meets(self) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,15 @@ class FileError(ValueError):
         place = f"{path}, line {line}" if line is not None else f"{path}"
         self.problem = problem
         super().__init__(f"{place}: {problem}")
+
+
+@contextmanager
+def naming(path: str | Path) -> Iterator[None]:
+    """Name the file of which a value is refused."""
+    try:
+        yield
+    except ValueError as problem:
+        raise FileError(path, str(problem)) from None
 
 
 def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:

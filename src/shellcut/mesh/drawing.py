@@ -19,13 +19,13 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
-from shellcut.formats.errors import FileError, point_text
+from shellcut.formats.errors import FileError, naming, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
 
 from .loops import area_of, not_one_film
-from .mesh import Mesh, MeshError
+from .mesh import Mesh
 from .outline import QuadSize, mesh_from_outline
 
 _log = logging.getLogger("shellcut.drawing")
@@ -187,11 +187,9 @@ def _factor(drawing: Drawing, unit: str | float | None) -> tuple[float, float, s
         raise FileError(drawing.path, "coordinates must be finite numbers")
     if unit is None and drawing.unit_mm is None and drawing.no_unit:
         raise FileError(drawing.path, f"the unit must be given: {drawing.no_unit}")
-    try:
-        extent = float(np.ptp(points, axis=0).max())
+    extent = float(np.ptp(points, axis=0).max())
+    with naming(drawing.path):
         factor, note = unit_in_mm(unit, extent, "the drawing", stated=drawing.unit_mm)
-    except ValueError as problem:
-        raise FileError(drawing.path, str(problem)) from None
     return factor, extent_of(points), note
 
 
@@ -292,10 +290,8 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
         raise FileError(path, "curves must form closed loops with an area, got none")
     name = [f"the loop of {area_of(p):.4g} mm² around {point_text(p.mean(axis=0))}" for p in whole]
     largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
-    try:
+    with naming(path):
         problems = not_one_film(whole, name, outer=largest, apart=apart)
-    except MeshError as problem:
-        raise FileError(path, str(problem)) from None
     if problems:
         raise FileError(
             path,

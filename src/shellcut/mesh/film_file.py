@@ -18,7 +18,7 @@ import scipy
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints
 from shellcut.formats.abaqus import read_abaqus
-from shellcut.formats.errors import FileError, named, point_text
+from shellcut.formats.errors import FileError, named, naming, point_text
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
@@ -254,10 +254,8 @@ class _Film:
         used = self.nodes[np.unique(self.quads)]
         if not np.isfinite(used).all():
             raise FileError(self.path, "coordinates must be finite numbers")
-        try:
+        with naming(self.path):
             factor, note = unit_in_mm(unit, float(np.ptp(used, axis=0).max()), "the film")
-        except ValueError as problem:
-            raise FileError(self.path, str(problem)) from None
         self.nodes = factor * self.nodes
         if note:
             self.say(note)

@@ -20,7 +20,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
-from shellcut.formats.errors import FileError
+from shellcut.formats.errors import FileError, naming
 from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.hardening import Table
 from shellcut.material.hardening_points import fewer_points
@@ -51,10 +51,8 @@ def read_hardening(
     stress: Floats = rows[:, 1] * stress_unit
     if len(rows) > 2 and not (np.diff(strain) <= 0.0).any():
         strain, stress = fewer_points(strain, stress)
-    try:
+    with naming(path):
         return Table(strain, stress)
-    except ValueError as problem:
-        raise FileError(path, str(problem)) from None
 
 
 def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[int, float]]:

@@ -43,21 +43,14 @@ def check_length(simulation: Simulation, duration: float) -> None:
 
 @dataclass(frozen=True)
 class Case:
-    """A simulation that is ready to run.
-
-    Attributes
-    ----------
-    name : str
-        Stem of the result file and title of the pictures.
-    simulation : Simulation
-        At t = 0.
-    duration : float
-        End of the run [s].
-    """
+    """A simulation that is ready to run."""
 
     name: str
+    """Stem of the result file and title of the pictures."""
     simulation: Simulation
+    """At t = 0."""
     duration: float
+    """End of the run [s]."""
 
     @cached_property
     def check(self) -> ModelCheck:

@@ -125,22 +125,16 @@ def trouser(
         raise ValueError(f"notch must lie within the length of {length} mm, got {notch}")
     duration = duration_of(length, width, travel=travel, speed=speed, ramp=ramp)
     mesh = trouser_strip(length, width, size)
+    legs = [
+        Support(leg, translation="yz", rotation="", velocity={"z": _Pull(rate, ramp)})
+        for leg, rate in (("up", speed), ("down", -speed))
+    ]
     simulation = Simulation(
         mesh,
         material or ShellMaterial.homogeneous(thickness=THICKNESS),
-        supports=[
-            Support.clamped("tail"),
-            *(
-                Support(leg, translation="yz", rotation="", velocity={"z": _Pull(rate, ramp)})
-                for leg, rate in (("up", speed), ("down", -speed))
-            ),
-        ],
+        supports=[Support.clamped("tail"), *legs],
         law=law or LAW,
-        **{
-            "fracture": FRACTURE,
-            "damping_alpha": MASS_DAMPING,
-            **options,
-        },
+        **{"fracture": FRACTURE, "damping_alpha": MASS_DAMPING, **options},
     )
     if simulation.fracture.path != "free":
         raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")

@@ -64,17 +64,6 @@ class Resistance:
 
     Axis or line of the motion is searched up to ``until`` [s].
 
-    Attributes
-    ----------
-    columns : list of (name, unit)
-        Names and units of the figures; the first is the one that does work.
-    meaning : str
-        Description of the first figure.
-    coordinate_name, coordinate_unit : str
-        Abscissa of the figures, in the unit shown to users.
-    coordinate_scale : float
-        Factor from the motion's own coordinate to that unit.
-
     Examples
     --------
     >>> import shellcut as sc
@@ -87,7 +76,9 @@ class Resistance:
         self._motion = motion
         turns = motion.coordinate_unit == "rad"
         self.coordinate_name, self.coordinate_unit = ("angle", "deg") if turns else ("path", "mm")
+        """Abscissa of the figures, in the unit shown to users."""
         self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
+        """Factor from the motion's own coordinate to that unit."""
         kept = kept_axis(motion, until)
         self._reading: _AboutAxis | _AlongLine | _OfCoordinate
         if isinstance(kept, Axis):
@@ -97,6 +88,7 @@ class Resistance:
         else:
             self._reading = _OfCoordinate(motion, until)
         self.columns, self.meaning = self._reading.columns, self._reading.meaning
+        """Names and units of the figures, and what the first is, which does the work."""
 
     def coordinate(self, time: float) -> float:
         """Return the coordinate at a time in the unit shown to users."""

@@ -60,15 +60,13 @@ def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
         silent = n_of[curve.name] > 1 and min(n_of.values()) == 1
         said = {"hovertemplate": f"%{{y:.5~g}}{after(diagram.unit)}"}
         layer = {"stackgroup": "areas", "fillcolor": look["color"]} if curve.area else {}
+        line = {**look, "width": 0.0} if curve.area else look
         traces.append(
             {
                 "name": name,
                 "legendgroup": name,
                 "showlegend": all(name != trace["name"] for trace in traces),
-                "mode": "lines",
-                "line": {**look, "width": 0.0} if curve.area else look,
-                "x": _rounded(places[rows], 8),
-                "y": _rounded(y[rows], 5),
+                **_trace("lines", places[rows], y[rows], 5, line=line),
                 **({"hoverinfo": "skip"} if silent else said),
                 **layer,
             }
@@ -115,39 +113,15 @@ def panel(
             "cmax": ground["contours"]["end"],
         }
     traces: list[dict[str, Any]] = [dict(ground)] if ground else []
-    traces += [
-        {
-            "mode": "lines",
-            "line": STYLES[style],
-            "x": _rounded(a, 8),
-            "y": _rounded(b, 5),
-            "hoverinfo": "skip",
-        }
-        for a, b, style in lines
-    ]
+    for a, b, style in lines:
+        traces.append(_trace("lines", a, b, 5, line=STYLES[style], hoverinfo="skip"))
     if crosses is not None:
-        cross = {"symbol": "x-thin", "size": 8}
         color = "#ffffff" if ground else STYLES["joints"]["color"]
-        traces.append(
-            {
-                "mode": "markers",
-                "marker": {**cross, "line": {"width": 1.6, "color": color}},
-                "x": _rounded(crosses[0], 8),
-                "y": _rounded(crosses[1], 8),
-                "hoverinfo": "skip",
-            }
-        )
-    traces.append(
-        {
-            "mode": "markers",
-            "cliponaxis": False,
-            "marker": marker,
-            "x": _rounded(x.values[every], 8),
-            "y": _rounded(y.values[every], 8),
-            "text": [escape(text) for text in said[every]],
-            "hovertemplate": "%{text}<extra></extra>",
-        }
-    )
+        cross = {"symbol": "x-thin", "size": 8, "line": {"width": 1.6, "color": color}}
+        traces.append(_trace("markers", *crosses, marker=cross, hoverinfo="skip"))
+    points = _trace("markers", x.values[every], y.values[every], marker=marker, cliponaxis=False)
+    told = [escape(text) for text in said[every]]
+    traces.append({**points, "text": told, "hovertemplate": "%{text}<extra></extra>"})
     layout = {
         "height": 230.0,
         "hovermode": "closest",
@@ -157,6 +131,10 @@ def panel(
     titles = in_unit(y.name, y.unit), in_unit(x.name, x.unit)
     described = f"{y.name} over {x.name}, {len(x.values)} points"
     return _figure("chart small", titles, described, traces, layout)
+
+
+def _trace(mode: str, x: Floats, y: Floats, digits: int = 8, **look: Any) -> dict[str, Any]:
+    return {"mode": mode, "x": _rounded(x, 8), "y": _rounded(y, digits), **look}
 
 
 def _axis(axis: Axis) -> dict[str, Any]:

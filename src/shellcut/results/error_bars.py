@@ -66,21 +66,6 @@ _ORDERS = (0.3, 6.0)
 class ErrorBar:
     """A figure with its error bar.
 
-    Attributes
-    ----------
-    figure : str
-        Its name in ``summary.json``, with the unit.
-    value : float
-        The best estimate of the fine answer.
-    half_width : float
-        95 % of fine answers lie within it.
-    parts : mapping from str to float
-        Half-widths of mesh, speed and chance, as far as there are runs for them.
-    order : float or None
-        With which it converges over three meshes.
-    values : tuple of float or None
-        Of all runs, in their order, that as given first.
-
     Examples
     --------
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
@@ -90,11 +75,17 @@ class ErrorBar:
     """
 
     figure: str
+    """Its name in ``summary.json``, with the unit."""
     value: float
+    """The best estimate of the fine answer."""
     half_width: float
+    """95 % of fine answers lie within it."""
     parts: Mapping[str, float]
+    """Half-widths of mesh, speed and chance, as far as there are runs for them."""
     order: float | None
+    """With which it converges over three meshes."""
     values: tuple[float | None, ...]
+    """Of all runs, in their order, that as given first."""
 
     @property
     def name(self) -> str:
@@ -125,15 +116,6 @@ class Run:
 class ErrorBars:
     """The figures of a model with their error bars.
 
-    Attributes
-    ----------
-    key : str
-        Name of the folder of the run as given.
-    runs : tuple of Run
-    bars : tuple of ErrorBar
-    missing : mapping from str to list of str
-        Why a part is missing or weak.
-
     Examples
     --------
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
@@ -145,9 +127,11 @@ class ErrorBars:
     """
 
     key: str
+    """Name of the folder of the run as given."""
     runs: tuple[Run, ...]
     bars: tuple[ErrorBar, ...]
     missing: Mapping[str, list[str]]
+    """Why a part is missing or weak."""
 
     def __str__(self) -> str:
         """Return the table and what is said about it."""

@@ -109,15 +109,11 @@ def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
                 ),
             }
         )
+    frames = zip(taken.numbers, taken.captions, taken.poses, strict=True)
     described = {
         "name": taken.name,
         "length": shown("mm"),
-        "frames": [
-            {"number": number, "caption": caption, "pose": pose}
-            for number, caption, pose in zip(
-                taken.numbers, taken.captions, taken.poses, strict=True
-            )
-        ],
+        "frames": [{"number": n, "caption": said, "pose": pose} for n, said, pose in frames],
         "fields": fields,
         "look": {
             "colors": np.round(look.colors(64), 3).tolist(),

@@ -63,18 +63,6 @@ class Trial:
 class Optimum:
     """What a search has found.
 
-    Attributes
-    ----------
-    figure : str
-        Its name in ``summary.json``, with the unit.
-    sign : int
-        1 if the least is sought, -1 for the largest.
-    limits : tuple of str
-    trials : tuple of Trial
-        In the order in which they were proposed, the model as given first.
-    confirmed : tuple of Trial
-        The first and the best again, with the settings that confirm them.
-
     Examples
     --------
     >>> trials = Trial({}, "a", 202.3), Trial({"tool.half_thickness": 0.2}, "b", 180.0)
@@ -85,10 +73,14 @@ class Optimum:
     """
 
     figure: str
+    """Its name in ``summary.json``, with the unit."""
     sign: int
+    """1 if the least is sought, -1 for the largest."""
     limits: tuple[str, ...]
     trials: tuple[Trial, ...]
+    """In the order in which they were proposed, the model as given first."""
     confirmed: tuple[Trial, ...] = field(default=())
+    """The first and the best again, with the settings that confirm them."""
 
     @property
     def best(self) -> Trial | None:

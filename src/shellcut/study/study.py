@@ -41,15 +41,6 @@ FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
 class StudyResults:
     """What a study has found so far.
 
-    Attributes
-    ----------
-    folder : Path
-        Of the study.
-    plan : Plan
-        Its runs with their inputs.
-    outcomes : mapping from int to Outcome
-        By the number of the run.
-
     Examples
     --------
     >>> found = sweep("opening", {"motion.pitch": [12, 20]}, "pitches")  # doctest: +SKIP
@@ -58,8 +49,11 @@ class StudyResults:
     """
 
     folder: Path
+    """Of the study."""
     plan: Plan
+    """Its runs with their inputs."""
     outcomes: Mapping[int, Outcome]
+    """By the number of the run."""
 
     @property
     def table(self) -> Path:

@@ -54,7 +54,7 @@ class TensileTest:
     def columns(self) -> list[str]:
         """Return in words from which columns of the files strains and stresses come."""
         files: dict[str, list[str]] = {}
-        for specimen in (one.specimen for all_ in self._all() for one in all_.figures):
+        for specimen in (one.specimen for of in self.directions.values() for one in of.figures):
             files.setdefault(specimen.columns, []).append(specimen.name)
         return [f"{', '.join(names)}: {columns}" for columns, names in files.items()]
 
@@ -79,13 +79,14 @@ class TensileTest:
     def __str__(self) -> str:
         """Return the figures as a table, the laws, and the sentences."""
         names = [name or "film" for name in self.directions]
-        rows = [["", *names], ["specimens", *(str(len(d.figures)) for d in self._all())]]
+        each = list(self.directions.values())
+        rows = [["", *names], ["specimens", *(str(len(d.figures)) for d in each)]]
         for measure, (title, unit) in MEASURES.items():
             if measure == "yield_stress":
                 title += f" ({100 * self.offset:g} %)"
-            rows.append([title, *(d.spread(measure).text(unit) for d in self._all())])
-        rows.append(["fracture energy", *(d.fracture_energy.text("kJ/m²") for d in self._all())])
-        laws = [one.law() for one in self._all()]
+            rows.append([title, *(d.spread(measure).text(unit) for d in each)])
+        rows.append(["fracture energy", *(d.fracture_energy.text("kJ/m²") for d in each)])
+        laws = [one.law() for one in each]
         for name in _LAW[:-1]:
             unit = "MPa" if name in ("strength", "plateau") else "mm"
             cells = ["-" if law is None else f"{getattr(law, name):.4g} {unit}" for law in laws]
@@ -95,9 +96,6 @@ class TensileTest:
             "  ".join(c.ljust(w) for c, w in zip(r, width, strict=True)).rstrip() for r in rows
         ]
         return "\n".join([*table, "", *(f"- {text}" for text in self.sentences())])
-
-    def _all(self) -> list[Direction]:
-        return list(self.directions.values())
 
     def figures(self) -> dict[str, Any]:
         """Return all figures as plain values: means, deviations, laws; unknown ones are None."""
@@ -162,32 +160,22 @@ class TensileTest:
         """
         strains, falls = [], []
         for k, (name, one) in enumerate(self.directions.items()):
-            style = f"{k % len(PALETTE)}"
+            style = k % len(PALETTE)
             label = f"{name or 'film'}, {len(one.figures)} specimens"
-            strains += [
-                Curve(
-                    label, f.specimen.stress, f"c{style}", x=100.0 * (f.specimen.strain - f.slack)
-                )
-                for f in one.figures
-            ]
+            for f in one.figures:
+                strain = 100.0 * (f.specimen.strain - f.slack)
+                strains.append(Curve(label, f.specimen.stress, f"c{style}", x=strain))
             law = one.law()
-            if law is not None:
-                length = float(one.gauge_length or 0.0)
-                opening = np.linspace(0.0, law.opening_u, 400)
-                said = f"G = {law.fracture_energy:.3g} kJ/m², gauge length {length:g} mm"
-                falls += [
-                    Curve(
-                        f"{label}, falling",
-                        f.falling_stress,
-                        f"c{style}",
-                        x=length * f.opening_per_length,
-                    )
-                    for f in one.falling
-                ]
-                stress = [law.traction(x) for x in opening]
-                falls.append(
-                    Curve(f"law {name or 'film'}: {said}", stress, f"law{style}", x=opening)
-                )
+            if law is None:
+                continue
+            length = float(one.gauge_length or 0.0)
+            for f in one.falling:
+                opened = length * f.opening_per_length
+                falls.append(Curve(f"{label}, falling", f.falling_stress, f"c{style}", x=opened))
+            opening = np.linspace(0.0, law.opening_u, 400)
+            stress = [law.traction(x) for x in opening]
+            said = f"G = {law.fracture_energy:.3g} kJ/m², gauge length {length:g} mm"
+            falls.append(Curve(f"law {name or 'film'}: {said}", stress, f"law{style}", x=opening))
         stress_axis = "nominal stress", "MPa"
         why = "" if falls else "no fall recorded: no law"
         draw_curves(

@@ -53,13 +53,8 @@ EdgeRadius: TypeAlias = Annotated[float, Option("mm", "of the cutting edges; 0: 
 def with_edge_radius(tool: Tool, radius: float) -> Tool:
     """Return a tool with all its cutting edges rounded by a radius [mm]; 0 leaves them sharp.
 
-    The cutting edges of the rounded tool are the nose lines, its ``edge_radius`` is the radius.
-
-    Raises
-    ------
-    ToolError
-        If the radius is no length, the edge is rounded already, or the round does not fit between
-        plane flanks.
+    The cutting edges of the rounded tool are the nose lines, its ``edge_radius`` is the radius. The
+    round must fit between plane flanks.
 
     Examples
     --------

@@ -19,7 +19,7 @@ import scipy
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Vec3
-from shellcut.formats.errors import FileError
+from shellcut.formats.errors import naming
 from shellcut.formats.motion_csv import read_motion_csv
 from shellcut.numerics.small_matrices import inverse
 
@@ -116,10 +116,8 @@ class TableMotion:
         ``x``, ``y``, ``z`` and ``rx``, ``ry``, ``rz`` or ``angle`` (about z).
         """
         times, translations, rotation_vectors = read_motion_csv(path)
-        try:
+        with naming(path):
             return cls(times, translations, rotation_vectors)
-        except ValueError as problem:
-            raise FileError(path, str(problem)) from None
 
     @property
     def coordinate_unit(self) -> str:

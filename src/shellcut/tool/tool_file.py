@@ -16,7 +16,7 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, unit
 from shellcut.formats import cad_surface
-from shellcut.formats.errors import FileError, point_text
+from shellcut.formats.errors import FileError, naming, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
@@ -127,10 +127,8 @@ def read_tool(
     file = _surface(path, chord_deviation, unit)
     _check_coordinates(file)
     extent = float(np.ptp(file.vertices, axis=0).max())
-    try:
+    with naming(path):
         factor, note = unit_in_mm(unit, extent, "the tool", stated=file.unit_mm)
-    except ValueError as problem:
-        raise FileError(path, str(problem)) from None
     vertices, triangles = product(factor * file.vertices, turn.T) + move, file.triangles
     if file.chord_deviation is not None:
         reach = factor * file.chord_deviation
@@ -170,10 +168,8 @@ def read_tool(
 def _surface(path: Path, chord_deviation: float | None, unit: str | float | None) -> SurfaceFile:
     suffix = path.suffix.lower()
     if suffix in cad_surface.SUFFIXES:
-        try:
+        with naming(path):
             given = unit_in_mm(unit, 1.0, "the tool")[0] if unit is not None else None
-        except ValueError as problem:
-            raise FileError(path, str(problem)) from None
         return cad_surface.read_cad(path, chord_deviation, given)
     if suffix not in READERS:
         known = ", ".join((*READERS, *cad_surface.SUFFIXES))

@@ -76,19 +76,14 @@ class Canvas:
     """Colours and depths of the pixels of one picture.
 
     Single precision is enough for a picture, and halves the memory that drawing moves.
-
-    Attributes
-    ----------
-    color : ndarray of float32, shape (height * width, 3), [-]
-        Red, green, blue in 0..1.
-    depth : ndarray of float32, shape (height * width,), [pixel]
-        Depth of each pixel; minus infinity where nothing is drawn.
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
         self.shape = shape
         self.color = np.ones((shape[0] * shape[1], 3), np.float32)
+        """Red, green, blue in 0..1 of each pixel."""
         self.depth = np.full(shape[0] * shape[1], -np.inf, np.float32)
+        """Of each pixel [pixel]; minus infinity where nothing is drawn."""
 
     def draw(
         self,

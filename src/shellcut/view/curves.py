@@ -66,44 +66,30 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Diagram:
-    """Curves over one coordinate.
-
-    Attributes
-    ----------
-    x : array_like, shape (n,)
-        Abscissae of the curves that have none of their own.
-    curves : sequence of Curve
-        Areas are stacked in order, lines are drawn over them.
-    x_name, x_unit, name, unit : str
-        Names and units of the axes.
-    title : str
-    height : float
-        Relative to the other diagrams of a picture.
-    zero : bool
-        Whether the axis of the values reaches 0.
-    """
+    """Curves over one coordinate."""
 
     x: npt.ArrayLike
+    """Abscissae of the curves that have none of their own, shape (n,)."""
     curves: Sequence[Curve]
+    """Areas are stacked in order, lines are drawn over them."""
     x_name: str
     x_unit: str
     name: str
     unit: str
+    """Names and units of the axes."""
     title: str = ""
     height: float = 1.0
+    """Relative to the other diagrams of a picture."""
     zero: bool = True
+    """Whether the axis of the values reaches 0."""
 
     def shown(self) -> Diagram:
         """Return it in the units in which figures are shown."""
         (x_unit, along), (unit, up) = shown(self.x_unit), shown(self.unit)
-        curves = [
-            replace(
-                c,
-                values=up * np.asarray(c.values),
-                x=c.x if c.x is None else along * np.asarray(c.x),
-            )
-            for c in self.curves
-        ]
+        curves = []
+        for c in self.curves:
+            own = None if c.x is None else along * np.asarray(c.x)
+            curves.append(replace(c, values=up * np.asarray(c.values), x=own))
         x = along * np.asarray(self.x)
         return replace(self, x=x, curves=curves, x_unit=x_unit, unit=unit)
 

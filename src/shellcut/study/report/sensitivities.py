@@ -55,14 +55,10 @@ def _of_figure(one: Analysed) -> str:
             "No sensitivities: the surface predicts unseen runs no better than their mean."
         )
     indices, surface, unit = one.indices, one.surface, after(one.figure.unit)
-    rows = [
-        (
-            factor.name,
-            _interval(indices.first[k], indices.first_interval[k]),
-            _interval(indices.total[k], indices.total_interval[k]),
-        )
-        for k, factor in enumerate(one.factors)
-    ]
+    rows = []
+    for k, factor in enumerate(one.factors):
+        first = _interval(indices.first[k], indices.first_interval[k])
+        rows.append((factor.name, first, _interval(indices.total[k], indices.total_interval[k])))
     rest = (
         f"From a surface through {surface.n_run} runs, which predicts unseen runs to "
         f"{surface.error:.3g}{unit} (rms; their mean does to {surface.mean_error:.3g}{unit}); "

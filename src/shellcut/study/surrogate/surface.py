@@ -54,19 +54,6 @@ class Surface:
     """A figure as a function of the inputs, and how well it predicts.
 
     The figure is not constant, of :func:`fewest_runs` or more.
-
-    Attributes
-    ----------
-    rows : ndarray, shape (n_run,)
-        The runs it rests on, as rows of what was given.
-    n_run : int
-    n_fold : int
-        Parts in which the runs were left out; ``n_run`` if one by one.
-    left_out : ndarray, shape (n_run,)
-        Prediction of each run by a surface through the others.
-    error, mean_error : float
-        Root-mean-square miss of runs left out, by the surface and by the mean of the others, in
-        the unit of the figure.
     """
 
     def __init__(self, inputs: Sequence[Input], values: Floats, figure: Floats) -> None:
@@ -80,6 +67,7 @@ class Surface:
         self.rows = np.arange(len(figure))
         if len(self.rows) > _MOST:
             self.rows = np.sort(np.random.default_rng(0).permutation(len(figure))[:_MOST])
+        """The runs it rests on, as rows of what was given, shape (n_run,)."""
         columns, figure = columns_of(inputs, values[self.rows]), figure[self.rows]
         lengths = Matern(np.full(columns.shape[1], 2.0), _LENGTHS, nu=2.5)
         kernel = ConstantKernel(1.0, (1e-3, 1e4)) * lengths + WhiteKernel(1e-3, _NOISES)
@@ -88,6 +76,7 @@ class Surface:
         )
         self.n_run = len(figure)
         self.n_fold = self.n_run if self.n_run <= _ONE_BY_ONE else 10
+        """Parts in which the runs were left out; ``n_run`` if one by one."""
         places = np.random.default_rng(0).permutation(self.n_run)
         parts = PredefinedSplit(places % self.n_fold)
         with warnings.catch_warnings():  # a length at its end is a plane, no noise a good fit
@@ -96,10 +85,12 @@ class Surface:
             # Through a part of the runs the search begins at the lengths of all.
             again = GaussianProcessRegressor(self._process.kernel_, normalize_y=True)
             self.left_out: Floats = cross_val_predict(again, columns, figure, cv=parts)
+            """Prediction of each run by a surface through the others, shape (n_run,)."""
         mean = cross_val_predict(DummyRegressor(), columns, figure, cv=parts)
         self.error, self.mean_error = (
             float(np.sqrt(np.mean((one - figure) ** 2))) for one in (self.left_out, mean)
         )
+        """Root-mean-square miss of runs left out, by the surface and by the mean of the others."""
         self._scale = float(np.std(figure))
 
     @property
