@@ -23,6 +23,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.tool.cutting_edge import (
@@ -99,6 +100,7 @@ class BladeDrive:
     def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
         self.edges, self._motion, self._pose_at = edges, motion, poses_of(motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
+        self._held_edges, self._hold = Holder()(edges), Holder()
         self._allocate(0)
 
     def _allocate(self, n: int) -> None:
@@ -115,6 +117,7 @@ class BladeDrive:
             ways=np.zeros((n, len(LOOK_AHEAD) + 1, 3)),
             lean=np.zeros((n, 3)),
         )
+        self._held = self._hold(self.driven)
 
     def find(
         self,
@@ -150,7 +153,8 @@ class BladeDrive:
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
-        count = self._try_poses(x, size, self.edges, found, reach, edge < 0, True)
+        tried = x, size, self._held_edges, self._held, reach
+        count = self._try_poses(*tried, edge < 0, True)
         for k in range(TURNS):
             if not count:
                 break
@@ -159,7 +163,7 @@ class BladeDrive:
                     found.rotation[i], found.translation[i] = pose_at(later)
                     found.spin[i], found.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
-            count = self._try_poses(x, size, self.edges, found, reach, False, more)
+            count = self._try_poses(*tried, False, more)
         return found
 
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
@@ -174,7 +178,7 @@ class BladeDrive:
         size : ndarray, shape (n_tip,)
             Local edge lengths [mm].
         """
-        self._direct(director, heading, reference, size, self.edges.segments, self.driven)
+        self._direct(director, heading, reference, size, self.edges.segments, self._held)
         return self.driven
 
 

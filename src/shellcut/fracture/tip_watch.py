@@ -11,6 +11,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import combine, load, norm
 from shellcut.state import KnownTopology, State
@@ -47,6 +48,8 @@ class TipWatch:
         self._known = KnownTopology()
         self._table: Tips
         self._ahead: RowsAhead
+        self._held: tuple[Tips, RowsAhead, Aimed]
+        self._hold = Holder(), Holder(), Holder()
         self._director: Floats
         self._heading: Floats
         self._aimed: Aimed
@@ -88,17 +91,18 @@ class TipWatch:
             return self._due[:0]
         self._follow(state, tips, others)
         n, table, drive = state.node, self._table, self._drive
-        self._place_tips(table, n.x, n.t, self.x, self._director, self._heading)
+        held, ahead, aimed = self._held
+        self._place_tips(held, n.x, n.t, self.x, self._director, self._heading)
         self._due[:] = False
         driven = drive.find(self.x, table.size, state.time)
         drive.direct(self._director, self._heading, table.reference, table.size)
         edges, ways, lean = driven.edge_of, driven.ways, driven.lean
-        if self._leave(self._ahead, table.start, ways, lean, edges, n.x, n.t, self._aimed):
+        if self._leave(ahead, table.start, ways, lean, edges, n.x, n.t, aimed):
             way = self._aimed.way.tobytes()
             if way != self._way:
                 self._way = way
-                self._sums.take(self._trials(state))
-            self._sums.weigh(state, self._aimed, self.weighed)
+                self._sums.take(self._trials(state), self._aimed, self.weighed)
+            self._sums.weigh(state)
             if self._stress is not None:
                 self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
             leads_on = self._aimed.way[:, AHEAD] >= 0
@@ -119,6 +123,9 @@ class TipWatch:
         self._table, self._ahead = tips_of(state, self._path, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
         self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
+        hold_tips, hold_ahead, hold_aimed = self._hold
+        held = hold_tips(self._table), hold_ahead(self._ahead), hold_aimed(self._aimed)
+        self._held = held
         self._pairs.clear()
         self._way = b""
 

@@ -96,6 +96,7 @@ class ScrewMotion:
     _axis: Vec3 = field(init=False, repr=False, compare=False)
     _point: Vec3 = field(init=False, repr=False, compare=False)
     _lead: Vec3 = field(init=False, repr=False, compare=False)
+    _steady: tuple[Floats, Floats] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         axis = _unit("axis", self.axis)
@@ -106,6 +107,7 @@ class ScrewMotion:
         object.__setattr__(self, "_axis", axis)
         object.__setattr__(self, "_point", point)
         object.__setattr__(self, "_lead", (lead * advance[0], lead * advance[1], lead * advance[2]))
+        object.__setattr__(self, "_steady", self._twist_at(self.angular_speed, self.ramp))
 
     @classmethod
     @checked
@@ -152,7 +154,12 @@ class ScrewMotion:
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
-        rate = _ramped_speed(time, self.angular_speed, self.ramp)
+        if time >= self.ramp and self._point == _ORIGIN:
+            spin, velocity = self._steady
+            return spin.copy(), velocity.copy()
+        return self._twist_at(_ramped_speed(time, self.angular_speed, self.ramp), time)
+
+    def _twist_at(self, rate: float, time: float) -> tuple[Floats, Floats]:
         a0, a1, a2 = self._axis
         v0, v1, v2 = self._lead
         if self._point != _ORIGIN:
