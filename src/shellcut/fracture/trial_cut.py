@@ -180,18 +180,22 @@ class TrialCut:
             """Return whether the side has a place: of the row that is tried it is one part."""
             return row != segment.row or all(holds(part, place) for part in mine)
 
-        c, cables = state.cable, []
-        mine_too, whole = np.zeros(new, np.bool_), np.flatnonzero(c.status[: c.count] != BROKEN)
-        mine_too[rows] = True
-        at, ends = mine_too[c.row[whole]].nonzero()
-        for k, end in zip(whole[at].tolist(), ends.tolist(), strict=True):
-            row, share = int(c.row[k, end]), float(c.share[k])
-            start, stop = c.chord[k, end].tolist()
+        c, cables, opened = state.cable, [], dict[tuple[float, ...], bool]()
+        among, holding = np.zeros(new, np.bool_), np.flatnonzero(c.status[: c.count] != BROKEN)
+        among[rows] = True
+        nth, ends = among[c.row[holding]].nonzero()
+        for k, end in zip(holding[nth].tolist(), ends.tolist(), strict=True):
+            pair, chords, share = c.row[k].tolist(), c.chord[k].tolist(), float(c.share[k])
+            row, (start, stop) = pair[end], chords[end]
             at = int(corner[rows == row][0])
             parts = (1.0 - share) * shape_functions(start)[at], share * shape_functions(stop)[at]
             if sum(parts) > UNUSED and holds_place(row, between(start, stop, share)):
-                opened = (parted(state, c.row[k], c.chord[k, :, which]) for which in (0, 1))
-                closed = sum(w for w, is_open in zip(parts, opened, strict=True) if not is_open)
+                closed = 0.0
+                for part, *places in zip(parts, *chords, strict=True):
+                    at_place = (*pair, *places[0], *places[1])
+                    if at_place not in opened:  # several cables are between the same places
+                        opened[at_place] = parted(state, pair, places)
+                    closed += 0.0 if opened[at_place] else part
                 cables.append((k, end, sum(parts), closed))
         return Side(
             rows=rows,
