@@ -249,11 +249,14 @@ class SheetContact(PressTerm):
         )
         self.held = self._hold(self.tables)
 
-    def _places(self) -> Floats:
-        """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5)."""
+    def _places(self, within: float = np.inf) -> Floats:
+        """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5).
+
+        Without weights where the quad's box is farther away than ``within`` [mm].
+        """
         found = np.zeros((len(self._pairs.row), 5))
         if self._pose is not None:
-            self._closest(self._pose, self.held, found)
+            self._closest(self._pose, self.held, within, found)
         return found
 
     # ---------------------------------------------------------------- restart
@@ -310,8 +313,9 @@ class PointContact(SheetContact):
         if self.tables is None or self._pose is None:
             return np.zeros(0, np.int64), np.zeros(0)
         nodes, pairs = self.tables.nodes, self._pairs
-        sheet = self._sheet_of_pair
-        soon = self._places()[:, 0] <= self._margin + self._memory.depth[sheet]
+        sheet, depth = self._sheet_of_pair, self._memory.depth
+        within = self._margin + float(depth.max(initial=0.0))
+        soon = self._places(within)[:, 0] <= self._margin + depth[sheet]
         points = self._point_of_sheet[sheet[soon], None]
         key = points * len(nodes.x) + self.tables.quads[pairs.row[soon]]
         point, node = np.divmod(np.unique(key), len(nodes.x))
