@@ -126,7 +126,8 @@ class StableStep:
         """Return dt of the step after t_n [s]."""
         if self.stepping.fixed is not None:
             return self.stepping.fixed
-        due = state.step >= self._next or self._is_stretched(state)
+        step = state.step
+        due = step >= self._next or (step % _STRETCH_EVERY == 0 and self._is_stretched(state))
         searched = list(map(_n_search, self._terms))
         if due or searched != self._searched or not self._topology.is_of(state):
             bound = self._look_at_all(state) if due else self._look_at_stiffness(state)
@@ -139,8 +140,6 @@ class StableStep:
 
         The growth is estimated high: what a step really takes up by then lies below.
         """
-        if state.step % _STRETCH_EVERY:
-            return False
         growth, dt, beta = self._stretch.growth(state), self._dt, self._shell.damping_beta
         damped = float(self._shell.frequencies.damped.max())
         used_up = 0.25 * growth * (dt * dt * self._stretch.largest + 2.0 * dt * beta * damped)
