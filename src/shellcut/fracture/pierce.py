@@ -169,7 +169,8 @@ class Pierce:
         chain = self._chain[on.segment[point[pressing]]]
         for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             k = int(point[i])
-            rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
+            there = state.node.quads[node[i, 0], : state.node.n_quad_at[node[i, 0]]]
+            rows = there[(state.quads[there] == node[i]).all(axis=1)].tolist()
             if not rows:  # it has been cut since it was pressed
                 continue
             row = rows[0]
