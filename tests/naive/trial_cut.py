@@ -7,7 +7,7 @@ from shellcut.state import BROKEN
 
 
 def measures(trial, state, segment):
-    """Return F · m, and |F|, over what the cables would carry; a driven cut is due at 1 of F · m."""
+    """Return F · m and |F| over what the cables would carry; a driven cut is due at 1 of F · m."""
     if force(trial, state, segment) is None:
         return -np.inf, -np.inf
     m, length = across(state, segment)

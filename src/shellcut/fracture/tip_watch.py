@@ -27,10 +27,9 @@ from .side_tears import LargestStress
 from .tip import Segment, Tip
 from .trial_cut import Pair, TrialCut, TrialSums, Weighed
 
-
 NEAR = 0.8
-"""Of what a tear takes straight ahead: from there on it may be due in another direction, which gives
-up to 1.2 times the force."""
+"""Of what a tear takes straight ahead: from there on it may be due in another direction, in which
+the force is up to 1.2 times as large."""
 
 _SELDOM = 5
 """In every such check a tip is asked that is near, but not due straight ahead."""
