@@ -32,18 +32,19 @@ class Rules:
         self.watch = TipWatch(self.path, self.trial, BladeDrive(self.edges, sim.motion))
 
     def plain(self, tip, tips):
-        """Return segment and measure of a tip, None without, and whether the edge has passed."""
+        """Return segment and measures of a tip, None without, and from which on it is due."""
         state, motion = self.sim.state, self.sim.motion
         at, heading = crack_path.place_of(self.path, state, tip)
         edge, passed = blade_drive.nearest_edge(self.edges, at.x, at.size, self.sim.pose)
         if edge < 0:
-            return None, None, passed
-        off, then = blade_drive.beyond(self.edges, motion, at.x, at.size, edge, state.time)
-        ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
+            ways, lean = [heading - (heading @ at.t) * at.t], np.zeros(3)
+        else:
+            off, then = blade_drive.beyond(self.edges, motion, at.x, at.size, edge, state.time)
+            ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
-        measure = segment and trial_cut.measure(self.trial, state, segment)
-        return segment, measure, passed
+        measures = segment and trial_cut.measures(self.trial, state, segment)
+        return segment, measures, np.inf if edge < 0 else -np.inf if passed else 1.0
 
     def compare(self, tips):
         """Assert that the watch finds the same; return how many segments there are."""
@@ -54,7 +55,7 @@ class Rules:
         due = self.watch.due(state, tips).copy()
         kinds = []
         for i, tip in enumerate(tips):
-            segment, measure, passed = self.plain(tip, tips)
+            segment, measures, limit = self.plain(tip, tips)
             mine = self.watch.segment(i)
             if segment is None:
                 assert mine is None
@@ -65,9 +66,9 @@ class Rules:
             assert (mine.corner, mine.side) == (segment.corner, segment.side)
             np.testing.assert_allclose(mine.entry, segment.entry, atol=1e-12)
             np.testing.assert_allclose(mine.exit, segment.exit, atol=1e-9)
-            found = self.watch.weighed.measure[i]
-            np.testing.assert_allclose(found, measure, rtol=1e-9, atol=1e-12)
-            assert due[i] == (passed or measure >= 1.0)
+            found = self.watch.weighed.measure[i], self.watch.weighed.size[i]
+            np.testing.assert_allclose(found, measures, rtol=1e-9, atol=1e-12)
+            assert due[i] == (measures[0] >= limit)
             right, _ = trial_cut.shares(self.trial, state, segment)
             assert mine.right == pytest.approx(right, rel=1e-9)  # round-off
             kinds.append((segment.corner >= 0, segment.along_side, segment.side < 0))

@@ -13,7 +13,7 @@ SIZE, STRETCH = 0.5, 0.004
 
 def measures_of(free, state, segment):
     """Return the force across the segment, by the plain twin, and that of a tear."""
-    plain = trial_cut.measure(free._trial, state, segment)
+    plain = trial_cut.measures(free._trial, state, segment)[0]
     return plain, free._sums.of_tear(state, segment)
 
 

@@ -64,7 +64,7 @@ def test_a_trial_cut_finds_the_hoop_tension(rise, error):
         low, high = (middle, high) if outward(middle) > 0.0 else (low, middle)
     # Free body: half of the prism, cut through the middles of two facets.
     tension = PRESSURE * low * RADIUS * np.cos(np.pi / N_AROUND)
-    measure = trial_cut.measure(free._trial, sim.state, segment)
+    measure = trial_cut.measures(free._trial, sim.state, segment)[0]
     # In the middle of a facet round-off of the forces of stiff quads; beside it the forces on the
     # two flanks are not alike: of the order of the squared angle between facets, measured 0.22 %.
     # The slit behind the tip, which no cable holds, opens with the segment ahead: twice its length.

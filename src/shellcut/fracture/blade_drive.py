@@ -169,6 +169,8 @@ class BladeDrive:
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
         """Return in which directions edges drive the tips that were asked for last.
 
+        One that no edge drives is led straight on.
+
         Parameters
         ----------
         director, reference : ndarray, shape (n_tip, 3)
@@ -244,9 +246,14 @@ def _direct(
     found = borrowed(found)
     n_way = found.ways.shape[1]
     for i in range(size.shape[0]):
-        if found.edge_of[i] < 0:
-            continue
         d, e = load(director, i), found.edge_of[i]
+        if e < 0:
+            way = load(heading, i)
+            way = combine(1.0, way, -dot(way, d), d)
+            for nth in range(n_way):
+                store(found.ways[i], nth, scale(1.0 / max(norm(way), TANGENT), way))
+            store(found.lean, i, (0.0, 0.0, 0.0))
+            continue
         pose = Pose(found.rotation[i], found.translation[i])
         b = turn(segment_part(segments, e, NORMAL), pose)
         trace = cross(d, b)

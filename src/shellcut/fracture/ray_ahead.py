@@ -105,24 +105,21 @@ def leave(
     start: Ints,
     ways: Floats,
     lean: Floats,
-    edge_of: Ints,
     x: Floats,
     t: Floats,
     aimed: Aimed,
 ) -> int:
-    """Write the segments from all tips that an edge drives; return how many there are.
+    """Write the segments from all tips; return how many there are.
 
     start : (n_tip + 1,), first row ahead of each tip, and the end.  ways : (n_tip, n_way, 3), unit
-    directions, the best one first.  lean : (n_tip, 3), of the planes from the director.  edge_of :
-    (n_tip,), -1 of a tip that is left out.  x, t : (n_node, 3).
+    directions, the best one first.  lean : (n_tip, 3), of the planes from the director.  x, t :
+    (n_node, 3).
     """
     ahead, aimed = borrowed(ahead), borrowed(aimed)
     count = 0
-    for i in range(edge_of.shape[0]):
+    for i in range(lean.shape[0]):
         _end_at(aimed, i, 0, 0, 0, 0.0, 0.0)
         aimed.way[i, AHEAD] = -1
-        if edge_of[i] < 0:
-            continue
         for turn in range(ways.shape[1]):
             way = ways[i, turn, 0], ways[i, turn, 1], ways[i, turn, 2]
             for joining in (True, False):
