@@ -97,7 +97,7 @@ def no_pictures():
     import shellcut.recording.recorder
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setattr(shellcut.recording.recorder, "can_draw", lambda: False)
         yield
 
 

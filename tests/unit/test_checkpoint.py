@@ -482,7 +482,7 @@ def save(sim, path, *, extra):
         os.kill(os.getpid(), {signal})
 
 shellcut.recording.recorder.save_checkpoint = save
-shellcut.recording.recorder._matplotlib_is_there = lambda: False
+shellcut.recording.recorder.can_draw = lambda: False
 case().run({folder!r}, checkpoint_every=0.0, **RECORDS)
 """
 
@@ -542,7 +542,7 @@ def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
 
 def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: True)
+    monkeypatch.setattr(shellcut.recording.recorder, "can_draw", lambda: True)
     records = {"n_row": 10, "n_frame": 2, "n_snapshot": 2, "progress": False}
     whole, part = tmp_path / "whole", tmp_path / "part"
     # Deepest at the first frame: the summary of both parts shall know.

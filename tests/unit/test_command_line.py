@@ -303,7 +303,7 @@ def test_ctrl_c_in_any_command_ends_with_130(capsys, monkeypatch):
 
 def test_a_closed_pipe_is_ignored(tmp_path, monkeypatch):
     # A pipe that is closed at the other end: the run goes on, and run.log has all lines.
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "can_draw", lambda: False)
     # As Python begins; Gmsh, which other tests of this process call, changes it.
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)

@@ -269,7 +269,7 @@ def test_rooms_picture_table_and_folders_are_the_contract():
 def test_the_readmes_models_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     # Without the snapshots, which test_examples.py asks for.
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "can_draw", lambda: False)
     models = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
     assert len(models) == 2
     assert all(len(model.splitlines()) <= 40 for model in models)

@@ -15,7 +15,7 @@ import numpy as np
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 
-from .finding import DOUBT, Finding
+from .finding import Finding, doubt
 from .sweep import Sweep
 
 if TYPE_CHECKING:
@@ -39,8 +39,7 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
     if sim.cracks is None or not _on_face(sim, sweep):
         return
     if laws := {one.material.law.name for one in sim.material.layers if one.material.law.history}:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "the film should be elastic where a tip pierces it: where it yields, the force is "
             "larger, 1.1 to 1.4 times that of the strength in films that were tried",
             ", ".join(sorted(laws)),
@@ -50,8 +49,7 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
     young = film.stretching_stiffness / film.thickness
     crack, bent = young * law.fracture_energy / strength**2, sim.cracks.bending_length
     if crack < bent:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "a film must not tear on by itself once a tip has pierced it: modulus times fracture "
             "energy over strength² must exceed the length over which the film bends there",
             f"{crack:.3g} mm and {bent:.3g} mm",
@@ -60,8 +58,7 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
         )
     soft = strength * film.thickness / float(np.diag(film.shear_stiffness).min())
     if soft > SHEAR_SOFT:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "the film should be stiff in transverse shear where a tip pierces it: strength times "
             f"thickness at most {SHEAR_SOFT:g} of its shear stiffness",
             f"{soft:.2g} of it, as of stiff layers on soft ones",
@@ -70,8 +67,7 @@ def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[
     stress = sim.shell.stress(sim.state, np.arange(sim.mesh.n_quad), place="nominal")
     tight = float(np.linalg.eigvalsh(stress).max()) / strength
     if tight > TIGHT:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "the film should not be tight before the tool comes, at most "
             f"{TIGHT:g} of its strength, or a tip pierces it sooner",
             f"a tension of {tight:.2g} of it",

@@ -41,13 +41,7 @@ class _Column:
 
 
 class Columns:
-    """The columns of one group, by name; a name may be a path with "/".
-
-    Parameters
-    ----------
-    root : h5py.Group
-        Group of the columns; existing ones are used.
-    """
+    """The columns of one group, by name; a name may be a path with "/"."""
 
     def __init__(self, root: Any) -> None:
         self._root = root
