@@ -25,8 +25,7 @@ import numpy as np
 from benchmarks.calculix_disc import run_calculix
 from benchmarks.discs import RADIUS, accepts_threads
 from benchmarks.harness import child
-from shellcut import Pressure, ShellMaterial, Simulation, Support
-from shellcut.mesh.mesh import Mesh
+from shellcut import Mesh, Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc
 
 Array = np.ndarray[Any, Any]

@@ -1,13 +1,7 @@
 """A blade that cuts a small strip through its quads, for the tests of what comes after a cut."""
 
-from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.mesh import Mesh
+from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, StraightMotion, Support
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 
 NOTCH = 0.9

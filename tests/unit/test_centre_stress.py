@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
-from shellcut.mesh.mesh import Mesh
+from shellcut import Elastic, Layer, Mesh, ShellMaterial
 
 LAMINATE = ShellMaterial(
     [Layer(Elastic(5000.0, 0.35, 2e-9), 0.01), Layer(Elastic(800.0, 0.4, 1e-9), 0.06)]

@@ -18,13 +18,12 @@ import numba as nb
 import pytest
 
 import shellcut
-from shellcut import read_model
+from shellcut import read_model, report_run
 from shellcut.command_line import main
 from shellcut.command_line.exit_code import MEANINGS
 from shellcut.models import Case
 from shellcut.numerics.jit import on_compilation
 from shellcut.recording.run_log import RunLog
-from shellcut.report import report_run
 from shellcut.results.verdict import LOGGER, Line
 from shellcut.tool.shapes import tooth_ring
 

@@ -7,16 +7,15 @@ from scipy.sparse.csgraph import connected_components
 
 from free_strip import cut_strip, slanted_strip
 from naive import blade_drive
+from shellcut import Mesh, StraightMotion
 from shellcut.contact.settings import STEEPEST
 from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Tip
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges
-from shellcut.tool.motion import StraightMotion
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 

@@ -5,15 +5,13 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll
-from shellcut import Fracture
+from shellcut import Fracture, Recorder, StraightMotion, guillotine, opening_test
 from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.models import free_cut, guillotine, opening_test
-from shellcut.recording.recorder import Recorder
+from shellcut.models import free_cut
 from shellcut.recording.resistance import resistance_of
 from shellcut.recording.status_line import start_lines
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 SIDES = [sc.Support.clamped("bottom"), sc.Support.clamped("top")]

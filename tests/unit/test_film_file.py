@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from known_film import LEFT, NODES, QUADS, check_geometry
+from shellcut import mesh_from_outline, read_film
 from shellcut.formats.errors import FileError
 from shellcut.mesh import film_size
-from shellcut.mesh.film_file import read_film
 from shellcut.mesh.mesh import MeshError
-from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import annulus, cylinder, disc, rectangle
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import ToolError

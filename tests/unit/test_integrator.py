@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from naive import cases
+from shellcut import Gravity, Simulation, Support
 from shellcut.central_difference import CentralDifference
-from shellcut.loads.loads import Gravity
-from shellcut.loads.supports import Support, SupportSet
+from shellcut.loads.supports import SupportSet
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.simulation.simulation import Simulation
 
 EPS = np.finfo(float).eps
 MASS, INERTIA = 2e-9, 3e-10

@@ -11,14 +11,7 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import (
-    ModelFileError,
-    guillotine,
-    opening_test,
-    oscillating,
-    read_model,
-    trouser,
-)
+from shellcut import ModelFileError, guillotine, opening_test, oscillating, read_model, trouser
 from shellcut.material.orthotropic import turned_moduli
 from shellcut.model_file import shipped_models
 from shellcut.model_file.section_table import HEAD, LISTS, SECTIONS

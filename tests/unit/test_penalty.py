@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from naive import contact as naive
+from shellcut import Contact, Elastic, Layer, ShellMaterial
 from shellcut.contact.settings import (
     SOFTEST,
     STEEPEST,
     STIFFEST,
-    Contact,
     PenaltyLaw,
     largest_rebound,
     smoothed,
     smoothed_integral,
 )
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 BLADE = straight_blade()

@@ -7,19 +7,13 @@ import pytest
 
 from naive.booking import book
 from naive.contact import smoothed
+from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, Tool, opening_test
 from shellcut.contact.contact_points import contact_points
-from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import ToolWires
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
-from shellcut.models import opening_test
-from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.tool import Tool
 
 GAP = 0.01
 

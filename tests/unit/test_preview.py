@@ -7,14 +7,9 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.loads.supports import Support
-from shellcut.mitc4.mesh_quality import mesh_quality
-from shellcut.models import opening_test
-from shellcut.models.preview import ModelParts, preview, preview_parts
-from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
+from shellcut import Simulation, Stepping, Support, Tool, mesh_quality, opening_test, preview
+from shellcut.models.preview import ModelParts, preview_parts
 from shellcut.tool.shapes import tooth_ring
-from shellcut.tool.tool import Tool
 from shellcut.view import model_picture
 
 

@@ -9,16 +9,12 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.loads.loads import Pressure
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut import Elastic, Layer, Pressure, ShellMaterial, Simulation, Stepping, Support
 from shellcut.mesh.structured import disc, rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import kernel
 from shellcut.numerics.processor import flush_subnormals, set_rounding
-from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
 
 LAYERED = [Layer(Elastic(800.0, 0.35, 1e-9), 0.05), Layer(Elastic(30e3, 0.33, 2.7e-9), 0.02)]
 MATERIALS = {

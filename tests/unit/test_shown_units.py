@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 import shellcut
+from shellcut import ErrorBars, Optimum, preview, report_run, showing, view_html
 from shellcut.command_line import main
-from shellcut.models.preview import preview
-from shellcut.report import report_run
-from shellcut.results.error_bars import ErrorBars, Run, error_bar
-from shellcut.scene_page import view_html
-from shellcut.study.optimise import Optimum, Trial
-from shellcut.unit import showing, shown, with_unit
+from shellcut.results.error_bars import Run, error_bar
+from shellcut.study.optimise import Trial
+from shellcut.unit import shown, with_unit
 from shellcut.view import Look, draw_crack_map
 from shellcut.view.snapshot import SnapshotSeries
 

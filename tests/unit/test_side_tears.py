@@ -4,14 +4,10 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut import CohesiveLaw, Fracture, Pressure, Simulation, StraightMotion, Support
 from shellcut.fracture.cracks import Cracks
-from shellcut.fracture.options import Fracture
-from shellcut.loads.loads import LoadSet, Pressure
-from shellcut.loads.supports import Support
+from shellcut.loads.loads import LoadSet
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
 

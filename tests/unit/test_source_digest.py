@@ -5,15 +5,8 @@ import math
 
 import pytest
 
-from shellcut.material import (
-    Elastic,
-    JohnsonCook,
-    Linear,
-    PointLaw,
-    Swift,
-    Table,
-    Voce,
-)
+from shellcut import Elastic, JohnsonCook, Linear, Swift, Table, Voce
+from shellcut.material import PointLaw
 from shellcut.material.rate_factor import RateFactor
 from shellcut.material.return_mapping import make_flow
 

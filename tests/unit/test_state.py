@@ -5,11 +5,10 @@ from dataclasses import fields
 import numpy as np
 
 from naive import cases
-from shellcut.loads.supports import Support
+from shellcut import StraightMotion, Support
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state, quads_of_nodes
 from shellcut.models import free_cut
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 
 

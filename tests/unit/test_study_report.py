@@ -12,13 +12,12 @@ import scipy
 
 import shellcut as sc
 from browser import opened
+from shellcut import Design, ModelFileError, report_study
 from shellcut.command_line import main
-from shellcut.model_file.errors import ModelFileError
-from shellcut.study.design import Design
 from shellcut.study.factors import factor, factors_of
 from shellcut.study.one_run import Outcome
 from shellcut.study.plan import Definition
-from shellcut.study.report import analysis, report_study
+from shellcut.study.report import analysis
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study.table import write_table

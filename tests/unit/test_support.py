@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from shellcut.loads.supports import Support, SupportSet, choose_nodes
-from shellcut.material.shell_material import ShellMaterial
+from shellcut import ShellMaterial, Simulation, Support
+from shellcut.loads.supports import SupportSet, choose_nodes
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.simulation.simulation import Simulation
 
 MESH = rectangle(2.0, 1.0, n_x=2, n_y=1)
 

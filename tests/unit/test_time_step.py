@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut import CohesiveLaw, Contact, ShellMaterial, Stepping
 from shellcut.cables.directional_cable import CableSet
 from shellcut.contact.penalty_contact import PenaltyContact
-from shellcut.contact.settings import STEEPEST, Contact
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.simulation.stable_step import StableStep, Stepping, safe_steps, stiffest_nodes
+from shellcut.contact.settings import STEEPEST
+from shellcut.simulation.stable_step import StableStep, safe_steps, stiffest_nodes
 from shellcut.state import BROKEN, STRAIGHT
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from shellcut import opening_test
+from shellcut import opening_test, read_tool
 from shellcut.formats.errors import FileError
 from shellcut.formats.stl import write_stl
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import ToolError
-from shellcut.tool.tool_file import read_tool
 
 RING = tooth_ring()
 V = RING.vertices
