@@ -213,7 +213,6 @@ def test_the_halves_of_a_split_node_keep_their_spring():
     n.halved[[node, half]] = True
     n.origin[half] = n.origin[node]
     state.revision += 1
-    drawn.contact._age._known.restore(state.revision - 1, state)
     drawn.x = np.vstack([drawn.x, drawn.x[node]])
     force, after = drawn.step(np.zeros_like(drawn.x))
     assert after.stored == pytest.approx(before.stored, rel=1e-12)

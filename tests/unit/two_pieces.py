@@ -69,7 +69,7 @@ def approached(state, term, x, away):
     """Bring the nodes from x + away to x, so that sides are known."""
     for part in (1.0, 0.5, 0.25):
         evaluated(state, term, x + part * away)
-        term._age._known.revision = -1  # search anew, as something may have come near
+        state.revision += 1  # search anew, as something may have come near
     return evaluated(state, term, x)
 
 
