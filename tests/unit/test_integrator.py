@@ -104,18 +104,12 @@ def test_energy_is_an_identity_to_round_off():
     assert result.support_work == 0.0
 
 
-def test_first_kick_from_rest_is_a_half_one():
+@pytest.mark.parametrize(("before", "after", "mean"), [(0.0, 2e-6, 1e-6), (1e-6, 3e-6, 2e-6)])
+def test_a_kick_takes_the_mean_of_two_unequal_steps_from_rest_half_of_one(before, after, mean):
     _, state, scheme = one_quad()
     state.node.force[:4] = [1.0, 0.0, 0.0]
-    scheme.kick(state, 0.0, 2e-6)
-    assert state.node.velocity_half[0, 0] == pytest.approx(1e-6 / MASS, rel=4 * EPS)
-
-
-def test_kick_takes_the_mean_of_two_unequal_steps():
-    _, state, scheme = one_quad()
-    state.node.force[:4] = [1.0, 0.0, 0.0]
-    scheme.kick(state, 1e-6, 3e-6)
-    assert state.node.velocity_half[0, 0] == pytest.approx(2e-6 / MASS, rel=4 * EPS)
+    scheme.kick(state, before, after)
+    assert state.node.velocity_half[0, 0] == pytest.approx(mean / MASS, rel=4 * EPS)
 
 
 def test_alpha_damps_as_the_scheme_has_it_and_books_the_loss():
