@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
-from free_strip import cut_strip, slanted_strip
+from free_strip import cut_strip, pieces_of, slanted_strip
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.pierce import Begun
@@ -18,13 +16,6 @@ NODE = np.array([2.4, 0.4, 0.0])
 """Where the second crack ends."""
 WAY = np.array([-0.8, 0.6, 0.0])
 """Its direction: through the quad that touches the side above only at the node."""
-
-
-def pieces_of(sim):
-    quads = sim.state.quads
-    rows, of = np.arange(len(quads)).repeat(4), quads.ravel()
-    table = csr_array((np.ones(of.size), (rows, of)))
-    return connected_components(table @ table.T)[0]
 
 
 def on_one_side(beside):
