@@ -46,7 +46,7 @@ def _stretched(mesh: sc.Mesh, mismatch: float, *, equilibrium_start: bool) -> sc
 
 def _evaluate(sim: sc.Simulation) -> None:
     sim.loads.begin_forces(sim.state)
-    sim.shell.add_forces(sim.state)
+    sim.ledger.strain = sim.shell.add_forces(sim.state).strain_energy
     sim.terms.add_forces(sim.state, sim.pose, sim.ledger)
 
 
