@@ -124,28 +124,6 @@ def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool(law)
     np.testing.assert_allclose(result.wrench[0, :3], -forces.sum(axis=0), atol=1e-15)
 
 
-@pytest.mark.parametrize("size", [1e-4, 3e-3, 0.02, 0.7, 3.5])
-def test_straight_force_is_the_gradient_of_its_potential(size):
-    m = np.array([0.6, 0.8, 0.0])
-    w = size * np.array([0.5, 0.5, np.sqrt(0.5)])
-    state = state_with(([0, 0, 0], w), m=m)
-    forces, _ = evaluate(CableSet(LAW, None), state)
-    if size < LAW.onset:
-        # w sideways of m shortens nothing: the length measure grows from the very start.
-        assert state.cable.opening[0] > 0
-
-    def potential(w):
-        ell = np.linalg.norm(w + LAW.onset * m) - LAW.onset
-        return AREA * area_below(ell, LAW.parameters())
-
-    delta = 1e-4 * min(size, 0.1)
-    for axis in np.eye(3):
-        slope = (potential(w + delta * axis) - potential(w - delta * axis)) / (2 * delta)
-        # Truncation (delta / delta_0)² or less; round-off 1e-16 G / delta.
-        assert -forces[1] @ axis == pytest.approx(slope, abs=1e-6 * LAW.strength * AREA)
-    np.testing.assert_array_equal(forces[0], -forces[1])
-
-
 def test_first_step_pulls_along_m_whatever_the_onset_and_then_along_w():
     for law in (LAW, CohesiveLaw(onset=0.0)):
         m = np.array([0.6, 0.0, 0.8])

@@ -316,22 +316,6 @@ def test_it_counts_in_the_step():
     assert total.max() < 3.0 * steepest.max()
 
 
-def test_a_tooth_that_comes_down_between_nodes_is_felt():
-    case = opening_test("quick", angle_deg=5.0, duration=4e-4)
-    sim, wires, deepest = case.simulation, ToolWires(case.simulation.tool), 0.0
-    forces = []
-    while sim.state.time < 4e-4:
-        sim.step()
-        forces.append(-term(sim).forces.wrench[:, 2].sum())
-        if sim.state.step % 20 == 0 and not sim.state.split_log:
-            nowhere = np.zeros(len(sim.state.node.x), bool)
-            _, depth = wires.crossed_quads(sim.state.node.x, sim.state.quads, nowhere, sim.pose)
-            deepest = max(deepest, depth.max(initial=0.0))
-    assert min(forces) < 0.0  # down on the film, up on the tool
-    # 0.125 mm without; half the thickness is 0.037 mm.
-    assert deepest < 0.01
-
-
 # ---------------------------------------------------------------- friction
 
 

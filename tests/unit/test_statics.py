@@ -513,19 +513,6 @@ def test_all_modes_there_are_and_no_more():
             strip.modes(wrong)
 
 
-def test_modes_of_a_free_film():
-    material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-4)
-    modes = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), material).modes(9)
-    frequency = modes.frequency
-    assert (abs(modes.shape[6:]).max(axis=(1, 2)) == 1.0).all()
-    assert (np.diff(frequency) >= 0.0).all()
-    thick = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-2)
-    expected = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), thick).modes(9).frequency
-    # Six rigid motions; bending in proportion to the thickness, but for shear.
-    assert (frequency[:6] == 0.0).all()
-    np.testing.assert_allclose(100.0 * frequency[6:], expected[6:], rtol=1e-3)
-
-
 def test_no_mode_is_omitted_where_many_are_alike():
     # Two free films, every frequency twice and twelve rigid motions; and one whose factors would
     # be exactly singular.
