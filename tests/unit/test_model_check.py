@@ -16,6 +16,7 @@ from shellcut.fracture.puncture import bending_length
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut
 from shellcut.tool.shapes import straight_blade, tooth_ring
+from test_preview import two_rings
 
 SIDES = (shellcut.Support.clamped("bottom"), shellcut.Support.clamped("top"))
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -211,16 +212,8 @@ def test_edges_that_pass_out_or_leave_are_told():
 
 
 def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
-    two = np.concatenate([(ring := tooth_ring(n_teeth=1)).vertices, ring.vertices * [3, 3, 1]])
-    tool = shellcut.Tool.from_triangles(
-        two,
-        np.concatenate([ring.triangles, ring.triangles + ring.n_vertex]),
-        edges=np.concatenate([ring.edges, ring.edges + ring.n_vertex]),
-        flank_angle_deg=ring.flank_angle_deg,
-    )
-    assert "1 of 2 cutting edges never meet the film: cutting edge 1" in only(
-        shellcut.opening_test("quick", tool=tool), "note"
-    )
+    said = only(shellcut.opening_test("quick", tool=two_rings(height=5.0)), "note")
+    assert "1 of 2 cutting edges never meet the film: cutting edge 1" in said
     away = shellcut.opening_test(
         "quick", tool=tooth_ring(radius=30.0), fracture=shellcut.Fracture(path="edges")
     )

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import shellcut
+from free_model import FREE
 from shellcut import ModelFileError, guillotine, opening_test, oscillating, read_model, trouser
 from shellcut.material.orthotropic import turned_moduli
 from shellcut.model_file import shipped_models
@@ -366,25 +367,6 @@ def test_a_file_that_has_changed_since_is_found(tmp_path, monkeypatch):
 
 
 # --- what the parts refuse -----------------------------------------------------------------------
-
-FREE = """model = "free"
-[membrane]
-length = 6.0
-width = 4.0
-size = 0.5
-clamp = ["bottom", "top"]
-notch = 1.0
-[tool]
-kind = "blade"
-length = 6.0
-height = 3.0
-shift = [-0.05, 0.0, 0.0]
-[motion]
-direction = [1, 0, 0]
-speed = "6 m/s"
-ramp = "0.1 ms"
-duration = "0.5 ms"
-"""
 
 
 def test_a_free_model_cuts_as_the_guillotine_does(write):

@@ -114,9 +114,9 @@ def drawn(monkeypatch):
     return views
 
 
-def two_rings():
+def two_rings(height=2.0):
     """Teeth that cut, and others that are beside the film."""
-    ring = tooth_ring(n_teeth=1, height=2.0)
+    ring = tooth_ring(n_teeth=1, height=height)
     return Tool.from_triangles(
         np.concatenate([ring.vertices, ring.vertices * [2.0, 2.0, 1.0]]),
         np.concatenate([ring.triangles, ring.triangles + ring.n_vertex]),

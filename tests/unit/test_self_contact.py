@@ -12,7 +12,7 @@ from shellcut.contact.pair_search import PairSearch, Points
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.numerics.jit import kernel
-from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
+from two_pieces import CASES, ON, H, approached, evaluated, split, thrown, touching
 
 
 def momenta(sim):
@@ -311,13 +311,7 @@ def test_the_halves_of_a_split_node_keep_side_and_energy():
     _, before = approached(state, term, x, away)
     node = int(term.tables.presses.node[0, 0])
     assert node >= first
-    half = state.node.append_copy(node)
-    n = state.node
-    n.mass[[node, half]] *= 0.5
-    n.contact_mass[[node, half]] *= 0.5
-    n.halved[[node, half]] = True
-    n.origin[half] = n.origin[node]
-    state.revision += 1
+    half = split(state, node)
     force, after = evaluated(state, term, np.vstack([x, x[node]]))
     assert after.n_touching == before.n_touching + 1
     assert after.stored == pytest.approx(before.stored, rel=1e-12)

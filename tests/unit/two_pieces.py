@@ -73,6 +73,17 @@ def approached(state, term, x, away):
     return evaluated(state, term, x)
 
 
+def split(state, node):
+    """Part a node into halves that nothing moves apart; return the other one."""
+    n, half = state.node, state.node.append_copy(node)
+    n.mass[[node, half]] *= 0.5
+    n.contact_mass[[node, half]] *= 0.5
+    n.halved[[node, half]] = True
+    n.origin[half] = n.origin[node]
+    state.revision += 1
+    return half
+
+
 CASES = {
     "face": ([0.13, 0.07, 0.9 * H], [0.0, 0.0, 0.5], 0.0),
     "from below": ([0.13, 0.07, -0.8 * H], [0.0, 0.0, -0.5], 0.0),
