@@ -1,7 +1,6 @@
 """Tools from STEP and IGES, written by Gmsh's OpenCASCADE here and by CadQuery in data."""
 
 from contextlib import contextmanager
-from dataclasses import replace
 from math import pi, radians, tan
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 from damaged.mutations import mutated
+from other_script import run_instead
 from shellcut import guillotine, read_tool
 from shellcut.command_line import main
 from shellcut.formats import cad_surface, own_process
@@ -304,9 +304,7 @@ class TestRefusals:
     )
     def test_a_kernel_that_breaks_down(self, tmp_path, monkeypatch, script, error, words):
         # OpenCASCADE ends the process, or never ends, on one damaged file in ten
-        (tmp_path / "process.py").write_text(script)
-        other = replace(cad_surface._GMSH, script=str(tmp_path / "process.py"))
-        monkeypatch.setattr(cad_surface, "_GMSH", other)
+        run_instead(monkeypatch, tmp_path, script)
         if "sleep" in script:
             monkeypatch.setattr(own_process, "LONGEST", 0.5)
         with pytest.raises(error, match=words):

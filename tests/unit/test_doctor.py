@@ -35,14 +35,19 @@ def test_a_line_each(lines):
 
 
 def test_what_is_not_installed_comes_with_its_remedy(lines, monkeypatch):
+    extras = ("matplotlib", "vtk", "imageio-ffmpeg", "gmsh", "ezdxf", "svgpathtools")
+
     def version(package):
-        if package in doctor._EXTRAS:
+        if package in extras:
             raise doctor.PackageNotFoundError(package)
         return "1.0"
 
     monkeypatch.setattr(doctor, "version", version)
     code, said = lines()
     assert code == 0
+    assert all(
+        "not installed" in said[one] and "pip install shellcut[" in said[one] for one in extras
+    )
     assert said["matplotlib"].endswith("no pictures  (pip install shellcut[plot])")
 
 
