@@ -274,19 +274,3 @@ def _measured(mesh: str, angle: float, profiled: float) -> Cut:
         profile_scale=scale,
         not_found=not_found,
     )
-
-
-def table(cut: Cut) -> str:
-    """Return the figures as lines of text."""
-    lines = [
-        f"{cut.mesh}, {cut.n_quad} quads to {cut.angle:.1f} degrees: {cut.n_step} steps, "
-        f"{cut.wall_seconds:.1f} s (set-up {cut.set_up_seconds:.1f}, run {cut.run_seconds:.1f}, "
-        f"closing {cut.closing_seconds:.1f}), CPU {cut.cpu_seconds:.1f} s; {cut.n_split} splits, "
-        f"{cut.n_broken} cables broken, imbalance {100 * cut.imbalance:.3f} %, "
-        f"memory {cut.memory_growth / 2**20:+.0f} MB",
-        *(f"  {part:<26} {own:8.2f} ns a quad and step" for part, own in cut.parts.items()),
-        f"  all but the shells {cut.all_but_shells:.1f}; parts scaled by {cut.profile_scale:.3f}",
-    ]
-    if cut.not_found:
-        lines.append(f"  not timed by themselves: {', '.join(cut.not_found)}")
-    return "\n".join(lines)
