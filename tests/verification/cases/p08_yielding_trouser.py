@@ -29,8 +29,7 @@ from functools import partial
 import numpy as np
 
 from harness import Check
-from shellcut import Fracture, Simulation, Support
-from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
+from shellcut import Elastic, Fracture, Layer, Linear, Plastic, ShellMaterial, Simulation, Support
 from shellcut.models.trouser import LAW, trouser_strip
 
 ID, TITLE, FAST = "P08", "Trouser with legs that yield", False
