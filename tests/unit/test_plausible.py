@@ -27,7 +27,7 @@ IN_METRES = {"opening_a": 500, "opening_p": 3e3, "opening_u": 4e3}
 @pytest.mark.parametrize(
     ("numbers", "severity", "said"),
     [
-        ({"thickness": 74.0}, "refuse", "thin beside its size, got thickness 74 mm"),
+        ({"thickness": 74.0}, "refuse", "its theory does not hold, got thickness 74 mm"),
         ({"thickness": 2.0}, "doubt", "thinner than 0.1 of its size"),
         ({"thickness": 0.5}, "doubt", "thickness 0.5 mm and edges of 0.4 mm"),
         ({"thickness": 7.4e-5}, "doubt", "thicker than 0.0001 mm"),  # in m
