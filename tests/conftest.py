@@ -54,7 +54,7 @@ _FIRST = (
     "test_model_check.py",
     "test_model_file.py",
     "test_quad_frequency.py",
-    "test_howto.py",
+    "test_pages.py",
     "test_model_keys.py",
 )
 

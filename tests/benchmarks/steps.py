@@ -20,7 +20,7 @@ from benchmarks.harness import child
 from benchmarks.traffic import bytes_per_step
 from shellcut import Mesh, Simulation, Stepping
 
-# Arithmetic of the shortest exact path, METHOD's count.
+# Arithmetic of the shortest exact path, counted by hand.
 FLOPS_A_QUAD, FLOPS_A_NODE = 565, 66
 
 _WINDOW = 0.02  # s, long against the clock's resolution

@@ -2,7 +2,7 @@
 
 A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
 it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
-edge has passed goes on whatever the force there ([METHOD2] 12, rule 6).
+edge has passed goes on whatever the force there.
 
 The motion is prescribed, so that this pose is known. On a circle of radius R the present mid-plane
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and

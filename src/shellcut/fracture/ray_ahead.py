@@ -1,8 +1,8 @@
 """Through which side or corner a crack leaves the row ahead: one ray, or those of many tips.
 
 A ray lies in the plane along its direction and the director at the tip, from which the plane may
-lean: sides are straight in space, chords of the parametric square are not. Where its segment ends
-([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
+lean: sides are straight in space, chords of the parametric square are not. Its segment ends, in
+this order (without any of these rules some cuts failed):
 
 1. where a crack that comes towards it ends, within ``JOIN`` edge lengths, measured across the ray;
 2. on a crossing of another crack within ``MERGE``; if that crack leads there from the tip, there is

@@ -20,7 +20,7 @@ the speed, so that they are so there too.
 The crack runs along a straight row of edges; tests/verification/test_trouser.py leads it through
 quads.
 
-Source: energy balance; ../shared/METHOD2.md 10. Slopes over w by fitted lines, from ``START`` on:
+Source: energy balance. Slopes over w by fitted lines, from ``START`` on:
 the crack grows by an edge at a time.
 """
 
