@@ -113,6 +113,7 @@ class CentralDifference:
         self._known = KnownTopology()
         self._supported: _Supported | None = None
         self._nodes: _Nodes | None = None
+        self._sums = np.zeros((0, 4))
         self._hold_supported, self._hold_nodes = Holder(), Holder()
         self._kick, self._drift = BoundOnce(_kick), BoundOnce(_drift)
 
@@ -121,7 +122,7 @@ class CentralDifference:
         if not self._known.is_of(state):
             self._collect(state)
         count, alpha, dt = state.node.count, self.damping_alpha, 0.5 * (dt_last + dt_next)
-        sums = np.zeros((-(-count // NODE_CHUNK), 4))
+        sums = self._sums
         self._workers.run(
             self._kick, count, float(dt_last), dt, alpha, self._nodes, self._supported, sums
         )
@@ -151,6 +152,7 @@ class CentralDifference:
             clamped=np.asarray(n.support[ids].all(axis=1)),
         )
         nodes = _Nodes(**{name: getattr(n, name) for name in _Nodes._fields})
+        self._sums = np.zeros((chunks.size - 1, 4))
         self._supported, self._nodes = self._hold_supported(supported), self._hold_nodes(nodes)
         self._known.take(state)
 
@@ -318,6 +320,7 @@ def _kick(
     moved = np.empty((supported.node.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        sums[chunk] = 0.0
         for i in range(supported.first[chunk], supported.first[chunk + 1]):
             n = supported.node[i]
             director = load(nodes.t, n)

@@ -26,6 +26,7 @@ from shellcut.tool.cutting_edge import (
     START,
     edge_point,
     in_the_blade,
+    may_own,
     segment_part,
     strip_coordinates,
 )
@@ -61,27 +62,30 @@ def find_joint(
     plus = to_body(x_plus, pose)
     across = turn_back(m, pose)
     shallowest = np.inf
-    for k in range(segments.shape[0]):
-        a = segment_part(segments, k, START)
-        b = segment_part(segments, k, NORMAL)
-        side_minus = dot(sub(minus, a), b)
-        side_plus = dot(sub(plus, a), b)
-        share = 0.5
-        if side_minus * side_plus <= 0.0:
-            gap = side_minus - side_plus
-            share = side_minus / gap if gap != 0.0 else 0.5
-        elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
+    for run in range(edges.low.shape[0]):
+        if not may_own(minus, plus, reach, deepest, run, edges):
             continue
-        crossing = combine(1.0 - share, minus, share, plus)
-        along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
-        if not owns or depth >= shallowest:
-            continue
-        if not in_the_blade(crossing, lateral, k, edges):
-            continue
-        shallowest = depth
-        cables.edge[c] = k
-        cables.overshoot[c] = depth
-        store(cables.joint_body, c, edge_point(along, k, segments))
+        for k in range(edges.first[run], edges.first[run + 1]):
+            a = segment_part(segments, k, START)
+            b = segment_part(segments, k, NORMAL)
+            side_minus = dot(sub(minus, a), b)
+            side_plus = dot(sub(plus, a), b)
+            share = 0.5
+            if side_minus * side_plus <= 0.0:
+                gap = side_minus - side_plus
+                share = side_minus / gap if gap != 0.0 else 0.5
+            elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
+                continue
+            crossing = combine(1.0 - share, minus, share, plus)
+            along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
+            if not owns or depth >= shallowest:
+                continue
+            if not in_the_blade(crossing, lateral, k, edges):
+                continue
+            shallowest = depth
+            cables.edge[c] = k
+            cables.overshoot[c] = depth
+            store(cables.joint_body, c, edge_point(along, k, segments))
     if not shallowest < np.inf:
         return False
     if tables.joint.slips:

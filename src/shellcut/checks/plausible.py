@@ -62,15 +62,9 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
     h, size = material.thickness, film_size(mesh)
     edge = float(np.median(mesh.edge_lengths()))
     remedy = 'thickness is in mm unless a unit is given: 74 µm is 0.074 or "74 um"'
-    if h >= size:
+    if h > SLENDER * size:
         yield Finding(
-            REFUSE,
-            "a shell must be thin beside its size",
-            f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
-            remedy,
-        )
-    elif h > SLENDER * size:
-        yield doubt(
+            REFUSE if h >= size else DOUBT,
             f"a shell should be thinner than {SLENDER:g} of its size, or its theory does not hold",
             f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
             remedy,
@@ -92,9 +86,7 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
 
 
 def _layers(material: ShellMaterial) -> Iterator[Finding]:
-    seen = {
-        (layer.material.stretching_modulus, layer.material.density) for layer in material.layers
-    }
+    seen = {(one.material.stretching_modulus, one.material.density) for one in material.layers}
     for young, density in sorted(seen):
         if not SOFTEST <= young <= STIFFEST:
             yield doubt(

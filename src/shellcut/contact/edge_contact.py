@@ -162,7 +162,9 @@ class EdgeContact(PressTerm):
         kept: Any = zip((*looks[1:], *memory[1:]), (*self._looks[1:], *had[1:]), strict=True)
         for new, old in kept:
             new[to] = old[of]
-        gone = np.setdiff1d(np.flatnonzero(had.force.any(axis=1)), of)
+        pressed = had.force.any(axis=1)
+        pressed[of] = False
+        gone = np.flatnonzero(pressed)
         v = state.node.velocity_half[self.carriers.node[gone]]
         moved = (self.carriers.weight[gone, :, None] * v).sum(axis=1)
         power = float((had.force[gone] * moved).sum())

@@ -252,7 +252,7 @@ def nearest_on(p: Vec3, sheet: int, band: float, walked: float, tables: SheetTab
             continue
         row = pairs.row[j]
         q = corners_of(x, quads, row)
-        off = _off_box(p, q) - band
+        off = off_box(p, q) - band
         if off > 0.0:
             until[j] = walked + off
             free = min(free, off)
@@ -264,7 +264,7 @@ def nearest_on(p: Vec3, sheet: int, band: float, walked: float, tables: SheetTab
 
 
 @always_inline
-def _off_box(p: Vec3, q: Corners) -> float:
+def off_box(p: Vec3, q: Corners) -> float:
     """Return the distance of p from the box around a quad [mm]."""
     square = 0.0
     for c in range(3):

@@ -119,6 +119,7 @@ class SheetContact(PressTerm):
         self._of_tool = n_tooth > 0
         self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
         self._pairs, self._memory = Pairs.none(), Memory.blank(0)
+        self._sheet_of_pair = self._point_of_sheet = nothing
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
@@ -148,7 +149,7 @@ class SheetContact(PressTerm):
 
     def point_of_sheet(self) -> Ints:
         """Return the point of every carrier."""
-        return self._pairs.point_of_sheet
+        return self._point_of_sheet
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         """Return the points that look for partners, the quads that may be, and film that moves.
@@ -193,13 +194,13 @@ class SheetContact(PressTerm):
         """
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
         # There is nothing to remember of most sheets: nothing has come close, or got a side.
-        of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
+        of_old, of_new = self._sheet_of_pair, new.sheet_of_pair
         held = self._memory.side != 0 if self._of_tool else self._met
         met = np.flatnonzero(held[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
-        key = old.point_of_sheet[of_old] * n_row + old.row[met]
+        key = self._point_of_sheet[of_old] * n_row + old.row[met]
         point = new.point_of_sheet[of_new]
         fresh = [] if self._of_tool else np.setdiff1d(new.point, old.point).tolist()
         for node in fresh:
@@ -220,6 +221,7 @@ class SheetContact(PressTerm):
     def _lay_out(self, state: State) -> None:
         """Build the kernels' tables, good until the next search."""
         f, pairs, quads = state.flank, self._pairs, state.quad.nodes
+        self._sheet_of_pair, self._point_of_sheet = pairs.sheet_of_pair, pairs.point_of_sheet
         # Film moves as the ends of its flanks and its nodes do, not as virtual nodes swing.
         listed, near = np.zeros(len(quads), np.bool_), np.zeros(len(state.node.x), np.bool_)
         listed[pairs.row] = True
@@ -247,11 +249,14 @@ class SheetContact(PressTerm):
         )
         self.held = self._hold(self.tables)
 
-    def _places(self) -> Floats:
-        """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5)."""
+    def _places(self, within: float = np.inf) -> Floats:
+        """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5).
+
+        Without weights where the quad's box is farther away than ``within`` [mm].
+        """
         found = np.zeros((len(self._pairs.row), 5))
         if self._pose is not None:
-            self._closest(self._pose, self.held, found)
+            self._closest(self._pose, self.held, within, found)
         return found
 
     # ---------------------------------------------------------------- restart
@@ -289,7 +294,8 @@ class PointContact(SheetContact):
         )
         points, tool = contact_points(contact.tool, edge_length), contact.tool
         super().__init__("points", law, points, tool.n_tooth, _SLACK * edge_length, FilmOutline())
-        self._contact = contact
+        self._contact, self._list_is, self._whole = contact, -1, self._tracked
+        """The contact of nodes, and the whole rows of its list of that number."""
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
@@ -307,9 +313,11 @@ class PointContact(SheetContact):
         if self.tables is None or self._pose is None:
             return np.zeros(0, np.int64), np.zeros(0)
         nodes, pairs = self.tables.nodes, self._pairs
-        depth = self._memory.depth[pairs.sheet_of_pair]
-        soon = self._places()[:, 0] <= self._margin + depth
-        key = pairs.point_of_pair[soon, None] * len(nodes.x) + self.tables.quads[pairs.row[soon]]
+        sheet, depth = self._sheet_of_pair, self._memory.depth
+        within = self._margin + float(depth.max(initial=0.0))
+        soon = self._places(within)[:, 0] <= self._margin + depth[sheet]
+        points = self._point_of_sheet[sheet[soon], None]
+        key = points * len(nodes.x) + self.tables.quads[pairs.row[soon]]
         point, node = np.divmod(np.unique(key), len(nodes.x))
         p, area = self._pose.to_space(self.points.place)[point], nodes.contact_area[node]
         away = np.linalg.norm(nodes.x[node] - p, axis=1) / local_edge_length(area)
@@ -318,15 +326,17 @@ class PointContact(SheetContact):
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         near, place = self._contact.near, pose.to_space(self.points.place)
-        rows = near.rows(state)
-        halved = state.node.halved[state.quads[rows]].any(axis=1)
-        whole = (state.quad.share[rows] >= 1.0) & ~halved
+        if self._list_is != near.n_search:  # which is made anew after a cut, too
+            rows, self._list_is = near.rows(state), near.n_search
+            halved = state.node.halved[state.quads[rows]].any(axis=1)
+            self._whole = rows[(state.quad.share[rows] >= 1.0) & ~halved]
         points = Points(np.arange(len(place)), place, np.full(len(place), -1))
-        return points, rows[whole], near.ids
+        return points, self._whole, near.ids
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
-        return self.points.share[self._pairs.point_of_pair] * self._contact.law.of_nodes(area)
+        point = self._point_of_sheet[self._sheet_of_pair]
+        return self.points.share[point] * self._contact.law.of_nodes(area)
 
 
 class SelfContact(SheetContact):

@@ -23,6 +23,7 @@ from .look_at_quad import (
     corners_of,
     nearest_on,
     normal_at,
+    off_box,
     place_in,
     slopes_along,
     way_out,
@@ -200,8 +201,11 @@ def put_on(at: int, which: int, node: int, f: Vec3, nodes: ContactNodes, presses
 
 
 @kernel
-def closest_of_pairs(pose: Pose, tables: SheetTables, found: Floats) -> None:
-    """Write distance [mm] and weights of the closest place of every pair to found : (n_pair, 5)."""
+def closest_of_pairs(pose: Pose, tables: SheetTables, within: float, found: Floats) -> None:
+    """Write distance [mm] and weights of the closest place of every pair to found : (n_pair, 5).
+
+    Of a pair that is farther apart than ``within`` by the box of the quad only that distance.
+    """
     pose, tables = borrowed(pose), borrowed(tables)
     pairs = tables.pairs
     for i in range(pairs.point.shape[0]):
@@ -210,6 +214,9 @@ def closest_of_pairs(pose: Pose, tables: SheetTables, found: Floats) -> None:
         for j in range(pairs.first_pair[first], pairs.first_pair[end]):
             row = pairs.row[j]
             q = corners_of(tables.nodes.x, tables.quads, row)
+            found[j, 0] = off_box(p, q)
+            if found[j, 0] > within:
+                continue
             place = closest_place(p, q, row, tables.outline)
             found[j, 0], weights = np.sqrt(place.square), weights_at(place.xi, place.eta)
             for a in range(4):

@@ -60,15 +60,8 @@ def main(path: str, out: str, deviation: str, scale: str) -> None:
         problems = [str(refusal)]
     finally:
         gmsh.finalize()
-    np.savez(
-        out,
-        vertices=vertices,
-        triangles=triangles,
-        chord=chord,
-        n_solid=n_solid,
-        notes=notes,
-        problems=problems,
-    )
+    surface: dict[str, Any] = {"vertices": vertices, "triangles": triangles, "chord": chord}
+    np.savez(out, **surface, n_solid=n_solid, notes=notes, problems=problems)
 
 
 class _Refused(Exception):

@@ -44,10 +44,8 @@ _TYPES: dict[int, tuple[str, int]] = {
     26: ("4-node line", 4),
     36: ("16-node quad", 16),
 }
-_QUADRATIC = {"3-node line": LINE, "6-node triangle": TRIANGLE} | {
-    "8-node quad": QUAD,
-    "9-node quad": QUAD,
-}
+_QUADRATIC = dict.fromkeys(("8-node quad", "9-node quad"), QUAD)
+_QUADRATIC |= {"3-node line": LINE, "6-node triangle": TRIANGLE}
 _PASSED_OVER = (
     *("Comments", "Periodic", "Parametrizations"),
     *("NodeData", "ElementData", "ElementNodeData", "InterpolationScheme"),

@@ -2,7 +2,7 @@
 
 A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
 it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
-edge has passed goes on whatever the force there ([METHOD2] 12, rule 6).
+edge has passed goes on whatever the force there.
 
 The motion is prescribed, so that this pose is known. On a circle of radius R the present mid-plane
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
@@ -23,6 +23,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.tool.cutting_edge import (
@@ -99,6 +100,7 @@ class BladeDrive:
     def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
         self.edges, self._motion, self._pose_at = edges, motion, poses_of(motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
+        self._held_edges, self._hold = Holder()(edges), Holder()
         self._allocate(0)
 
     def _allocate(self, n: int) -> None:
@@ -115,6 +117,7 @@ class BladeDrive:
             ways=np.zeros((n, len(LOOK_AHEAD) + 1, 3)),
             lean=np.zeros((n, 3)),
         )
+        self._held = self._hold(self.driven)
 
     def find(
         self,
@@ -150,7 +153,8 @@ class BladeDrive:
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
-        count = self._try_poses(x, size, self.edges, found, reach, edge < 0, True)
+        tried = x, size, self._held_edges, self._held, reach
+        count = self._try_poses(*tried, edge < 0, True)
         for k in range(TURNS):
             if not count:
                 break
@@ -159,11 +163,13 @@ class BladeDrive:
                     found.rotation[i], found.translation[i] = pose_at(later)
                     found.spin[i], found.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
-            count = self._try_poses(x, size, self.edges, found, reach, False, more)
+            count = self._try_poses(*tried, False, more)
         return found
 
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
         """Return in which directions edges drive the tips that were asked for last.
+
+        One that no edge drives is led straight on.
 
         Parameters
         ----------
@@ -174,7 +180,7 @@ class BladeDrive:
         size : ndarray, shape (n_tip,)
             Local edge lengths [mm].
         """
-        self._direct(director, heading, reference, size, self.edges.segments, self.driven)
+        self._direct(director, heading, reference, size, self.edges.segments, self._held)
         return self.driven
 
 
@@ -240,9 +246,14 @@ def _direct(
     found = borrowed(found)
     n_way = found.ways.shape[1]
     for i in range(size.shape[0]):
-        if found.edge_of[i] < 0:
-            continue
         d, e = load(director, i), found.edge_of[i]
+        if e < 0:
+            way = load(heading, i)
+            way = combine(1.0, way, -dot(way, d), d)
+            for nth in range(n_way):
+                store(found.ways[i], nth, scale(1.0 / max(norm(way), TANGENT), way))
+            store(found.lean, i, (0.0, 0.0, 0.0))
+            continue
         pose = Pose(found.rotation[i], found.translation[i])
         b = turn(segment_part(segments, e, NORMAL), pose)
         trace = cross(d, b)

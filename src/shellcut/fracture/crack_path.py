@@ -23,6 +23,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import KnownTopology, State
@@ -59,7 +60,7 @@ ONCOMING = -0.7
 """Cosine of the headings of two cracks below which they come towards each other."""
 
 
-_ASKED, _STRAIGHT_UP = np.zeros(1, np.int64), np.zeros((1, 3))
+_STRAIGHT_UP = np.zeros((1, 3))
 
 
 class CrackPath:
@@ -80,7 +81,9 @@ class CrackPath:
     ) -> None:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
         self._leave, self._known = BoundOnce(leave), KnownTopology()
-        self._tables: dict[tuple[Tip, ...], RowsAhead | None] = {}
+        self._tables: dict[tuple[Tip, ...], tuple[RowsAhead, RowsAhead] | None] = {}
+        self._hold, self._aimed = Holder(), Aimed.of(1)
+        self._held_aimed = Holder()(self._aimed)
         # The mesh alone decides, and rows are asked about anew after every cut.
         self._parts_of = lru_cache(maxsize=1024)(self._heading_in)
 
@@ -325,9 +328,9 @@ class CrackPath:
         if of not in self._tables:
             ahead = self.rows_ahead(tip)
             ends = [self.oncoming(row, entry, tip.heading, others) for row, entry in ahead]
-            self._tables[of] = table_of(state, self, ahead, ends) if ahead else None
-        table = self._tables[of]
-        return table and self._segment(state, table, direction, lean)
+            self._tables[of] = self._both(table_of(state, self, ahead, ends)) if ahead else None
+        tables = self._tables[of]
+        return tables and self._segment(state, tables, direction, lean)
 
     def segment(
         self,
@@ -342,8 +345,12 @@ class CrackPath:
 
         lean : as of :meth:`segment_from`.  ends : of cracks in the row that it may join.
         """
-        table = table_of(state, self, [(row, entry)], [ends])
-        return self._segment(state, table, direction, lean)
+        tables = self._both(table_of(state, self, [(row, entry)], [ends]))
+        return self._segment(state, tables, direction, lean)
+
+    def _both(self, table: RowsAhead) -> tuple[RowsAhead, RowsAhead]:
+        """Return a table as it is, and laid out for the kernel."""
+        return table, self._hold(table)
 
     def side_near(
         self,
@@ -375,21 +382,24 @@ class CrackPath:
         return found
 
     def _segment(
-        self, state: State, table: RowsAhead, direction: Floats, lean: Floats | None
+        self,
+        state: State,
+        tables: tuple[RowsAhead, RowsAhead],
+        direction: Floats,
+        lean: Floats | None,
     ) -> Segment | None:
         """Return the segment through the first row of a table into which a direction leads."""
-        aimed = Aimed.of(1)
+        table, held = tables
         self._leave(
-            table,
+            held,
             np.array([0, len(table.row)]),
             np.ascontiguousarray(direction).reshape(1, 1, 3),
             _STRAIGHT_UP if lean is None else np.ascontiguousarray(lean).reshape(1, 3),
-            _ASKED,
             state.node.x,
             state.node.t,
-            aimed,
+            self._held_aimed,
         )
-        return self.segment_of(table, aimed, 0)
+        return self.segment_of(table, self._aimed, 0)
 
     def segment_of(self, ahead: RowsAhead, aimed: Aimed, i: int) -> Segment | None:
         """Return the segment that the kernel has found from tip i, None if it has none."""

@@ -18,8 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
@@ -98,8 +96,8 @@ def rows_along(
 
 def nodes_at(state: State, row: int, place: Point) -> set[int]:
     """Return the nodes of a row that move a place in it."""
-    held = np.array(shape_functions(place)) > UNUSED
-    return set(state.quads[row][held].tolist())
+    corners = zip(state.quads[row].tolist(), shape_functions(place), strict=True)
+    return {node for node, weight in corners if weight > UNUSED}
 
 
 def parted(state: State, rows: Iterable[int], places: Iterable[Point]) -> bool:

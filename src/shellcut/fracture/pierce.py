@@ -28,6 +28,7 @@ from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
@@ -119,7 +120,7 @@ class Pierce:
         self._place = np.zeros((n_most, 2))
         self._rows = self._first = np.zeros(0, np.int64)
         self._near = NearNodes(self._low, self._high, size)
-        self._quad, self._chord = quad, Aimed.of(2)
+        self._held = Holder()(edges), Holder()(quad), Holder()(Aimed.of(2))
         self._find = BoundOnce(_pierced)
 
     def found(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
@@ -168,7 +169,8 @@ class Pierce:
         chain = self._chain[on.segment[point[pressing]]]
         for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             k = int(point[i])
-            rows = np.flatnonzero((state.quads == node[i]).all(axis=1)).tolist()
+            there = state.node.quads[node[i, 0], : state.node.n_quad_at[node[i, 0]]]
+            rows = there[(state.quads[there] == node[i]).all(axis=1)].tolist()
             if not rows:  # it has been cut since it was pressed
                 continue
             row = rows[0]
@@ -205,6 +207,7 @@ class Pierce:
         if self._near.renew(state, pose):
             self._list(state)
         row, segment, place = self._row, self._segment, self._place
+        edges, quad, chord = self._held
         n_found = self._find(
             state.node.x,
             state.node.t,
@@ -214,12 +217,12 @@ class Pierce:
             self._shell.area,
             tips,
             pose,
-            self._edges,
+            edges,
             self._chain,
             self._low,
             self._high,
-            self._quad,
-            self._chord,
+            quad,
+            chord,
             row,
             segment,
             place,

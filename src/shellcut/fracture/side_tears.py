@@ -78,7 +78,6 @@ class _Tried(NamedTuple):
     corner: int
     """Of that last row, at which the tip is."""
     sums: TrialSums
-    aimed: Aimed
     weighed: Weighed
 
 
@@ -132,10 +131,10 @@ class SideTears:
             self._known.take(state)
         if tip not in self._tried:
             self._tried[tip] = self._try(state, tip)
-        segments, nodes, weights, corner, sums, aimed, weighed = self._tried[tip]
+        segments, nodes, weights, corner, sums, weighed = self._tried[tip]
         if not segments:
             return None
-        sums.weigh(state, aimed, weighed)
+        sums.weigh(state)
         ways = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
         chord = ways[:-1] + weighed.behind[:, None] * unit(ways[-1])
         a, b, c = state.node.t[nodes[-1, corner]].tolist()
@@ -153,13 +152,14 @@ class SideTears:
     def _try(self, state: State, tip: Tip) -> _Tried:
         """Return the sides along which a crack may go on, each with its trial cut."""
         segments = self._sides(state, tip)
-        sums, aimed = TrialSums(self._trial_cut), Aimed.along(state, segments)
-        sums.take([(i, self._trial_cut.pairs(state, one)) for i, one in enumerate(segments)])
+        sums, weighed = TrialSums(self._trial_cut), Weighed.of(len(segments))
+        trials = [(i, self._trial_cut.pairs(state, one)) for i, one in enumerate(segments)]
+        sums.take(trials, Aimed.along(state, segments), weighed)
         row, entry = self._path.rows_ahead(tip)[0]
         ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
         nodes = state.quads[[*(one.row for one in segments), row]]
         known = segments, nodes, np.array(ways), corner_at(entry)
-        return _Tried(*known, sums, aimed, Weighed.of(len(segments)))
+        return _Tried(*known, sums, weighed)
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""

@@ -52,6 +52,7 @@ from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
@@ -179,15 +180,22 @@ class TrialCut:
             """Return whether the side has a place: of the row that is tried it is one part."""
             return row != segment.row or all(holds(part, place) for part in mine)
 
-        c, cables = state.cable, []
-        for k, end in np.argwhere(np.isin(c.row[: c.count], rows)).tolist():
-            row, share = int(c.row[k, end]), float(c.share[k])
-            start, stop = c.chord[k, end].tolist()
+        c, cables, opened = state.cable, [], dict[tuple[float, ...], bool]()
+        among, holding = np.zeros(new, np.bool_), np.flatnonzero(c.status[: c.count] != BROKEN)
+        among[rows] = True
+        nth, ends = among[c.row[holding]].nonzero()
+        for k, end in zip(holding[nth].tolist(), ends.tolist(), strict=True):
+            pair, chords, share = c.row[k].tolist(), c.chord[k].tolist(), float(c.share[k])
+            row, (start, stop) = pair[end], chords[end]
             at = int(corner[rows == row][0])
             parts = (1.0 - share) * shape_functions(start)[at], share * shape_functions(stop)[at]
             if sum(parts) > UNUSED and holds_place(row, between(start, stop, share)):
-                opened = (parted(state, c.row[k], c.chord[k, :, which]) for which in (0, 1))
-                closed = sum(w for w, is_open in zip(parts, opened, strict=True) if not is_open)
+                closed = 0.0
+                for part, *places in zip(parts, *chords, strict=True):
+                    at_place = (*pair, *places[0], *places[1])
+                    if at_place not in opened:  # several cables are between the same places
+                        opened[at_place] = parted(state, pair, places)
+                    closed += 0.0 if opened[at_place] else part
                 cables.append((k, end, sum(parts), closed))
         return Side(
             rows=rows,
@@ -228,12 +236,22 @@ class Weighed(NamedTuple):
     """L_in times the factor on its strength [mm]; 0 where no cables hold the segment behind."""
     measure: Annotated[Floats, "(n_tip,)"]
     """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
+    size: Annotated[Floats, "(n_tip,)"]
+    """|F| over the same."""
 
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
         (force, pull), (length, behind) = np.zeros((2, n, 3)), np.zeros((2, n))
-        return cls(force, pull, length, behind, np.full(n, -np.inf))
+        return cls(force, pull, length, behind, *np.full((2, n), -np.inf))
+
+
+class _Trials(NamedTuple):
+    """All that the kernel takes and that lasts until other cuts are tried."""
+
+    sums: _Sums
+    aimed: Aimed
+    weighed: Weighed
 
 
 class TrialSums:
@@ -247,13 +265,21 @@ class TrialSums:
 
     def __init__(self, trial_cut: TrialCut) -> None:
         self._trial_cut = trial_cut
-        self._weigh = BoundOnce(_weigh_trials)
-        self.take([])
+        self._weigh, self._hold = BoundOnce(_weigh_trials), Holder()
 
-    def take(self, trials: Sequence[tuple[int, list[Pair]]]) -> None:
+    def take(
+        self, trials: Sequence[tuple[int, list[Pair]]], aimed: Aimed, weighed: Weighed
+    ) -> None:
         """Take the trial cuts that are to be weighed from now on.
 
-        Of each: which of the tips, and its pairs.
+        Parameters
+        ----------
+        trials : sequence of (int, list of Pair)
+            Of each: which of the tips, and its pairs.
+        aimed : Aimed
+            Segments of the tips; all that have one are among the trials.
+        weighed : Weighed
+            Written by :meth:`weigh`, where a tip has a segment.
         """
         tips, every = zip(*trials, strict=True) if trials else ((), ())
         pairs = [pair for some in every for pair in some]
@@ -271,7 +297,7 @@ class TrialSums:
                 shares += [link[2:] for link in side.cables]
         held = np.array(list(corners), np.int64).reshape(-1, 2)
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
-        self._sums = _Sums(
+        sums = _Sums(
             tip=np.array(tips, np.int64),
             start=np.cumsum([0, *map(len, every)]),
             weight=np.array([pair.weight for pair in pairs]),
@@ -280,23 +306,14 @@ class TrialSums:
             cable=np.array(cables, np.int64).reshape(-1, 4),
             share=np.array(shares, float).reshape(-1, 2),
         )
+        self._trials = self._hold(_Trials(sums, aimed, weighed))
 
-    def weigh(self, state: State, aimed: Aimed, weighed: Weighed) -> None:
-        """Write what the trials have at their tips.
-
-        Parameters
-        ----------
-        state : State
-            Present positions and forces.
-        aimed : Aimed
-            Segments of the tips; all that have one are among the trials.
-        weighed : Weighed
-            Written, where a tip has a segment.
-        """
+    def weigh(self, state: State) -> None:
+        """Write what the trials have at their tips, at the present positions and forces."""
         n, c, trial = state.node, state.cable, self._trial_cut
         force = trial.corner_forces(state, self._rows, self._nodes)
-        known = self._sums, aimed, force, c.status, c.force, c.area, trial.carried, trial.thickness
-        self._weigh(n.x, n.t, n.X, *known, weighed)
+        known = force, c.status, c.force, c.area, trial.carried, trial.thickness
+        self._weigh(n.x, n.t, n.X, self._trials, *known)
 
     def of_tear(self, state: State, segment: Segment) -> float:
         """Return |F| over what the cables would carry; less if it presses. A tear is due at 1."""
@@ -322,8 +339,8 @@ class TrialSums:
     def _alone(self, state: State, segment: Segment, pairs: list[Pair]) -> Weighed:
         """Return what the trial cut along one segment has."""
         one = Weighed.of(1)
-        self.take([(0, pairs)])
-        self.weigh(state, Aimed.along(state, [segment]), one)
+        self.take([(0, pairs)], Aimed.along(state, [segment]), one)
+        self.weigh(state)
         return one
 
 
@@ -332,22 +349,20 @@ def _weigh_trials(
     x: Floats,
     t: Floats,
     X: Floats,
-    sums: _Sums,
-    aimed: Aimed,
+    trials: _Trials,
     corner_force: Floats,
     status: SmallInts,
     cable_force: Floats,
     cable_area: Floats,
     carried: float,
     thickness: float,
-    weighed: Weighed,
 ) -> None:
     """Write what trial cuts have at their tips.
 
     x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
     (n_cable, 2, 3), [N].  cable_area : (n_cable,), [mm²].  carried : sigma_F h [N/mm].
     """
-    sums, aimed, weighed = borrowed(sums), borrowed(aimed), borrowed(weighed)
+    sums, aimed, weighed = borrowed(trials)
     n_trial = sums.tip.shape[0]
     trial = np.empty(sums.weight.shape[0], np.int64)
     for k in range(n_trial):
@@ -381,12 +396,14 @@ def _weigh_trials(
                 closed = add_scaled(closed, moves, load(behind[p], side))
                 kappa += sums.weight[p] ** 2 / mass
         if kappa == 0.0:
-            weighed.measure[tip] = -np.inf
+            weighed.measure[tip] = weighed.size[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
         pull = scale(1.0 / kappa, sub(d, closed))
         before = held[k] / (thickness * whole)
-        weighed.measure[tip] = dot(pull, m) / norm(m) / (0.5 * carried * (before + out))
+        carries = 0.5 * carried * (before + out)
+        weighed.measure[tip] = dot(pull, m) / norm(m) / carries
+        weighed.size[tip] = norm(pull) / carries
         weighed.length[tip], weighed.behind[tip] = out, before
         store(weighed.force, tip, scale(1.0 / kappa, d))
         store(weighed.pull, tip, pull)

@@ -64,7 +64,7 @@ def bound_largest_eigenvalues(
 @inline
 def _turn(K: Floats, v: Floats, w: Floats) -> float:
     """Replace v by K v of unit length; return the Rayleigh quotient of the old v."""
-    n = v.shape[0]
+    n = N_FREEDOM  # a constant: the loops are unrolled
     for k in range(n):
         w[k] = 0.0
     for j in range(n):
@@ -84,7 +84,7 @@ def _turn(K: Floats, v: Floats, w: Floats) -> float:
 @inline
 def _is_above(value: float, K: Floats, left: Floats) -> bool:
     """Whether value exceeds all eigenvalues of K : (n, n): all pivots of value - K are positive."""
-    n = K.shape[0]
+    n = N_FREEDOM
     for k in range(n):
         for j in range(n):
             left[k, j] = -K[k, j]

@@ -180,6 +180,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         slot: Ints, nodes: Ints, quads: PointQuads, step: QuadStep, force: Floats
     ) -> None:
         """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
+        quads = borrowed(quads)
         linear, last, history = quads.quads, step.last, step.history
         corner, tables = linear.corner, linear.tables
         width = corner.shape[2]

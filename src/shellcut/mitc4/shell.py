@@ -304,7 +304,7 @@ class MITC4Shell:
         self._write_corner_forces(
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
-            self._present.of(state),
+            self._present.held(state),
             self._step(state),
             force,
         )

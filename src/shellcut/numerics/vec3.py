@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from math import sqrt
 
+import numpy as np
+
 from shellcut.arrays import Floats, Numbers, Vec3
 
 from .jit import always_inline
@@ -16,23 +18,26 @@ from .jit import always_inline
 @always_inline
 def load(rows: Numbers, i: int) -> Vec3:
     """Return row i."""
-    return rows[i, 0], rows[i, 1], rows[i, 2]
+    k = np.uintp(i)
+    return rows[k, 0], rows[k, 1], rows[k, 2]
 
 
 @always_inline
 def store(rows: Floats, i: int, a: Vec3) -> None:
     """Write a into row i."""
-    rows[i, 0] = a[0]
-    rows[i, 1] = a[1]
-    rows[i, 2] = a[2]
+    k = np.uintp(i)
+    rows[k, 0] = a[0]
+    rows[k, 1] = a[1]
+    rows[k, 2] = a[2]
 
 
 @always_inline
 def add_to(rows: Floats, i: int, a: Vec3) -> None:
     """Add a to row i."""
-    rows[i, 0] += a[0]
-    rows[i, 1] += a[1]
-    rows[i, 2] += a[2]
+    k = np.uintp(i)
+    rows[k, 0] += a[0]
+    rows[k, 1] += a[1]
+    rows[k, 2] += a[2]
 
 
 @always_inline

@@ -63,7 +63,7 @@ class ForceTerms:
                 amounts=self._amounts,
             )
         )
-        self._work_on_tool = BoundOnce(work_on_tool)
+        self._work_on_tool, self._twist = BoundOnce(work_on_tool), np.zeros((2, 3))
 
     def __iter__(self) -> Iterator[ForceTerm]:
         return iter(self._terms)
@@ -96,11 +96,10 @@ class ForceTerms:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
         for term in self._terms:
             term.add_forces(state, pose)
-        twist = _STILL
+        tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
-            twist = np.array(self._motion.twist(state.time - 0.5 * state.tick), float)
-        way = twist, pose.translation, state.tick
-        ledger.tool_work -= self._work_on_tool.code(*way, self._book)
+            twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
+        ledger.tool_work -= self._work_on_tool.code(twist, pose.translation, tick, self._book)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
@@ -114,9 +113,6 @@ class ForceTerms:
         self._last[:] = saved["last"]
         for term in self._terms:
             term.restore(state, pose, saved[term.name])
-
-
-_STILL = np.zeros((2, 3))
 
 
 class WorkBook(NamedTuple):

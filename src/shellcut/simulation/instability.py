@@ -142,11 +142,12 @@ class StabilityGuard:
 
         Both are looked at every CHECK_EVERY steps.
         """
-        if state.step % CHECK_EVERY == 0:
-            self._check_area(state)
         if state.step == 1:
             self._balance.begin(book)
-        elif state.step % CHECK_EVERY == 0 and self._balance.lost(book):
+        if state.step % CHECK_EVERY:
+            return
+        self._check_area(state)
+        if self._balance.lost(book):
             raise self._balance_lost(state, book)
 
     def saved(self) -> dict[str, Any]:

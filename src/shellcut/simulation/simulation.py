@@ -278,12 +278,13 @@ class Simulation:
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
-        s, book, work = self.state, self.ledger, self._guard.scale
-        self.pace.adapt(book.kinetic, work)
-        self.supports.prescribe(s, dt_next, self.pace.now)
+        s, book, pace = self.state, self.ledger, self.pace
+        if is_slowed := pace.share is not None:
+            pace.adapt(book.kinetic, self._guard.scale)
+        self.supports.prescribe(s, dt_next, pace.now)
         kick = self.integrator.kick(s, dt_last, dt_next)
         book.support_work += kick.support_work
-        if self.pace.stops(kick.kinetic, book.kinetic, work):
+        if is_slowed and pace.stops(kick.kinetic, book.kinetic, self._guard.scale):
             moved, kick = kick.kinetic, self.integrator.restart(s, dt_next)
             book.damping_kinetic += moved - kick.kinetic
         book.kinetic_translation = kick.kinetic_translation

@@ -31,6 +31,7 @@ import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Annotated, Any
 
 import numpy as np
@@ -65,6 +66,8 @@ _STRETCH_EVERY, _LEAST_GROWTH = 100, 1.01
 # Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
 # its relative error is 2 eps xi², 4e-8 at this.
 _MOST_DAMPING = 1e4
+
+_n_search = attrgetter("n_search")
 
 # Quads evaluated at a time: after the worst few, few others are left to ask.
 _BATCH = 32
@@ -123,8 +126,9 @@ class StableStep:
         """Return dt of the step after t_n [s]."""
         if self.stepping.fixed is not None:
             return self.stepping.fixed
-        due = state.step >= self._next or self._is_stretched(state)
-        searched = [term.n_search for term in self._terms]
+        step = state.step
+        due = step >= self._next or (step % _STRETCH_EVERY == 0 and self._is_stretched(state))
+        searched = list(map(_n_search, self._terms))
         if due or searched != self._searched or not self._topology.is_of(state):
             bound = self._look_at_all(state) if due else self._look_at_stiffness(state)
             self._take(self.stepping.safety * bound, due)
@@ -136,8 +140,6 @@ class StableStep:
 
         The growth is estimated high: what a step really takes up by then lies below.
         """
-        if state.step % _STRETCH_EVERY:
-            return False
         growth, dt, beta = self._stretch.growth(state), self._dt, self._shell.damping_beta
         damped = float(self._shell.frequencies.damped.max())
         used_up = 0.25 * growth * (dt * dt * self._stretch.largest + 2.0 * dt * beta * damped)
@@ -275,7 +277,7 @@ class StableStep:
         In their order: what one adds to another that is evaluated before it may be less than its
         own stiffness.
         """
-        searched = [term.n_search for term in self._terms]
+        searched = list(map(_n_search, self._terms))
         for term, now, then in zip(self._terms, searched, self._searched, strict=True):
             if again or now != then or now < 0:
                 self._stiffness[term.name] = term.stiffness(state, self._stiffness)

@@ -22,6 +22,7 @@ mid-plane, whereas behind the edge it leads sideways, through a flank.
 
 from __future__ import annotations
 
+import itertools
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -43,6 +44,9 @@ the tool. Nodes and cables are checked before the edge has moved by a third of a
 # Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
 # widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
 _STRIP_SLOPE = 0.2
+
+# Segments that have a box together.
+_RUN = 8
 
 # Least sine of the angle between the mid-plane and a sideways way out of the solid: flanks are at
 # less than 60 degrees to the mid-plane, blunt ones at 40; an end face is across it.
@@ -67,6 +71,11 @@ class CuttingEdges(NamedTuple):
     """Finds the tool's surface, for :func:`in_the_blade`."""
     radius: float
     """Of the edges, whose segments are then their nose lines; 0 if sharp [mm]."""
+    first: Annotated[Ints, "(n_run_1,)"]
+    """First segment of each run of a few that follow one another, and the end."""
+    low: Annotated[Floats, "(n_run, 3)"]
+    """Corners of the box around each run [mm]."""
+    high: Annotated[Floats, "(n_run, 3)"]
 
     @classmethod
     def of(cls, tool: Tool | None) -> CuttingEdges:
@@ -76,16 +85,39 @@ class CuttingEdges(NamedTuple):
             # Read-only, as those of a tool: for another type the cables' kernel is compiled again.
             none = np.zeros(0, np.int64)
             none.flags.writeable = False
-            return cls(np.zeros((0, 4, 3)), none, solid, 0.0)
+            boxes = np.zeros(1, np.int64), *np.zeros((2, 0, 3))
+            return cls(np.zeros((0, 4, 3)), none, solid, 0.0, *boxes)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
-        return cls(np.stack(rows, axis=1), tool.edge_tooth, solid, tool.edge_radius)
+        every = np.arange(tool.n_edge)
+        of_chain = every - np.searchsorted(tool.edge_chain, tool.edge_chain)
+        first = np.append(np.flatnonzero(of_chain % _RUN == 0), tool.n_edge)
+        ends = [np.stack([start[a:b], end[a:b]]) for a, b in itertools.pairwise(first.tolist())]
+        low, high = np.zeros((2, len(ends), 3))
+        for k, both in enumerate(ends):
+            low[k], high[k] = both.min(axis=(0, 1)), both.max(axis=(0, 1))
+        segments = np.stack(rows, axis=1)
+        return cls(segments, tool.edge_tooth, solid, tool.edge_radius, first, low, high)
 
 
 @inline
 def segment_part(segments: Floats, k: int, part: int) -> Vec3:
     """Return a (``START``), L e (``VECTOR``), b (``NORMAL``) or k (``BACK``) of segment k."""
     return segments[k, part, 0], segments[k, part, 1], segments[k, part, 2]
+
+
+@inline
+def may_own(a: Vec3, b: Vec3, reach: float, deepest: float, run: int, edges: CuttingEdges) -> bool:
+    """Return whether segments of a run may own a point between two, by the box around them.
+
+    reach : of the point beside the mid-plane, at most [mm].  deepest : of
+    :func:`strip_coordinates`; the strip is wider than the segment by a part of that.
+    """
+    far, near = reach + (1.0 + _STRIP_SLOPE) * deepest, True
+    for c in range(3):
+        near &= min(a[c], b[c]) - far <= edges.high[run, c]
+        near &= max(a[c], b[c]) + far >= edges.low[run, c]
+    return near
 
 
 @inline

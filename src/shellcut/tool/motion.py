@@ -26,6 +26,7 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
+from shellcut.numerics.vec3 import load
 
 from .pose import Pose
 
@@ -96,6 +97,8 @@ class ScrewMotion:
     _axis: Vec3 = field(init=False, repr=False, compare=False)
     _point: Vec3 = field(init=False, repr=False, compare=False)
     _lead: Vec3 = field(init=False, repr=False, compare=False)
+    _screw: Floats = field(init=False, repr=False, compare=False)
+    _steady: tuple[Floats, Floats] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         axis = _unit("axis", self.axis)
@@ -106,6 +109,8 @@ class ScrewMotion:
         object.__setattr__(self, "_axis", axis)
         object.__setattr__(self, "_point", point)
         object.__setattr__(self, "_lead", (lead * advance[0], lead * advance[1], lead * advance[2]))
+        object.__setattr__(self, "_screw", np.array([axis, point, self._lead]))
+        object.__setattr__(self, "_steady", self._twist_at(self.angular_speed, self.ramp))
 
     @classmethod
     @checked
@@ -147,12 +152,17 @@ class ScrewMotion:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
         rotation, origin, angle = np.empty((3, 3)), np.empty(3), self.coordinate(time)
         # A kernel, because this is called in every step.
-        _POSE_OF_SCREW.code(self._axis, self._point, self._lead, angle, rotation, origin)
+        _POSE_OF_SCREW.code(self._screw, angle, rotation, origin)
         return Pose(rotation, origin)
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
-        rate = _ramped_speed(time, self.angular_speed, self.ramp)
+        if time >= self.ramp and self._point == _ORIGIN:
+            spin, velocity = self._steady
+            return spin.copy(), velocity.copy()
+        return self._twist_at(_ramped_speed(time, self.angular_speed, self.ramp), time)
+
+    def _twist_at(self, rate: float, time: float) -> tuple[Floats, Floats]:
         a0, a1, a2 = self._axis
         v0, v1, v2 = self._lead
         if self._point != _ORIGIN:
@@ -223,11 +233,13 @@ def _ramped_speed(time: float, speed: float, ramp: float) -> float:
 
 
 @kernel
-def _pose_of_screw(
-    axis: Vec3, point: Vec3, lead: Vec3, angle: float, rotation: Floats, origin: Floats
-) -> None:
-    """Write R and r = p - R p + h angle; lead : h, the advance per radian [mm]."""
-    rows = _turn(axis, angle)
+def _pose_of_screw(screw: Floats, angle: float, rotation: Floats, origin: Floats) -> None:
+    """Write R and r = p - R p + h angle.
+
+    screw : (3, 3), axis, its point p and h, the advance per radian [mm].
+    """
+    point, lead = load(screw, 1), load(screw, 2)
+    rows = _turn(load(screw, 0), angle)
     turned_point = turned(rows, point)
     for c in range(3):
         for d in range(3):
