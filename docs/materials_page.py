@@ -13,11 +13,11 @@ PAGE = Path(__file__).parent / "materials.md"
 PICTURE = PAGE.parent / "img" / "materials.png"
 TOP = """# Materials by name
 
-Films with published numbers. Each is a set of keys of `[material]`, with who measured what on
-which film:
+This page lists films with published numbers. A name stands for keys of `[material]`. Below its keys
+stands who measured what on which film.
 
 ```sh
-shellcut run opening --set material=ldpe --set material.thickness="74 um" -o out
+shellcut run opening --set material=pet --set material.thickness="36 um" -o out
 ```
 
 ```toml
@@ -33,10 +33,10 @@ thickness = "60 um"
 preset = "aluminium_foil"
 ```
 
-(One of the two, not both.) A given key replaces that of the preset; one key of a hardening
-replaces its whole hardening. `used.toml` lists the numbers themselves. In Python:
-`shellcut.preset_film("pet", thickness="12 um")`. Where a film yields below the strength of the
-cables, or cannot reach it, the [check](howto/trust.md) before the run says so; [which
+(One of the two, not both.) A given key replaces that of the preset. If you give one key of the
+hardening, the preset's hardening is left out as a whole. `used.toml` lists the numbers themselves.
+In Python: `shellcut.preset_film("pet", thickness="12 um")`. Where a film yields below the strength
+of the cables, or cannot reach it, the [check](howto/trust.md) before the run says so; [which
 strength](theory/yielding.md#which-strength) gives the theory. The law of the cables does not come
 with a film: take it from [tensile tests](howto/tensile.md) or from a [measured
 cut](howto/fit.md).

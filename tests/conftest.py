@@ -54,7 +54,7 @@ _FIRST = (
     "test_model_check.py",
     "test_model_file.py",
     "test_quad_frequency.py",
-    "test_howto.py",
+    "test_pages.py",
     "test_model_keys.py",
 )
 
@@ -94,10 +94,8 @@ def _one_grid_for_equal_tools():
 @pytest.fixture(scope="module")
 def no_pictures():
     """Runs of the module draw nothing, as where Matplotlib is not installed."""
-    import shellcut.recording.recorder
-
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setitem(sys.modules, "matplotlib", None)
         yield
 
 

@@ -1,5 +1,7 @@
 """Unstructured quad meshes that know nothing of the blade's path, made without a mesher."""
 
+from pathlib import Path
+
 import numpy as np
 from scipy.spatial import Delaunay
 
@@ -23,6 +25,25 @@ def unstructured_disc(radius: float = 10.2, spacing: float = 0.93, seed: int = 0
     nodes[middle] *= radius / np.hypot(*nodes[middle].T)[:, None]
     rim_nodes = np.flatnonzero(np.hypot(*nodes.T) > radius - 1e-6)
     return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
+
+
+def write_gmsh(path: Path, film: Mesh, *, rim: str, quads: str) -> None:
+    """Write Gmsh's format 2.2, rim and quads as physical groups of these names."""
+    on_rim = set(film.node_set("rim").tolist())
+    sides = [
+        (a, b)
+        for quad in film.quads.tolist()
+        for a, b in zip(quad, quad[1:] + quad[:1], strict=True)
+        if a in on_rim and b in on_rim
+    ]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2"]
+    lines += [f'1 1 "{rim}"', f'2 2 "{quads}"', "$EndPhysicalNames", "$Nodes", str(film.n_node)]
+    lines += [f"{k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(film.nodes.tolist(), 1)]
+    lines += ["$EndNodes", "$Elements", str(len(sides) + film.n_quad)]
+    lines += [f"{k} 1 2 1 1 {a + 1} {b + 1}" for k, (a, b) in enumerate(sides, 1)]
+    for k, quad in enumerate(film.quads.tolist(), 1 + len(sides)):
+        lines.append(f"{k} 3 2 2 1 " + " ".join(str(n + 1) for n in quad))
+    path.write_text("\n".join([*lines, "$EndElements", ""]))
 
 
 def jittered_lattice(spacing, columns, rows, rng):

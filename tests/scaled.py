@@ -5,9 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import NamedTuple
 
-from shellcut import Mesh, ShellMaterial
-from shellcut.material.elastic import Elastic
-from shellcut.material.shell_material import Layer
+from shellcut import Elastic, Layer, Mesh, ShellMaterial
 
 
 class Factors(NamedTuple):

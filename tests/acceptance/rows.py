@@ -1,7 +1,7 @@
 """Rows: README, wheel, installation, doctor; the main job; what a user does after it.
 
-What each command computes and says is tried by the default tests; here it is done by a user, with
-what the wheel brings and nothing else.
+What each command computes and says is tried by the default tests, and every command of the pages by
+tests/unit/test_pages.py; here it is done by a user, with what the wheel brings and nothing else.
 """
 
 from __future__ import annotations
@@ -143,9 +143,6 @@ def interrupt_and_resume(user: User) -> str:
     return f"stopped at {place[1]}, resumed: history, frames, splits equal bit for bit"
 
 
-_STUDIED = "opening --set mesh=quick --set motion.angle_deg=30 --set duration=2e-3"
-"""An opening that ends at 30 deg, some seconds of one core."""
-
 _OWN = "--set membrane.file=parts/disc.msh --set membrane.clamp=clamped --set tool.file="
 
 COMMANDS = (
@@ -178,16 +175,11 @@ COMMANDS = (
         *(0, ("4 of 4 bodies were inside out",), ("own/summary.json", "own/torque.png"), 60),
     ),
     ("10-12", f"run opening {_OWN}cup.stl -o refused", 2, ("cup.stl",), (), 30),
-    ("12-13", "compare out out/history.csv", 0, (), ("out/comparison.png",), 20),
     (
         "13-14",
-        f"sweep {_STUDIED} --set cohesive.plateau=14,18 -o study",
+        "sweep opening --set mesh=quick --set motion.angle_deg=30 --set duration=2e-3 "
+        "--set cohesive.plateau=14,18 -o study",
         *(0, (), ("study/table.csv",), 120),
-    ),
-    (
-        "13-14",
-        f"sweep {_STUDIED} --set cohesive.plateau=14,18 -o study",
-        *(0, ("2 of them done before",), (), 30),
     ),
     ("13-14", "report study", 0, (), ("study/report.html",), 30),
 )

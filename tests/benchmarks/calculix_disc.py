@@ -87,8 +87,14 @@ def deck(
     return "\n".join(lines) + "\n"
 
 
-def _run(folder: Path, text: str) -> tuple[str, float]:
-    """Run a deck; return the log and the CPU time [s]."""
+def run_deck(folder: Path, text: str) -> tuple[str, float]:
+    """Run a deck; return the log and the CPU time [s].
+
+    Raises
+    ------
+    RuntimeError
+        If CalculiX does not finish.
+    """
     (folder / "disc.inp").write_text(text)
     threads = {"OMP_NUM_THREADS": "1", "CCX_NPROC_RESULTS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -124,7 +130,7 @@ def run_calculix(
     cpu, steps = [], []
     step = math.nan
     for until in (_SHORT * end, end):
-        log, seconds = _run(folder, deck(mesh, pressure, middle, section, until))
+        log, seconds = run_deck(folder, deck(mesh, pressure, middle, section, until))
         said = re.search(r"SELECTED time increment:\s*([0-9.eE+-]+)", log)
         if said is None:
             raise RuntimeError("ccx did not say which time increment it selected")

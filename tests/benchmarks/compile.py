@@ -94,19 +94,5 @@ def measure(repeats: int = 3) -> Compilation:
     )
 
 
-def table(c: Compilation) -> str:
-    """Return the figures as lines of text."""
-    return "\n".join(
-        [
-            f"import {c.import_seconds:.2f} s, of it Numba {c.warm.numba_seconds:.2f}",
-            *(
-                f"{name} start: warm-up {s.warmup_seconds:.1f} s, {s.cache_misses} kernels "
-                f"compiled, {s.cache_hits} from the cache"
-                for name, s in (("first", c.cold), ("later", c.warm))
-            ),
-        ]
-    )
-
-
 if __name__ == "__main__":
     print(json.dumps(asdict(_start())))

@@ -46,7 +46,7 @@ class Profile:
     """Own times of parts, timers' cost subtracted."""
 
     def __init__(self) -> None:
-        self._seconds: dict[str, float] = defaultdict(float)
+        self.seconds: dict[str, float] = defaultdict(float)
         self._calls: dict[str, int] = defaultdict(int)
         self._inner_calls: dict[str, int] = defaultdict(int)
         self._open: list[list[Any]] = [["driver", 0.0]]
@@ -65,7 +65,7 @@ class Profile:
                 self._calls[part] += 1
                 self._inner_calls[caller[0]] += 1
                 took = time.perf_counter() - began
-                self._seconds[part] += took - own[1]
+                self.seconds[part] += took - own[1]
                 caller[1] += took
 
         return wrapped
@@ -73,7 +73,7 @@ class Profile:
     def own_seconds(self, total: float) -> dict[str, float]:
         """Return seconds by part; ``total`` is that of everything, timers included."""
         inside, outside = _timer_cost()
-        seconds = dict(self._seconds) | {"driver": total - self._open[0][1]}
+        seconds = dict(self.seconds) | {"driver": total - self._open[0][1]}
         return {
             part: max(0.0, s - inside * self._calls[part] - outside * self._inner_calls[part])
             for part, s in seconds.items()
@@ -89,7 +89,7 @@ def _timer_cost(calls: int = 20_000) -> tuple[float, float]:
     profile = Profile()
     timed = profile.timed("nothing", nothing)
     plain, whole = (_duration(work, calls) / calls for work in (nothing, timed))
-    recorded = profile._seconds["nothing"] / calls
+    recorded = profile.seconds["nothing"] / calls
     return recorded - plain, whole - recorded
 
 
@@ -274,19 +274,3 @@ def _measured(mesh: str, angle: float, profiled: float) -> Cut:
         profile_scale=scale,
         not_found=not_found,
     )
-
-
-def table(cut: Cut) -> str:
-    """Return the figures as lines of text."""
-    lines = [
-        f"{cut.mesh}, {cut.n_quad} quads to {cut.angle:.1f} degrees: {cut.n_step} steps, "
-        f"{cut.wall_seconds:.1f} s (set-up {cut.set_up_seconds:.1f}, run {cut.run_seconds:.1f}, "
-        f"closing {cut.closing_seconds:.1f}), CPU {cut.cpu_seconds:.1f} s; {cut.n_split} splits, "
-        f"{cut.n_broken} cables broken, imbalance {100 * cut.imbalance:.3f} %, "
-        f"memory {cut.memory_growth / 2**20:+.0f} MB",
-        *(f"  {part:<26} {own:8.2f} ns a quad and step" for part, own in cut.parts.items()),
-        f"  all but the shells {cut.all_but_shells:.1f}; parts scaled by {cut.profile_scale:.3f}",
-    ]
-    if cut.not_found:
-        lines.append(f"  not timed by themselves: {', '.join(cut.not_found)}")
-    return "\n".join(lines)

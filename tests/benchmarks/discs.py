@@ -5,9 +5,7 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from shellcut import Pressure, ShellMaterial, Simulation, Stepping, Support
-from shellcut.material.shell_material import Elastic, Layer
-from shellcut.mesh.mesh import Mesh
+from shellcut import Elastic, Layer, Mesh, Pressure, ShellMaterial, Simulation, Stepping, Support
 from shellcut.mesh.structured import disc, opening_disc
 
 RADIUS = 10.2

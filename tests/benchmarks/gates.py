@@ -112,12 +112,3 @@ def _of_start(r: Results) -> Iterator[Gate]:
     yield Gate("import, s", _IMPORT, c.import_seconds if c else None, why_not=NOT_RUN)
     again = float(c.recompiled) if c else None
     yield Gate("kernels compiled by a second start", 0.0, again, why_not=NOT_RUN)
-
-
-def table(rows: list[Gate]) -> str:
-    """Return the gates as lines of text."""
-    return "\n".join(
-        f"{gate.what:<72} {'>=' if gate.at_least else '<='} {gate.target:<8g} "
-        f"{'-' if gate.figure is None else format(gate.figure, '.4g'):>9}  {gate.verdict}"
-        for gate in rows
-    )

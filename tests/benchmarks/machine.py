@@ -250,21 +250,3 @@ def measure(*, array_bytes: int | None = None, rounds: int = 1_000_000) -> Machi
         cache_mbytes=cache / 2**20,
         n_core=n_core(),
     )
-
-
-def table(m: Machine) -> str:
-    """Return the figures as lines of text."""
-
-    def two(rate: float | None, unit: str) -> str:
-        return "one core only" if rate is None else f"{rate:.1f} {unit} by two threads"
-
-    return "\n".join(
-        [
-            f"{m.cpu}, {m.n_core} cores, {m.lanes} lanes, last-level cache {m.cache_mbytes:.0f} MB",
-            f"clock {m.clock_ghz:.2f} GHz by a chain of dependent instructions",
-            f"multiply-add {m.peak_gflops:.1f} GFlop/s, {m.flops_a_cycle:.1f} flops a cycle; "
-            f"{two(m.peak_gflops_2, 'GFlop/s')}",
-            f"triad {m.triad_gbytes:.1f} GB/s on arrays of {m.triad_array_mbytes:.0f} MB; "
-            f"{two(m.triad_gbytes_2, 'GB/s')}",
-        ]
-    )

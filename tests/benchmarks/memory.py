@@ -13,8 +13,6 @@ from pathlib import Path
 from benchmarks.discs import SIZES, build_mesh, pressurised_disc
 from benchmarks.harness import child
 
-_MBYTE = 2**20
-
 
 @dataclass(frozen=True)
 class Footprint:
@@ -93,18 +91,6 @@ def measure(small: str = "1e5", large: str = "1e6", steps: int = 20) -> Memory:
     """Measure two discs, each in a process of its own."""
     return Memory(
         *(Footprint(**child("memory", name, str(steps))) for name in (small, large)),
-    )
-
-
-def table(memory: Memory) -> str:
-    """Return the figures as lines of text."""
-    return "\n".join(
-        f"{f.n_quad:>9} quads: {f.set_up / _MBYTE:8.0f} MB after set-up, "
-        f"{f.after_run / _MBYTE:8.0f} MB after a run, {f.peak / _MBYTE:8.0f} MB peak"
-        for f in (memory.small, memory.large)
-    ) + (
-        f"\n{memory.set_up_slope:.0f} bytes a quad (slope), peak {memory.peak_slope:.0f}, "
-        f"growth over a run {memory.growth:.1f}"
     )
 
 

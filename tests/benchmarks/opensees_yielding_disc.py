@@ -24,7 +24,10 @@ from benchmarks.yielding_disc import (
     YIELD,
     YOUNG,
 )
+from shellcut import Pressure
+from shellcut.loads.loads import LoadSet
 from shellcut.mesh.structured import disc
+from shellcut.mitc4.initial_state import initial_state
 
 LAYERS, STEP, UNIT = 5, 0.1, 0.01
 """Layers of the section, step of the deflection [mm], and the pressure of load factor 1 [MPa]."""
@@ -46,24 +49,11 @@ def build(n_side: int) -> int:
         ops.element("ShellNLDKGQ", k, *[node + 1 for node in quad], 1)
     ops.timeSeries("Linear", 1)
     ops.pattern("Plain", 1, 1)
-    for node, area in enumerate(nodal_areas(mesh.nodes, mesh.quads).tolist(), 1):
-        ops.load(node, 0.0, 0.0, UNIT * area, 0.0, 0.0, 0.0)
+    state = initial_state(mesh)
+    LoadSet(mesh, [Pressure(UNIT)]).begin_forces(state)
+    for node, force in enumerate(state.node.force[: mesh.n_node, 2].tolist(), 1):
+        ops.load(node, 0.0, 0.0, force, 0.0, 0.0, 0.0)
     return int(mesh.node_set("centre")[0]) + 1
-
-
-def nodal_areas(nodes, quads):
-    """Return the integral of each node's shape function, shape (n_node,) [mm²]."""
-    areas = np.zeros(len(nodes))
-    at = 1.0 / np.sqrt(3.0)
-    ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    for xi, eta in at * ends:
-        N = 0.25 * (1.0 + xi * ends[:, 0]) * (1.0 + eta * ends[:, 1])
-        by_xi = 0.25 * ends[:, 0] * (1.0 + eta * ends[:, 1])
-        by_eta = 0.25 * ends[:, 1] * (1.0 + xi * ends[:, 0])
-        across = np.cross(by_xi @ nodes[quads], by_eta @ nodes[quads])
-        density = np.linalg.norm(across, axis=1)
-        np.add.at(areas, quads, density[:, None] * N)
-    return areas
 
 
 def main() -> None:

@@ -25,8 +25,7 @@ import numpy as np
 from benchmarks.calculix_disc import run_calculix
 from benchmarks.discs import RADIUS, accepts_threads
 from benchmarks.harness import child
-from shellcut import Pressure, ShellMaterial, Simulation, Support
-from shellcut.mesh.mesh import Mesh
+from shellcut import Mesh, Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc
 
 Array = np.ndarray[Any, Any]
@@ -172,15 +171,11 @@ def run_opensees(program: str, model: Disc, step: float, folder: Path) -> PeerRu
     return PeerRun(program, mesh.n_quad, steps, step, cpu, height, when)
 
 
-def measure(
-    mesh: str | tuple[int, int] = "full", *, say: Callable[[str], None] = print
-) -> tuple[list[PeerRun], dict[str, str]]:
+def measure(mesh: str | tuple[int, int] = "full") -> tuple[list[PeerRun], dict[str, str]]:
     """Run the disc in every program there is; return the runs, and why others did not run."""
     model = build(*(MESHES[mesh] if isinstance(mesh, str) else mesh))
-    say(HEAD)
     ours = run_ours(model)
     runs, missing = [ours], {}
-    say(row(ours, ours))
     with tempfile.TemporaryDirectory() as folder:
         jobs: dict[str, Callable[[], PeerRun]] = {}
         for program in OPENSEES:
@@ -198,11 +193,8 @@ def measure(
         for program, job in jobs.items():
             try:
                 runs.append(job())
-                say(row(runs[-1], ours))
             except RuntimeError as error:
                 missing[program] = f"could not run: {error}"
-    for program, reason in missing.items():
-        say(f"{program:<34} {reason}")
     return runs, missing
 
 
@@ -212,18 +204,3 @@ def _run_calculix(model: Disc, folder: Path) -> PeerRun:
     when, height = first_peak(run.times, run.heights)
     quads = model.mesh.n_quad
     return PeerRun(CALCULIX, quads, run.n_step, run.step, run.cpu_ns / quads, height, when)
-
-
-HEAD = (
-    f"{'program':<34} {'quads':>6} {'steps':>6} {'dt, s':>9} {'ns':>9} {'ratio':>8} "
-    f"{'CPU s':>8} {'peak mm':>8} {'at us':>6}"
-)
-
-
-def row(run: PeerRun, ours: PeerRun) -> str:
-    """Return the figures of a program as a line of text."""
-    return (
-        f"{run.program:<34} {run.n_quad:>6} {run.n_step:>6} {run.step:>9.2e} {run.cpu_ns:>9.1f} "
-        f"{run.cpu_ns / ours.cpu_ns:>8.1f} {run.cpu_seconds:>8.2f} {run.peak:>8.4f} "
-        f"{1e6 * run.peak_time:>6.1f}"
-    )

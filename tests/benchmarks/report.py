@@ -17,7 +17,6 @@ from benchmarks.cut import OF_THE_FILM
 from benchmarks.gates import gates
 from benchmarks.instructions import told
 from benchmarks.peers import OURS
-from benchmarks.plots import draw_profile, draw_scaling
 from benchmarks.results import Results, load
 
 
@@ -248,6 +247,8 @@ def start(r: Results) -> list[str]:
 
 def write(results: Results, folder: Path) -> None:
     """Write page and plots into a folder."""
+    from benchmarks.plots import draw_profile, draw_scaling
+
     folder.mkdir(parents=True, exist_ok=True)
     parts = [targets, circumstances, steps, memory, cuts, peers, start]
     lines = ["# Performance", "", *(line for part in parts for line in part(results))]

@@ -19,7 +19,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from benchmarks import compile, cut, gates, instructions, machine, memory, peers, steps
+from benchmarks import compile, cut, gates, instructions, machine, memory, peers, report, steps
 from benchmarks.discs import SIZES
 from benchmarks.harness import Neighbours
 from benchmarks.results import Results
@@ -33,8 +33,7 @@ def print_now(text: str) -> None:
 
 
 def run_machine(results: Results) -> None:
-    results.machine = m = machine.measure()
-    print_now(machine.table(m))
+    results.machine = machine.measure()
 
 
 def run_steps(results: Results) -> None:
@@ -56,7 +55,6 @@ def run_instructions(results: Results) -> None:
 def run_memory(results: Results) -> None:
     sizes = ("3e4", "1e5") if results.quick else ("1e5", "1e6")
     results.memory = memory.measure(*sizes)
-    print_now(memory.table(results.memory))
 
 
 def run_cut(results: Results) -> None:
@@ -64,17 +62,15 @@ def run_cut(results: Results) -> None:
     for mesh in ("M1", "M2"):
         # The short ones vary most.
         results.cuts.append(cut.measure(mesh, angle, times=3 if mesh == "M1" else 1))
-        print_now(cut.table(results.cuts[-1]))
 
 
 def run_compile(results: Results) -> None:
     results.compilation = compile.measure(1 if results.quick else 3)
-    print_now(compile.table(results.compilation))
 
 
 def run_peers(results: Results) -> None:
     mesh = "quick" if results.quick else "full"
-    results.peers, results.missing_peers = peers.measure(mesh, say=print_now)
+    results.peers, results.missing_peers = peers.measure(mesh)
     failed = {p: why for p, why in results.missing_peers.items() if why.startswith("could not run")}
     if failed:
         raise RuntimeError("; ".join(f"{program}: {why}" for program, why in failed.items()))
@@ -82,19 +78,19 @@ def run_peers(results: Results) -> None:
 
 def run_machine_again(results: Results) -> None:
     results.machine_after = machine.measure()
-    print_now(machine.table(results.machine_after))
 
 
-PARTS: dict[str, Callable[[Results], None]] = {
-    "machine": run_machine,
-    "steps": run_steps,
-    "instructions": run_instructions,
-    "memory": run_memory,
-    "cut": run_cut,
-    "compile": run_compile,
-    "peers": run_peers,
-    "machine again": run_machine_again,
+PARTS: dict[str, tuple[Callable[[Results], None], Callable[[Results], list[str]] | None]] = {
+    "machine": (run_machine, report.circumstances),
+    "steps": (run_steps, None),
+    "instructions": (run_instructions, None),
+    "memory": (run_memory, report.memory),
+    "cut": (run_cut, report.cuts),
+    "compile": (run_compile, report.start),
+    "peers": (run_peers, report.peers),
+    "machine again": (run_machine_again, report.circumstances),
 }
+"""What measures each part, and the section of the report that tells it, if the part does not."""
 
 
 def main() -> int:
@@ -109,28 +105,29 @@ def main() -> int:
         | {name: importlib.metadata.version(name) for name in ("shellcut", "numpy", "numba")},
         quick=options.quick,
     )
-    for name, part in PARTS.items():
+    for name, (part, section) in PARTS.items():
         if options.only and name not in options.only:
             continue
         print_now(f"\n--- {name}")
         neighbours = Neighbours()
         try:
             part(results)
+            if section is not None:
+                print_now("\n".join(section(results)))
         except Exception as failure:  # the other parts are still worth having
             traceback.print_exc()
             results.errors[name] = f"{type(failure).__name__}: {failure}"
-        results.neighbours[name] = report = neighbours.report()
-        print_now(f"({report['seconds']:.0f} s, load average {report['load_average']:.2f} before)")
-        if (others := report["cores_used_by_others"]) is not None and others > 0.1:
+        results.neighbours[name] = met = neighbours.report()
+        print_now(f"({met['seconds']:.0f} s, load average {met['load_average']:.2f} before)")
+        if (others := met["cores_used_by_others"]) is not None and others > 0.1:
             print_now(f"others used {others:.2f} cores meanwhile: the figures are disturbed")
-    print_now("\n--- targets")
-    rows = gates.gates(results)
-    print_now(gates.table(rows))
+    print_now("\n".join(report.targets(results)))
     for name, error in results.errors.items():
         print_now(f"could not run: {name}: {error}")
     if options.json is not None:
         results.save(
-            options.json, gates=[asdict(g) | {"met": g.met, "verdict": g.verdict} for g in rows]
+            options.json,
+            gates=[asdict(g) | {"met": g.met, "verdict": g.verdict} for g in gates.gates(results)],
         )
     return 1 if results.errors else 0
 

@@ -18,10 +18,9 @@ from dataclasses import dataclass
 from benchmarks.discs import SIZES, accepts_threads, build_mesh, pressurised_disc
 from benchmarks.harness import child
 from benchmarks.traffic import bytes_per_step
-from shellcut import Simulation, Stepping
-from shellcut.mesh.mesh import Mesh
+from shellcut import Mesh, Simulation, Stepping
 
-# Arithmetic of the shortest exact path, METHOD's count.
+# Arithmetic of the shortest exact path, counted by hand.
 FLOPS_A_QUAD, FLOPS_A_NODE = 565, 66
 
 _WINDOW = 0.02  # s, long against the clock's resolution

@@ -16,8 +16,6 @@ from __future__ import annotations
 
 import os
 import re
-import resource
-import subprocess
 import sys
 import tempfile
 import time
@@ -27,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.calculix_disc import run_deck
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.mesh import Mesh
@@ -166,31 +165,11 @@ def _with_midsides(mesh: Mesh) -> tuple[list[Array], list[list[int]], set[int]]:
 
 
 def calculix(lines: list[str], axis: int) -> tuple[list[float], float]:
-    """Run a deck; return the deflections and the CPU time [s].
-
-    Raises
-    ------
-    RuntimeError
-        If CalculiX does not finish.
-    """
-    one = {"OMP_NUM_THREADS": "1", "CCX_NPROC_RESULTS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
+    """Run a deck; return the deflections and the CPU time [s]."""
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "disc.inp").write_text("\n".join(lines) + "\n")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run(
-            ["ccx", "disc"],
-            cwd=folder,
-            env=dict(os.environ, **one),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        if "Job finished" not in done.stdout:
-            raise RuntimeError(f"ccx ended with {done.returncode}: {done.stdout[-400:]}")
+        _, cpu = run_deck(Path(folder), "\n".join(lines) + "\n")
         said = (Path(folder) / "disc.dat").read_text()
     rows = re.findall(r"and time\s+\S+\s+\d+\s+(\S+)\s+(\S+)\s+(\S+)", said)
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return [float(row[axis]) for row in rows], cpu
 
 

@@ -7,15 +7,13 @@ must not be) another error, a warning of NumPy, minutes of work.
 import json
 import random
 import warnings
-from pathlib import Path
 
 import numpy as np
 
 from shellcut.model_file import ModelFileError
 from shellcut.model_file.build import build
-from shellcut.model_file.reader import _Reading
+from shellcut.model_file.reader import model_of_text
 from shellcut.model_file.section_table import HEAD
-from shellcut.model_file.source import parse
 from shellcut.recording.resistance import Resistance
 from shellcut.recording.status_line import start_lines
 from shellcut.simulation.instability import UnstableStep
@@ -84,7 +82,7 @@ def cases(names):
     """Yield what is set, and the text of the model, for every number of some models."""
     for name in names:
         model, sections = MODELS[name]
-        made = _Reading(parse(_toml(model, sections), "model.toml", Path())).model()
+        made = model_of_text(_toml(model, sections), "model.toml")
         for title, section in made.sections.items():
             for key_name, key in section.of.keys.items():
                 for value in _values(key.form.wants, getattr(section, key_name)):
@@ -160,7 +158,7 @@ def outcome(text):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            case = build(_Reading(parse(text, "model.toml", Path())).model())
+            case = build(model_of_text(text, "model.toml"))
         except ModelFileError:
             return "refused"
         sim = case.simulation

@@ -4,8 +4,7 @@ import logging
 
 import numpy as np
 
-from shellcut.mesh.film_file import read_film
-from shellcut.tool.tool_file import read_tool
+from shellcut import read_film, read_tool
 
 
 class Said(logging.Handler):

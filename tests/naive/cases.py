@@ -3,10 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from shellcut import Mesh, ShellMaterial
 from shellcut.fracture.quad_polygon import CORNERS
 from shellcut.fracture.tip import Segment
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell

@@ -6,14 +6,15 @@ from shellcut.fracture.quad_polygon import density, divide, shape_functions, sha
 from shellcut.state import BROKEN
 
 
-def measure(trial, state, segment):
-    """Return F · m over what the cables would carry; a driven cut is due at 1."""
+def measures(trial, state, segment):
+    """Return F · m and |F| over what the cables would carry; a driven cut is due at 1 of F · m."""
     if force(trial, state, segment) is None:
-        return -np.inf
+        return -np.inf, -np.inf
     m, length = across(state, segment)
     found = force(trial, state, segment, held_by=lambda share, closed: share - closed)
     before = behind(trial, state, segment)
-    return float(found @ m) / (trial.carried * 0.5 * (before + length))
+    carries = trial.carried * 0.5 * (before + length)
+    return float(found @ m) / carries, float(np.linalg.norm(found)) / carries
 
 
 def force(trial, state, segment, held_by=lambda share, closed: share):

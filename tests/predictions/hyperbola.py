@@ -46,7 +46,7 @@ PREDICTION = Prediction(
 edge tears along the bisector of the ways from them to the tip, that is along a hyperbola with
 its foci at the two points.""",
     sure="""geometry: exact for a sheet that bends and does not stretch. The authors say that
-real sheets leave it for the least anisotropy.""",
+real sheets leave it at the slightest anisotropy.""",
     known="""The path, and that this model follows it within 0.3 quads of 1 mm, a longer one on
 quads of 0.6 and 0.4 mm within half a quad on most meshes and 1.1 quads on one.""",
     model="""A free sheet of 25 by 28 mm, 0.1 mm thick, 1678 MPa, 11.5 N/mm torn over 2.4 mm,
@@ -66,9 +66,8 @@ runs 9 mm. Quads of 1 and 0.7 mm, nodes moved at random by up to 0, 0.1 and 0.2 
     },
     run=run,
     picture=picture,
-    said="""At the end of the notch the crack starts about 5° too steep (why was not looked
-for), and comes back to the hyperbola over 7 mm. At half the speed it turns away upwards in its
-last 2 mm, where a tip waits until nothing presses on it: that is the error bar of the chord,
-which misses.""",
+    said="""At the end of the notch the crack starts about 5° too steep (we do not know why) and
+comes back to the hyperbola over 7 mm. At half the speed it turns away upwards in its last 2 mm,
+where a tip waits until nothing presses on it: that is the error bar of the chord, which misses.""",
     caption="Paths of the crack about the hyperbola",
 )

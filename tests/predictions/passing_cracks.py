@@ -98,8 +98,8 @@ a neck is left, of up to half the breadth.""",
     runs=dict(_runs()),
     run=run,
     picture=picture,
-    said="""Both cracks keep away from each other by 0.1 mm before they meet, pass, hook at 45
-to 60° and come to the other's flank at 75 to 90°, as published. How far one has come when the
+    said="""Before they meet both cracks turn away from each other by 0.1 mm. Then they pass, hook
+at 45 to 60° and reach the other's flank at 75 to 90°, as published. How far one has come when the
 other parts the sheet is chance: it stops there, 1 to 2 mm from the flank, so that the length is
 that of an unfinished lens. Most of the error bar comes from the mesh, and from two meshes only.""",
     caption="Paths of both cracks in all runs",

@@ -170,11 +170,12 @@ band was written down; `pytest -m slow tests/predictions` runs a short form of e
 |---|---|---|---:|---|
 {short}
 
-A value is the mean of the runs on the finest mesh; ± is 95 %: what the next coarser mesh says of
-the rest, what a slower run changes, and Student's interval of the mean of runs that differ by
-chance only (one number of the model changed by a millionth). Parts without runs are left out.
-*Hit* says that the value lies in the published band. What all runs share, the law of the cables,
-friction and the shell theory, is in no error bar ([how bars are made](howto/converge.md)).
+A value is the mean of the runs on the finest mesh. ± is 95 %. It holds three parts: the error of
+the mesh, estimated from the next coarser one; what a slower run changes; and Student's interval
+of the mean of runs that differ by chance only (one number of the model changed by a millionth).
+Parts without runs are left out. *Hit* says that the value lies in the published band. What all
+runs share, the law of the cables, friction and the shell theory, is in no error bar ([how bars
+are made](howto/converge.md)).
 
 {sections}
 ## Not here

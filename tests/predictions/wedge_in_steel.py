@@ -203,7 +203,7 @@ t^((n+2)/(n+1)) l^(n/(n+1)): t^1.5 l^0.5 for n = 1 as Ohtsubo and Wang, t^1.6 l^
 Wierzbicki and Thomas, t^1.7 l^0.3 for n = 3/7 as measured by Lu and Calladine. The factor of
 friction, 1 + µ/tan θ in both theories, is the equilibrium of two flanks pressed alike. Wierzbicki
 and Thomas agrees with its own published minimum, 3.28 σ_0 t^1.6 l^0.4 µ^0.4, within 0.2 %. The
-three scatter among themselves by 7 to 43 %. The band of the level, ±30 % about their mean, is ours;
+three differ from each other by 7 to 43 %. The band of the level, ±30 % about their mean, is ours;
 exponents and ratios are theirs.""",
     known="""The formulas, and runs with another steel (Swift 550 (0.003 + p)^0.18): within ±30
 % at friction 0.1 and 0.2, up to twice at 0.3; exponents in l 0.17 to 0.48, in t 1.40 to 1.43.
@@ -250,19 +250,19 @@ when the upright ones had shown that.""",
     said="""**The mode of the flaps decides.** An upright wedge throws both flaps to one side at
 friction 0.1 (1.37 kN; started slowly 1.33 kN, but 1.82 kN and to opposite sides in one of four
 runs that differ by a shape of a thousandth of the thickness) and to opposite sides at 0.2 and
-0.3, which takes a third to a half as much force again. Tilted, they go to one side up to friction
+0.3, which takes 1.3 to 1.5 times the force. Tilted, they go to one side up to friction
 0.2, and the level is within 20 % of the formulas; at 0.3 they go to opposite sides all the
 same. (With the harder steel of the page on [slow tests](howto/slow.md) an upright wedge at
-friction 0.1 takes 1388 N with the flaps to one side, 2096 N to opposite sides, by how it
-starts.) The formulas do not name a mode. Where it changes in the middle of a cut (friction 0.3,
-upright, from 20 mm on) no power of the length means anything.
+friction 0.1 takes 1388 N with the flaps to one side and 2096 N to opposite sides, depending on
+how it starts.) The formulas do not name a mode. Where it changes in the middle of a cut (friction
+0.3, upright, from 20 mm on) no power of the length means anything.
 
 **The force rises too slowly with the length**: tilted, its power is 0.08 to 0.11 at friction 0.1
 and 0.07 to 0.15 at 0.2. Shares of the work there: yielding 0.54, 0.48; cables 0.22, 0.16, in
-proportion to the length; friction 0.22, 0.35. Cables of half as much energy again (tilted,
-friction 0.1) raise the force from 1039 to 1218 N. The powers of the formulas add up to 2, as they
+proportion to the length; friction 0.22, 0.35. With 1.5 times the energy of the cables (tilted,
+friction 0.1) the force rises from 1039 to 1218 N. The powers of the formulas add up to 2, as they
 must for a sheet with a flow stress alone; one with an essential work has a length of its own,
-G/σ_0 = 1 mm. Without the G t of the cables, tilted, F has t^1.78 at friction 0.1, and l^0.12 to
-l^0.15 there, l^0.10 to l^0.18 at 0.2: neither is as published.""",
+G/σ_0 = 1 mm. Less the G t of the cables, the tilted force goes with t^1.78 and l^0.12 to l^0.15
+at friction 0.1 and with l^0.10 to l^0.18 at 0.2. Neither is as published.""",
     caption="Force over the length of the cut, beside three formulas",
 )

@@ -222,7 +222,7 @@ class Outcome:
     late: float
     """Largest overshoot of a cable, in edges."""
     off: float
-    """Farthest cut from the path, in edges; without those where a tooth comes down."""
+    """Farthest cut of a blade from the path, in edges; without those where a tooth comes down."""
     work: float
     """Of the tool over that of the cables."""
 
@@ -239,7 +239,7 @@ def carried_out(cut: RandomCut) -> Outcome:
             if book.tool_work > cut.least:
                 worst = max(worst, abs(book.imbalance) / largest)
     cables, book = sim.state.cable, sim.close_ledger()
-    log = [c for c in sim.state.split_log if c.kind != "notch" and c.measure != 0.0]
+    log = [c for c in sim.state.split_log if c.kind not in ("notch", "tear") and c.measure != 0.0]
     off = cut.off(np.array([c.reference for c in log])) if log else np.zeros(1)
     return Outcome(
         sim.state.crack_length,

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, Support
+from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, Support, TableMotion
 from shellcut.meshing import rectangle
 from shellcut.tool.shapes import straight_blade
-from shellcut.tool.table_motion import TableMotion
 
 SIZE = 0.8  # mm, of an edge
 HALF = 5 * SIZE  # of the film

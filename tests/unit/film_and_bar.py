@@ -2,13 +2,8 @@
 
 import numpy as np
 
-from shellcut.contact.settings import Contact
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
+from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, Tool
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import StraightMotion
-from shellcut.tool.tool import Tool
 
 ON = Contact(film_edges=True, tool_points=False)
 GAP = 0.01

@@ -1,13 +1,11 @@
 """A blade that cuts a small strip through its quads, for the tests of what comes after a cut."""
 
-from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.mesh import Mesh
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, StraightMotion, Support
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 
 NOTCH = 0.9
@@ -36,3 +34,11 @@ def cut_strip(*, material=None, mesh=None, notched=True, **options):
     if notched:
         simulation.notch((-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
     return simulation
+
+
+def pieces_of(sim):
+    """How many pieces the film has."""
+    quads = sim.state.quads
+    rows, of = np.arange(len(quads)).repeat(4), quads.ravel()
+    table = csr_array((np.ones(of.size), (rows, of)))
+    return connected_components(table @ table.T)[0]

@@ -16,6 +16,7 @@ LENGTH = 1.5  # of a tooth along the cut [mm]
 HALF_THICKNESS = 0.35  # [mm]
 HALF_ANGLE = np.radians(12.0)  # of the wedge
 ETA = np.radians(60.0)  # of the edge to the sheet
+EDGE_COLOR = (0.9, 0.0, 0.1)  # of cutting edges on every picture
 
 
 def disc(n_side, rings):

@@ -45,7 +45,7 @@ def results(accesses) -> Results:
     small = memory.footprint("1e3", 1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cut, "compile_all", lambda mesh: None)  # nothing here is a time that counts
-        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setattr(shellcut.recording.recorder, "can_draw", lambda: False)
         cuts = [cut.measure("quick", 1.0, 0.5)]
     return Results(
         when="now",

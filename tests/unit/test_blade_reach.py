@@ -3,18 +3,15 @@
 import numpy as np
 import pytest
 
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut import CohesiveLaw, StraightMotion, opening_test, read_tool
 from shellcut.cables.directional_cable import CableSet
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.models.opening import opening_test
 from shellcut.state import JOINTED
 from shellcut.tool.cutting_edge import CuttingEdges
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.tool_file import read_tool
 
 REACH = 0.3  # behind the edge, within which the film is surely cut [mm]
 HERE = Pose.at_origin()

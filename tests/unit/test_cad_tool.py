@@ -1,7 +1,6 @@
 """Tools from STEP and IGES, written by Gmsh's OpenCASCADE here and by CadQuery in data."""
 
 from contextlib import contextmanager
-from dataclasses import replace
 from math import pi, radians, tan
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 from damaged.mutations import mutated
+from other_script import run_instead
 from shellcut import guillotine, read_tool
 from shellcut.command_line import main
 from shellcut.formats import cad_surface, own_process
@@ -176,32 +176,6 @@ class TestUnits:
             read_tool(DATA / "two_teeth_inch.step", unit="cm")
 
 
-def test_the_same_cut_as_from_stl(written, tmp_path):
-    """One blade by two ways: faces are cut into other triangles, their places are the same.
-
-    The cut is symmetric: from 0.95 mm on the flaps buckle, to the side that round-off chooses.
-    """
-    stl = tmp_path / "blade.stl"
-    straight_blade(length=6.0).write(stl)
-    forces = []
-    for path in (stl, written("blade.step", wedge)):
-        tool = read_tool(path, unit="mm")
-        simulation = guillotine(
-            1.0, length=6.0, width=4.0, notch=1.0, travel=1.5, tool=tool
-        ).simulation
-        curve = []
-        while simulation.pose.translation[0] < 0.9:
-            for _ in range(10):
-                simulation.step()
-            curve.append(simulation.contact.forces.wrench[:, 0].sum())
-        forces.append(np.array(curve))
-    from_stl, from_step = forces
-    assert len(from_stl) > 20
-    assert np.abs(from_stl).max() > 0.5
-    # STL rounds places to 3e-7 mm: measured 3e-5 of the largest force
-    assert np.abs(from_step - from_stl).max() < 2e-4 * np.abs(from_stl).max()
-
-
 def test_the_force_of_a_round_blade_follows_the_chord_deviation(written):
     """Flanks are arcs: measured over 4 to 7 mm 6.612, 6.603, 6.594 N at 20, 5, 1 um."""
 
@@ -330,9 +304,7 @@ class TestRefusals:
     )
     def test_a_kernel_that_breaks_down(self, tmp_path, monkeypatch, script, error, words):
         # OpenCASCADE ends the process, or never ends, on one damaged file in ten
-        (tmp_path / "process.py").write_text(script)
-        other = replace(cad_surface._GMSH, script=str(tmp_path / "process.py"))
-        monkeypatch.setattr(cad_surface, "_GMSH", other)
+        run_instead(monkeypatch, tmp_path, script)
         if "sleep" in script:
             monkeypatch.setattr(own_process, "LONGEST", 0.5)
         with pytest.raises(error, match=words):

@@ -1,14 +1,25 @@
 """Penalty contact: which face, jumps, balance, the search."""
 
+import math
+
 import numpy as np
 import pytest
 
 from far_pose import FAR
 from naive import cases
 from naive import contact as naive
+from shellcut import Contact, Elastic, Layer, ShellMaterial
 from shellcut.contact.penalty_contact import PenaltyContact
-from shellcut.contact.settings import NOTICED, Contact, smoothed, smoothed_integral
-from shellcut.material.shell_material import ShellMaterial
+from shellcut.contact.settings import (
+    NOTICED,
+    SOFTEST,
+    STEEPEST,
+    STIFFEST,
+    PenaltyLaw,
+    largest_rebound,
+    smoothed,
+    smoothed_integral,
+)
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.pose import Pose
@@ -30,9 +41,8 @@ def nodes_at(points, far=(50.0, 60.0, 70.0)):
     state.node.x[: state.n_node] = far
     state.node.x[:n] = points
     state.node.contact_area[:] = AREA
-    state.node.mass[:] = state.node.contact_mass[:] = (
-        1e-6  # t: too heavy to be thrown by what these tests look at
-    )
+    # 1e-6 t: too heavy to be thrown by what these tests look at
+    state.node.mass[:] = state.node.contact_mass[:] = 1e-6
     state.node.x[state.n_node :] = np.nan
     state.node.contact_depth[:] = SETTLED
     state.dt = 0.0
@@ -387,18 +397,6 @@ def test_a_node_that_hits_a_face_does_not_come_back_faster(speed, stiff):
     assert max(come_back) < 1.45
 
 
-def test_the_force_follows_the_film():
-    place = [[-1.0, np.tan(np.radians(10.0)) - 0.05, 0.0]]
-    sizes = []
-    for thickness, young in ((0.074, 1678.0), (0.74, 1678.0), (0.0074, 16780.0)):
-        film = ShellMaterial.homogeneous(thickness=thickness, young=young)
-        state = nodes_at(place)
-        forces, result = evaluate(PenaltyContact(BLADE, Contact(), film, EDGE), state)
-        sizes.append(np.linalg.norm(forces[0]))
-        assert result.deepest == pytest.approx(0.05 * np.cos(np.radians(10.0)), rel=1e-12)
-    assert sizes[1:] == pytest.approx([10.0 * sizes[0], sizes[0]], rel=1e-12)
-
-
 def test_work_is_the_trapezoid_also_when_a_node_leaves():
     state = nodes_at([[-1.0, 0.15, 0.0]])
     contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
@@ -416,21 +414,6 @@ def test_work_is_the_trapezoid_also_when_a_node_leaves():
     assert not state.node.contact_force[0].any()
     assert result.node_work == pytest.approx(0.5e-4 * new[0] @ v, rel=1e-12)
     assert result.n_touching == 0
-
-
-@TOOLS
-def test_forces_and_moments_on_tool_and_nodes_cancel(tool):
-    points = points_in_and_around(tool, 40, seed=5) @ FAR[0].T + FAR[1]
-    state = nodes_at(points)
-    forces, result = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state, FAR)
-    assert result.n_touching > 10
-    on_tool = result.wrench.sum(axis=0)
-    moment = np.cross(state.node.x[: state.n_node], forces).sum(axis=0)
-    moment += on_tool[3:] + np.cross(FAR[1], on_tool[:3])
-    scale = np.abs(forces).sum()
-    # Round-off of sums over hundreds of nodes some 10 mm away.
-    assert np.abs(forces.sum(axis=0) + on_tool[:3]).max() < 1e-14 * scale
-    assert np.abs(moment).max() < 1e-13 * scale
 
 
 @TOOLS
@@ -456,11 +439,7 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
         forces, result = evaluate(contact, state)
         looks = contact.tables.table.looks
         remembered += np.count_nonzero(looks.within & (looks.flat > 0.0))
-        after = [
-            state.node.contact_side.copy(),
-            state.node.contact_depth.copy(),
-            state.node.contact_offset.copy(),
-        ]
+        after = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         for name, rows in before.items():
             getattr(state.node, f"contact_{name}")[:] = rows
         fresh, again = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
@@ -469,9 +448,10 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
         np.testing.assert_allclose(fresh, forces, rtol=0.0, atol=most)
         np.testing.assert_allclose(again.wrench, result.wrench, rtol=0.0, atol=20.0 * most)
         assert again[1:] == pytest.approx(result[1:], rel=1e-9)
-        np.testing.assert_array_equal(state.node.contact_side, after[0])
-        np.testing.assert_allclose(state.node.contact_depth, after[1], rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(state.node.contact_offset, after[2], rtol=0.0, atol=1e-10)
+        np.testing.assert_array_equal(state.node.contact_side, after["side"])
+        for name in ("depth", "offset"):
+            found = getattr(state.node, f"contact_{name}")
+            np.testing.assert_allclose(found, after[name], rtol=0.0, atol=1e-10)
     assert remembered > 500
 
 
@@ -486,3 +466,123 @@ def test_a_node_that_a_split_leaves_without_a_side_looks_for_it_anew():
     state.node.contact_side[0] = 0
     evaluate(contact, state)
     assert state.node.contact_side[0] == -1
+
+
+# --- the penalty law of the contact, and what it follows
+
+
+def test_force_law_is_continuous_in_value_and_slope():
+    g = np.linspace(0, 2 * G_M, 20_001)
+    f = np.array([smoothed(v, G_M) for v in g])
+    assert f[0] == 0.0
+    assert smoothed(0.3, G_M) == 0.3
+    slope = np.diff(f) / np.diff(g)
+    # A jump of the slope would be a jump of one; its steps are below 1e-3.
+    assert np.abs(np.diff(slope)).max() < 1e-3
+    assert slope[0] == pytest.approx(0.0, abs=1e-6)
+    assert slope[-1] == pytest.approx(1.0, rel=1e-9)
+    # Steepest at ¾ g_M: 9 (3/4)² - 8 (3/4)³ = 27/16.
+    assert slope.max() == pytest.approx(STEEPEST, rel=1e-6)
+    assert g[np.argmax(slope)] == pytest.approx(0.75 * G_M, rel=1e-2)
+    assert [naive.smoothed(v, G_M) for v in g[::500]] == pytest.approx(f[::500], rel=1e-13)
+
+
+def test_integral_of_the_force_law():
+    for end in (0.3 * G_M, G_M, 1.7 * G_M, 10 * G_M):
+        g = np.linspace(0, end, 4001)
+        area = np.trapezoid([smoothed(v, G_M) for v in g], g)
+        # Trapezoids: second order in 1/4000.
+        assert smoothed_integral(end, G_M) == pytest.approx(area, rel=1e-5)
+    assert smoothed_integral(G_M * (1 - 1e-12), G_M) == pytest.approx(
+        smoothed_integral(G_M, G_M), rel=1e-10
+    )
+
+
+def law(thickness=0.074, young=1678.0, density=1e-9, tool=BLADE, **contact):
+    film = ShellMaterial.homogeneous(thickness=thickness, young=young, density=density)
+    return PenaltyLaw.of(Contact(**contact), film, tool)
+
+
+def test_the_film_of_the_paper_has_the_numbers_of_the_paper():
+    paper = law(tool=tooth_ring())
+    assert paper.penalty == 1e4
+    assert paper.smoothing_depth == 0.074 * 0.25
+
+
+@pytest.mark.parametrize("thickness", [0.005, 0.02, 0.3, 1.0])
+@pytest.mark.parametrize("young", [50.0, 1678.0, 70000.0])
+def test_depth_and_step_do_not_depend_on_thickness_and_modulus(thickness, young):
+    # A node of the film, on quads of 0.4 mm, pushed by what tears the film at 1 % of strain.
+    area, length, density = 0.04, 0.4, 2.7e-9
+
+    def depth_and_step(of, thickness, young, density):
+        k = of.of_nodes(area)
+        depth = 0.01 * young * thickness * length / k
+        mass = density * thickness * length**2
+        wave = length / math.sqrt(young / density)
+        return depth, math.sqrt(mass / k) / wave
+
+    paper = depth_and_step(law(), 0.074, 1678.0, 1e-9)
+    other = depth_and_step(law(thickness, young, density), thickness, young, density)
+    assert other == pytest.approx(paper, rel=1e-12)
+    assert paper[0] < 2e-3  # mm
+    assert paper[1] > 0.5  # of the time in which a wave crosses a quad
+
+
+def test_stiffness_is_bounded_for_the_finest_and_the_coarsest_quads():
+    own, stretching = law(), 1678.0 * 0.074
+    area = np.array([1e-5, 0.01, 0.04, 0.25, 10.0])
+    steepest = own.steepest(area)
+    expected = [SOFTEST * stretching, 100.0, 400.0, 2500.0, STIFFEST * stretching]
+    assert steepest == pytest.approx(STEEPEST * np.array(expected), rel=1e-13)
+    one = [float(own.of_nodes(a)) for a in area]
+    assert one == pytest.approx(expected, rel=1e-13)
+    # A penalty of one's own is what it says, of every quad.
+    given = law(penalty=2e4)
+    assert given.steepest(area) == pytest.approx(STEEPEST * 2e4 * area, rel=1e-13)
+    assert given.of_nodes(1e-5) == 2e4 * 1e-5
+
+
+def test_smoothing_follows_the_film_and_stays_small_beside_the_tool():
+    assert law(0.02).smoothing_depth == 0.005
+    thick = law(1.0)
+    assert thick.smoothing_depth == BLADE.half_thickness() / 8
+    thin_blade = straight_blade(half_thickness=0.02, wedge_half_angle_deg=3.0)
+    assert law(tool=thin_blade).smoothing_depth < 0.02 / 8
+    assert law(0.02, smoothing=0.1).smoothing_depth == 0.002
+
+
+def test_a_laminate_counts_by_its_layers():
+    film = ShellMaterial(
+        [Layer(Elastic(70000.0, 0.3, 2.7e-9), 0.01), Layer(Elastic(300.0, 0.3, 0.9e-9), 0.09)]
+    )
+    own = PenaltyLaw.of(Contact(), film, BLADE)
+    assert own.penalty == pytest.approx(1e4 * 727.0 / (1678.0 * 0.074), rel=1e-12)
+    assert own.smoothing_depth == pytest.approx(BLADE.half_thickness() / 8, rel=1e-12)  # < h/4
+
+
+@pytest.mark.parametrize("put_in", [0.0, 0.2])
+def test_the_largest_rebound_gives_back_what_was_put_in(put_in):
+    before, way, pushed, mass, dt = 3.0, 0.04, 1.5, 2e-3, 0.1
+    f = largest_rebound(put_in + 0.5 * before * way, way, pushed, mass, dt)
+    next_way = way + (pushed - f) * dt**2 / mass
+    assert next_way < 0.0  # it comes out
+    got = put_in + 0.5 * (before + f) * way
+    assert got + 0.5 * f * next_way == pytest.approx(0.0, abs=1e-14)
+
+
+def test_a_spring_that_has_got_nothing_gives_nothing():
+    assert largest_rebound(0.0, -0.1, 0.0, 1.0, 0.1) == 0.0
+    assert largest_rebound(-0.25, -0.1, 0.0, 1e-3, 0.1) == 0.0
+    # A node that comes in at rest may be turned round: 2 m v / dt.
+    assert largest_rebound(0.0, 0.2, 0.0, 1e-3, 0.1) == pytest.approx(2e-3 * 2.0 / 0.1)
+
+
+def test_half_thickness_of_plates_is_half_their_thickness():
+    # A plate of 0.2 x 60 x 60 mm, the wedge on one side of it aside: V / A = 0.1 mm but for rims.
+    plate = straight_blade(half_thickness=0.1, length=60.0, height=60.0)
+    assert plate.half_thickness() == pytest.approx(0.1, rel=0.02)
+    # Of several bodies the thinnest; four equal teeth are as thin as one.
+    assert tooth_ring(n_teeth=4).half_thickness() == pytest.approx(
+        tooth_ring(n_teeth=1).half_thickness(), rel=1e-9
+    )

@@ -5,15 +5,15 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll
-from shellcut import Fracture
+from free_strip import cut_strip
+from notched_strip import cutting
+from shellcut import Fracture, Recorder, StraightMotion, guillotine, opening_test
 from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.models import free_cut, guillotine, opening_test
-from shellcut.recording.recorder import Recorder
+from shellcut.models import free_cut
 from shellcut.recording.resistance import resistance_of
 from shellcut.recording.status_line import start_lines
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 SIDES = [sc.Support.clamped("bottom"), sc.Support.clamped("top")]
@@ -263,3 +263,46 @@ def test_the_notch_of_the_guillotine_lies_where_the_tool_goes(own):
     moved = straight_blade(length=8.0).translated((0.0, 0.7, 0.0))
     sim = guillotine(tool=moved, notch=1.6, travel=2.0, **strip).simulation
     np.testing.assert_allclose(sim.cracks.at_tips(sim.mesh.nodes), [[1.6, 0.7, 0]], atol=1e-9)
+
+
+# --- what cracks through quads cannot do yet is refused in words, all at once
+
+
+def test_fracture_names_every_option_that_does_not_go():
+    with pytest.raises(ValueError, match=r"criterion = 'force' only, got 'stress'.*turn_limit_deg"):
+        sc.Fracture(path="free", criterion="stress", turn_limit_deg=80.0)
+    with pytest.raises(ValueError, match="path must be 'free' or 'edges', got 'quads'"):
+        sc.Fracture(path="quads")
+
+
+def test_simulation_refuses_anisotropy_under_a_tool():
+    sim = cutting()
+    film = sc.Anisotropy(direction=(1.0, 0.0, 0.0), along=0.5)
+    with pytest.raises(ValueError, match=r"cracks that no blade drives, got a tool"):
+        sc.Simulation(
+            sim.mesh,
+            sim.material,
+            tool=sim.tool,
+            motion=sim.motion,
+            law=sc.CohesiveLaw(),
+            fracture=sc.Fracture(path="free", anisotropy=film),
+        )
+
+
+def test_a_notch_that_cannot_be_cut_is_refused():
+    sim = cutting()
+    with pytest.raises(ValueError, match=r"through quads.*Mesh\.cut"):
+        sim.notch((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    sim = cut_strip()
+    for ends in (
+        ((0.0, 0.0), (1.0, 0.0, 0.0)),
+        ((0.0, 0.0, np.nan), (1.0, 0.0, 0.0)),
+        ([1.0] * 3,) * 2,
+    ):
+        with pytest.raises(ValueError, match="two different points in mm"):
+            sim.notch(*ends)
+    with pytest.raises(ValueError, match="must begin on the film or at its rim"):
+        sim.notch((0.0, 0.0, 50.0), (1.0, 0.0, 50.0))
+    sim.state.node.x[3] += 1e-3
+    with pytest.raises(ValueError, match="before it is stretched"):
+        sim.notch((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))

@@ -1,10 +1,9 @@
-"""The documents tell the truth: links, citations, the import table, the README's model."""
+"""The documents tell the truth: links, citations, tables. test_pages.py runs their code."""
 
 import ast
 import importlib.util
 import json
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -13,12 +12,6 @@ from pathlib import Path
 
 import pytest
 
-import shellcut.recording.recorder
-from shellcut import read_model
-from shellcut.command_line import main
-from shellcut.command_line.main import parser_of_all
-from shellcut.command_line.shared_arguments import settings_of
-from shellcut.model_file import shipped_models
 from shellcut.model_file.section_table import LISTS, SECTIONS
 
 CHROMIUM = next(
@@ -85,32 +78,6 @@ def test_links_lead_to_headings(page):
             assert anchor in map(slug, headings), f"{target}#{anchor}"
 
 
-def commands_of_pages():
-    """Every line of shellcut in the shell blocks of the pages."""
-    for page in PAGES:
-        for block in re.findall(r"```sh\n(.*?)```", page.read_text(), re.S):
-            for line in block.replace("\\\n", " ").splitlines():
-                words = shlex.split(line, comments=True)
-                if words[:1] == ["shellcut"]:
-                    yield pytest.param(words[1:], id=f"{page.stem}: {' '.join(words)}")
-
-
-@pytest.mark.parametrize("words", [*commands_of_pages()])
-def test_commands_of_the_pages_are_understood(words, tmp_path, monkeypatch, capsys):
-    # Runs of them are in test_howto.py, test_examples.py and tests/acceptance.
-    arguments = parser_of_all().parse_args(words)
-    monkeypatch.chdir(tmp_path)
-    if getattr(arguments, "model", None) in shipped_models():
-        if arguments.command == "sweep":
-            assert main([*words, "--dry-run"]) == 0, capsys.readouterr().err
-        elif arguments.command != "optimise":  # which varies files that are not there
-            settings = settings_of(arguments)
-            for file in (str(v) for v in settings.values() if re.search(r"\.(stl|msh)$", str(v))):
-                Path(file).parent.mkdir(exist_ok=True)
-                Path(file).touch()
-            assert read_model(arguments.model, settings).head.model == arguments.model
-
-
 def test_every_citation_has_its_reference():
     known = set(re.findall(r"@\w+\{(\w+),", (ROOT / "docs/references.bib").read_text()))
     cited = {}
@@ -129,6 +96,12 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     assert page.CODES + page.codes() + "\n" in before
     commands = re.findall("### shellcut (\\w+)", reference)
     assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
+
+
+def test_pages_of_theory_are_short():
+    pages = sorted((ROOT / "docs" / "theory").glob("*.md"))
+    lines = {page.name: page.read_text(encoding="utf-8").count("\n") for page in pages}
+    assert {name: n for name, n in lines.items() if n > 200} == {}
 
 
 def test_pages_are_those_of_their_sources(monkeypatch):
@@ -264,18 +237,6 @@ def test_rooms_picture_table_and_folders_are_the_contract():
         assert {type(node) for node in body} == {ast.Expr, ast.ImportFrom, ast.Assign}
     inside = {p.parent.name for p in package.rglob("*.py") if "numba.core" in p.read_text("utf-8")}
     assert inside == {"numerics"}, "Numba's own parts are the business of numerics/"
-
-
-def test_the_readmes_models_run(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    # Without the snapshots, which test_examples.py asks for.
-    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
-    models = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
-    assert len(models) == 2
-    assert all(len(model.splitlines()) <= 40 for model in models)
-    for model in models:
-        exec(compile(model, "README.md", "exec"), {})
-        assert "crack" in capsys.readouterr().out
 
 
 SITE_PAGE = """<!doctype html><body><article><section id="model-keys"><h1>Model keys</h1>

@@ -4,19 +4,15 @@ import numpy as np
 import pytest
 
 from far_pose import FAR
+from met_cable import AREA, evaluated, met_cable
 from naive import edge as naive
 from shellcut import Tool, read_tool
 from shellcut.cables.cohesive_law import CohesiveLaw, area_below
-from shellcut.cables.directional_cable import CableSet
-from shellcut.mesh.structured import rectangle
-from shellcut.mitc4.initial_state import initial_state
-from shellcut.state import JOINTED
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_edge import with_edge_radius
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 LAW = CohesiveLaw()
-AREA = 0.03
 FRAME = (np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 1.0, 0]), np.array([-1.0, 0, 0]))
 
 
@@ -108,30 +104,8 @@ def test_radii_that_do_not_fit_are_refused(build, said):
 # --- the cable ---------------------------------------------------------------------------------
 
 
-def one_cable(radius, *, law=LAW, pose=None, z=0.0):
-    """A cable that the edge has just met, and what evaluates it."""
-    pose = pose or Pose.at_origin()
-    state = initial_state(rectangle(2.0, 1.0, n_x=1, n_y=1))
-    state.node.contact_area[:] = 0.25 * 0.4**2
-    state.cable.append_blank()
-    state.cable.ends[0] = 0, 1
-    state.cable.m[0] = pose.rotation @ [0.0, 1.0, 0.0]
-    state.cable.area[0] = AREA
-    cables = CableSet(law, straight_blade(edge_radius=radius, height=12.0))
-    move(state, pose, (-1e-6, -0.3, z), (-1e-6, 0.3, z))
-    evaluate(cables, state, pose)
-    assert state.cable.status[0] == JOINTED
-    return cables, state
-
-
-def move(state, pose, minus, plus):
-    state.node.x[:2] = pose.to_space(np.array([minus, plus], float))
-
-
-def evaluate(cables, state, pose):
-    state.node.force[:] = 0.0
-    cables.add_forces(state, pose)
-    return cables.forces
+def one_cable(radius, *, law=LAW, pose=None, ends=((-1e-6, -0.3, 0.0), (-1e-6, 0.3, 0.0))):
+    return met_cable(law, straight_blade(edge_radius=radius, height=12.0), *ends, pose)
 
 
 PLACES = [
@@ -152,10 +126,8 @@ def whole_length(x, joint, radius):
 @pytest.mark.parametrize("radius", [0.02, 0.1, 0.25])
 @pytest.mark.parametrize("ends", PLACES)
 def test_the_cable_takes_the_shortest_way_and_its_force_is_the_gradient(ends, radius):
-    here = Pose.at_origin()
     cables, state = one_cable(radius)
-    move(state, here, *ends)
-    result = evaluate(cables, state, here)
+    result = evaluated(cables, state, *ends)
     c, x = state.cable, state.node.x[:2].copy()
     slack = c.joint_slack[0]
     assert c.opening[0] == pytest.approx(
@@ -178,8 +150,7 @@ def test_the_cable_takes_the_shortest_way_and_its_force_is_the_gradient(ends, ra
 @pytest.mark.parametrize("ends", PLACES)
 def test_forces_and_moments_balance_on_a_round_edge(ends):
     cables, state = one_cable(0.1, pose=FAR)
-    move(state, FAR, *ends)
-    result = evaluate(cables, state, FAR)
+    result = evaluated(cables, state, *ends, FAR)
     x, force = state.node.x[:2], state.cable.force[0]
     moment = np.cross(x, force).sum(axis=0) + result.wrench[0, 3:]
     moment += np.cross(FAR.translation, result.wrench[0, :3])
@@ -191,8 +162,7 @@ def test_a_very_small_radius_is_a_sharp_edge():
     forces = []
     for radius in (0.0, 2e-4):
         cables, state = one_cable(radius)
-        move(state, Pose.at_origin(), *PLACES[1])
-        evaluate(cables, state, Pose.at_origin())
+        evaluated(cables, state, *PLACES[1])
         forces.append(state.cable.force[0].copy())
     np.testing.assert_allclose(forces[1], forces[0], atol=1e-3 * np.abs(forces[0]).max())
 
@@ -209,7 +179,8 @@ def test_the_work_counts_where_the_tool_turns(joint):
         turn, way = 0.6 * k / n, 0.8 * k / n
         cos, sin = np.cos(turn), np.sin(turn)
         pose = Pose.of([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]], [way, 0.1 * way, 0.2 * way])
-        result = evaluate(cables, state, pose)
+        cables.add_forces(state, pose)
+        result = cables.forces
         wrench = result.wrench[0]
         twist = np.array([0.8, 0.08, 0.16, 0, 0, 0.6]) / n
         work -= 0.5 * (wrench + last) @ twist
@@ -228,13 +199,12 @@ def test_friction_on_the_arc_is_that_of_a_stretching_belt():
     law = CohesiveLaw(joint="slip", joint_friction=mu)
     cables, state = one_cable(radius, law=law)
     w = 1.001 * radius  # the ends come to run back almost parallel
-    move(state, Pose.at_origin(), (0.0, -w, 0.0), (0.0, w, 0.0))
-    evaluate(cables, state, Pose.at_origin())
+    evaluated(cables, state, (0.0, -w, 0.0), (0.0, w, 0.0))
     state.cable.opening_max[0] = state.cable.opening[0]
     friction, expected, before = 0.0, 0.0, None
     for k in range(1, n + 1):
-        result = evaluate(cables, state, Pose(np.eye(3), np.array([1.5 * k / n, 0.0, 0.0])))
-        friction += result.friction_work
+        cables.add_forces(state, Pose(np.eye(3), np.array([1.5 * k / n, 0.0, 0.0])))
+        friction += cables.forces.friction_work
         c = state.cable
         length = c.opening[0] + c.joint_slack[0]
         (_, phi) = naive.rho_and_turn(w, 1.5 * k / n, radius)

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
+from shellcut import Mesh, guillotine, preview
 from shellcut.mesh.film_doubts import film_doubts
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import annulus, cylinder, disc, opening_disc, rectangle
-from shellcut.models import guillotine
-from shellcut.models.preview import preview
 
 SHEET = rectangle(6.0, 6.0, size=1.0)  # 49 nodes, 36 quads, row by row from (0, -3)
 DISC = disc(5.0, n_side=6, n_layer=3)

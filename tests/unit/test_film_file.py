@@ -1,17 +1,17 @@
 """From a file's cells to a film: units, triangles, orientation, names, size, all that is said."""
 
 import logging
+import os
 
 import meshio
 import numpy as np
 import pytest
 
 from known_film import LEFT, NODES, QUADS, check_geometry
+from shellcut import mesh_from_outline, read_film
 from shellcut.formats.errors import FileError
 from shellcut.mesh import film_size
-from shellcut.mesh.film_file import read_film
 from shellcut.mesh.mesh import MeshError
-from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import annulus, cylinder, disc, rectangle
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import ToolError
@@ -175,11 +175,12 @@ def test_triangles_are_counted_before_they_are_split(tmp_path, monkeypatch):
 
 
 def test_memory_of_the_machine_counts_where_it_is_known(monkeypatch):
-    monkeypatch.setattr(film_size, "_memory", lambda: 1e9)
+    names = ["SC_PHYS_PAGES", "SC_PAGE_SIZE"]
+    monkeypatch.setattr(os, "sysconf", dict(zip(names, (1e6, 1e3), strict=True)).__getitem__)
     film_size.check_film_size(1e6, "enlarge size")
     with pytest.raises(MeshError, match=r"this machine's memory of 1 GB, .* which take 1.8 GB: e"):
         film_size.check_film_size(2e6, "enlarge size")
-    monkeypatch.setattr(film_size, "_memory", lambda: None)
+    monkeypatch.delattr(os, "sysconf")
     film_size.check_film_size(2e6, "enlarge size")
 
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from shellcut import compare, read
 from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
-from shellcut.results.comparison import compare
-from shellcut.results.run_results import read
 from shellcut.study.curve_misfit import compared, independent_points, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.free_parameters import FreeParameters

@@ -9,13 +9,12 @@ import shellcut as sc
 from naive import cases
 from naive.booking import book
 from notched_strip import cutting
+from shellcut import ForceTerm, Stepping, StraightMotion, load_checkpoint, save_checkpoint
 from shellcut.mesh.structured import rectangle
-from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.recording.checkpoint import CheckpointError
 from shellcut.simulation.force_terms import ForceTerms, WorkBook, work_on_tool
 from shellcut.simulation.ledger import Ledger
-from shellcut.simulation.stable_step import StableStep, Stepping
-from shellcut.tool.force_term import ForceTerm
-from shellcut.tool.motion import StraightMotion
+from shellcut.simulation.stable_step import StableStep
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 

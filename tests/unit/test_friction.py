@@ -5,13 +5,12 @@ import pytest
 
 from naive.booking import book
 from notched_strip import cutting
+from shellcut import Contact, ScrewMotion, ShellMaterial
 from shellcut.contact.coulomb_friction import TANGENTIAL, CoulombFriction
 from shellcut.contact.penalty_contact import PenaltyContact
-from shellcut.contact.settings import STEEPEST, Contact
-from shellcut.material.shell_material import ShellMaterial
+from shellcut.contact.settings import STEEPEST
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
 

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from notched_strip import cutting
-from shellcut.recording.checkpoint import load_checkpoint
-from shellcut.recording.recorder import Recorder
-from shellcut.results.run_results import read
+from shellcut import Recorder, load_checkpoint, read
 from shellcut.simulation.instability import CHECK_EVERY, BalanceGuard, BalanceLost, UnstableStep
 from shellcut.simulation.ledger import Ledger
 

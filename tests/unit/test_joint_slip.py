@@ -6,16 +6,13 @@ import scipy.optimize
 
 import shellcut as sc
 from far_pose import FAR
+from met_cable import AREA, evaluated, met_cable
 from naive import cable as naive
-from shellcut.cables.directional_cable import CableSet
 from shellcut.cables.joint_slip import neighbours
-from shellcut.mesh.structured import rectangle
-from shellcut.mitc4.initial_state import initial_state
-from shellcut.state import BROKEN, JOINTED
+from shellcut.state import BROKEN
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
-AREA = 0.03
 FREE = sc.CohesiveLaw(joint="free")
 BLADE = straight_blade(height=40.0)  # edge x = y = 0, blade at x < 0, plus is y > 0
 
@@ -25,24 +22,7 @@ def slip(mu):
 
 
 def one_cable(law, minus, plus, *, pose=None, tool=BLADE):
-    """A cable just met by the edge, and what evaluates it."""
-    pose = pose or Pose.at_origin()
-    state = initial_state(rectangle(2.0, 1.0, n_x=1, n_y=1))
-    state.node.contact_area[:] = 0.25 * 0.4**2
-    state.cable.append_blank()
-    state.cable.ends[0] = 0, 1
-    state.cable.m[0] = pose.rotation @ [0.0, 1.0, 0.0]
-    state.cable.area[0] = AREA
-    cables = CableSet(law, tool)
-    move(state, pose, minus, plus)
-    cables.add_forces(state, pose)
-    assert state.cable.status[0] == JOINTED
-    return cables, state
-
-
-def move(state, pose, minus, plus):
-    """Put the ends at points of the body frame."""
-    state.node.x[:2] = pose.to_space(np.array([minus, plus], float))
+    return met_cable(law, tool, minus, plus, pose)
 
 
 def pulls(state):
@@ -62,9 +42,7 @@ ENDS = [
 @pytest.mark.parametrize("ends", ENDS)
 def test_a_free_joint_lies_where_the_cable_is_shortest(ends, pose):
     cables, state = one_cable(FREE, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0), pose=pose)
-    move(state, pose, *ends)
-    cables.add_forces(state, pose)
-    forces = cables.forces
+    forces = evaluated(cables, state, *ends, pose)
 
     def length(z):
         return sum(np.linalg.norm(np.subtract(end, (0, 0, z))) for end in ends)
@@ -82,8 +60,7 @@ def test_a_free_joint_lies_where_the_cable_is_shortest(ends, pose):
 def test_a_joint_slips_to_the_limit_of_friction_and_no_farther(ends, mu):
     cables, state = one_cable(slip(mu), (-0.01, -0.3, 3.0), (-0.01, 0.3, 3.0))
     before = state.cable.joint_body[0].copy()
-    move(state, Pose.at_origin(), *ends)
-    cables.add_forces(state, Pose.at_origin())
+    evaluated(cables, state, *ends)
     place = naive.place_at_rest(
         *np.array(ends), np.zeros(3), *np.array([(0, 0, 1), (-1, 0, 0), (0, 1, 0)]), before[2], mu
     )
@@ -100,9 +77,7 @@ def test_a_joint_rests_within_the_limit():
     mu, z = 0.3, 0.4  # tan(theta) = z / 1 is below mu pi / 2
     cables, state = one_cable(slip(mu), (-0.001, -0.001, 0.0), (-0.001, 0.001, 0.0))
     before = state.cable.joint_body[0].copy()
-    move(state, Pose.at_origin(), (-1.0, -0.001, z), (-1.0, 0.001, z))
-    cables.add_forces(state, Pose.at_origin())
-    forces = cables.forces
+    forces = evaluated(cables, state, (-1.0, -0.001, z), (-1.0, 0.001, z))
     np.testing.assert_array_equal(state.cable.joint_body[0], before)
     assert forces.friction_work == 0.0
     assert forces.wrench[0, 2] == pytest.approx(z * -forces.wrench[0, 0], rel=1e-9)
@@ -147,11 +122,9 @@ def test_slice_and_push_of_one_cable(xi, mu):
 def test_around_the_edge_the_tensions_part_as_euler_says():
     mu, law = 0.3, slip(0.3)
     cables, state = one_cable(law, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
-    there = Pose.at_origin()
     ratios, friction, by_law = [], 0.0, 0.0
     ends = np.array([(-0.6, -0.2, 0.0), (-0.6, 0.2, 0.0)])
-    move(state, there, *ends)
-    cables.add_forces(state, there)
+    evaluated(cables, state, *ends)
     begin = sum(cables.energies(state))
     n, way = 400, 0.2
     state.dt = 1.0
@@ -162,9 +135,7 @@ def test_around_the_edge_the_tensions_part_as_euler_says():
         before = state.cable.force[0].copy()
         ends = ends + step
         state.node.velocity_half[:2] = step
-        move(state, there, *ends)
-        cables.add_forces(state, there)
-        result = cables.forces
+        result = evaluated(cables, state, *ends)
         done -= np.sum(0.5 * (before + state.cable.force[0]) * step)
         friction += result.friction_work
         by_law += result.work
@@ -180,16 +151,14 @@ def test_around_the_edge_the_tensions_part_as_euler_says():
     # Turned round, it sticks first and then slides the other way.
     for _ in range(n):
         ends = ends - step
-        move(state, there, *ends)
-        cables.add_forces(state, there)
+        evaluated(cables, state, *ends)
     assert np.divide(*pulls(state)) == pytest.approx(np.exp(-mu * turn), rel=0.05)
 
 
 def test_free_and_adhering_cables_carry_one_stress():
     for law in (FREE, sc.CohesiveLaw()):
         cables, state = one_cable(law, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
-        move(state, Pose.at_origin(), (-0.6, -0.2, 0.3), (-0.9, 0.2, 0.1))
-        cables.add_forces(state, Pose.at_origin())
+        evaluated(cables, state, (-0.6, -0.2, 0.3), (-0.9, 0.2, 0.1))
         assert np.divide(*pulls(state)) == pytest.approx(1.0, rel=1e-14)
 
 
@@ -202,8 +171,7 @@ def test_a_joint_goes_on_over_vertices_and_is_held_at_the_open_end():
     cables, state = one_cable(FREE, middle - side, middle + side, tool=tool)
     ends = [p + 0.5 * tool.edge_back[8] for p in (tool.point(8, 0.2), tool.point(9, 0.3))]
     ends = [ends[0] - 0.1 * tool.edge_normal[8], ends[1] + 0.2 * tool.edge_normal[8]]
-    move(state, Pose.at_origin(), *ends)
-    cables.add_forces(state, Pose.at_origin())
+    evaluated(cables, state, *ends)
     assert state.cable.edge[0] in (8, 9)
 
     def length(s):
@@ -217,8 +185,7 @@ def test_a_joint_goes_on_over_vertices_and_is_held_at_the_open_end():
     assert to_joint == pytest.approx(shortest, abs=1e-8)
     blade = straight_blade(height=2.0)
     cables, state = one_cable(FREE, (-0.01, -0.3, 0.5), (-0.01, 0.3, 0.5), tool=blade)
-    move(state, Pose.at_origin(), (-0.5, -0.3, 1.8), (-0.5, 0.3, 1.8))
-    cables.add_forces(state, Pose.at_origin())
+    evaluated(cables, state, (-0.5, -0.3, 1.8), (-0.5, 0.3, 1.8))
     np.testing.assert_allclose(state.cable.joint_body[0], [0, 0, 1.0], atol=1e-15)
 
 
@@ -243,10 +210,7 @@ def test_neighbours_along_the_edges():
     ("keys", "said"),
     [
         ({"joint": "slip"}, "needs a joint_friction that is positive, got 0.0"),
-        (
-            {"joint": "slip", "joint_friction": np.inf},
-            "must be 0 or more and finite, got inf",
-        ),
+        ({"joint": "slip", "joint_friction": np.inf}, "must be 0 or more and finite, got inf"),
         ({"joint": "free", "joint_friction": 0.1}, "joint_friction is of joint = 'slip'"),
         ({"joint_friction": 0.1}, "got 0.1 with joint = 'adhesion'"),
     ],

@@ -7,7 +7,7 @@ declare no counts betray a loss by what is left, or by what no mesher makes, and
 shows what is not said.
 """
 
-from dataclasses import replace
+import sys
 
 import numpy as np
 import pytest
@@ -16,14 +16,13 @@ from damaged.mutations import mutated
 from damaged.outcomes import film_of, read_quietly, tool_of
 from damaged.outcomes import outcome as outcome_of
 from damaged.samples import FILMS, TOOLS
-from shellcut.formats import vtk as vtk_file
 from shellcut.mesh.film_file import read_film
 
 
 @pytest.fixture(autouse=True)
 def _without_vtk(monkeypatch):
     """What meshio refuses is final; VTK's second opinion is in test_vtk, a process for each."""
-    monkeypatch.setattr(vtk_file, "_VTK", replace(vtk_file._VTK, module="no_such_module"))
+    monkeypatch.setitem(sys.modules, "vtkmodules", None)
 
 
 @pytest.mark.parametrize("name", [*FILMS, *TOOLS])

@@ -7,10 +7,16 @@ import numpy as np
 import pytest
 
 import shellcut
+import shellcut as sc
+from shellcut import CohesiveLaw, Elastic, Fracture, Layer, ShellMaterial, opening_test
 from shellcut.checks import RefusedModel
+from shellcut.checks.plausible import check_numbers
+from shellcut.checks.steps import check_steps
+from shellcut.fracture.puncture import bending_length
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut
 from shellcut.tool.shapes import straight_blade, tooth_ring
+from test_preview import two_rings
 
 SIDES = (shellcut.Support.clamped("bottom"), shellcut.Support.clamped("top"))
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -206,16 +212,8 @@ def test_edges_that_pass_out_or_leave_are_told():
 
 
 def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
-    two = np.concatenate([(ring := tooth_ring(n_teeth=1)).vertices, ring.vertices * [3, 3, 1]])
-    tool = shellcut.Tool.from_triangles(
-        two,
-        np.concatenate([ring.triangles, ring.triangles + ring.n_vertex]),
-        edges=np.concatenate([ring.edges, ring.edges + ring.n_vertex]),
-        flank_angle_deg=ring.flank_angle_deg,
-    )
-    assert "1 of 2 cutting edges never meet the film: cutting edge 1" in only(
-        shellcut.opening_test("quick", tool=tool), "note"
-    )
+    said = only(shellcut.opening_test("quick", tool=two_rings(height=5.0)), "note")
+    assert "1 of 2 cutting edges never meet the film: cutting edge 1" in said
     away = shellcut.opening_test(
         "quick", tool=tooth_ring(radius=30.0), fracture=shellcut.Fracture(path="edges")
     )
@@ -276,3 +274,180 @@ def test_checking_changes_nothing_and_a_film_without_a_tool_is_asked_for_numbers
     check = shellcut.check_model(sim, 1e-3)
     assert check.sweep is None
     assert [f.severity for f in check.findings] == ["refuse"]
+
+
+# --- what is told before a run of a film that its tool comes down on
+
+
+def doubts(**options):
+    case = opening_test("quick", **options)
+    findings = shellcut.check_model(case.simulation, case.duration).findings
+    return [str(one) for one in findings if "pierce" in str(one)]
+
+
+def brittle(length):
+    """A law whose modulus times energy over strength² is a multiple of the bending length."""
+    law = CohesiveLaw()
+    bent = bending_length(ShellMaterial.homogeneous(), law)
+    scale = length * bent * 18.0**2 / (1678.0 * law.fracture_energy)
+    openings = {f"opening_{k}": scale * getattr(law, f"opening_{k}") for k in "apu"}
+    return CohesiveLaw(**openings, onset=0.01 * scale)
+
+
+def test_a_film_that_tears_on_by_itself_is_doubted():
+    assert doubts() == doubts(law=brittle(1.05)) == []
+    (said,) = doubts(law=brittle(0.95))
+    assert "0.205 mm and 0.216 mm" in said
+    assert "fracture.puncture_force" in said
+    assert doubts(law=brittle(0.95), fracture=Fracture(puncture_force=0.4)) == []
+
+
+def test_a_film_soft_in_shear_is_doubted():
+    film = ShellMaterial(
+        [Layer(Elastic(e, 0.3, 1e-9), h) for e, h in ((7e4, 0.009), (200.0, 0.056), (7e4, 0.009))]
+    )
+    (said,) = doubts(material=film, law=CohesiveLaw(strength=40.0))
+    assert "got 0.5 of it" in said
+
+
+@pytest.mark.parametrize(("first", "told"), [(17.0, True), (19.0, False)])
+def test_a_film_that_yields_below_its_strength_is_doubted(first, told):
+    film = shellcut.preset_film("pet", yield_stress=first)
+    assert any("where it yields " in said for said in doubts(material=film)) == told
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.25, False), (0.5, True)])
+def test_a_film_that_is_tight_is_doubted(share, told):
+    case = opening_test("quick")
+    sim = case.simulation
+    strain = share * 18.0 * 0.7 / 1678.0  # of both directions at nu = 0.3
+    sim.relax(strain * sim.mesh.nodes * [1.0, 1.0, 0.0])
+    said = [str(one) for one in shellcut.check_model(sim, case.duration).findings]
+    assert bool(said) == told
+    if told:
+        assert f"a tip takes {np.sqrt(1.0 - share**2):.2g} of the usual force" in said[0]
+
+
+def test_edges_that_come_in_over_the_rim_pierce_nothing():
+    case = shellcut.guillotine(0.8, law=brittle(0.95))
+    said = [str(one) for one in shellcut.check_model(case.simulation, case.duration).findings]
+    assert not any("pierces" in one for one in said)
+
+
+# --- numbers typed in another unit are told, those of the film are not
+
+
+MESH = rectangle(20.0, 8.0, size=0.4)
+FILM = sc.ShellMaterial.homogeneous()
+BLADE = straight_blade()
+
+
+def of_numbers(film=FILM, law=None, tool=BLADE, **numbers):
+    if numbers:
+        film = sc.ShellMaterial.homogeneous(**numbers)
+    law = sc.CohesiveLaw(**(law or {}))
+    return [(f.severity, str(f)) for f in check_numbers(MESH, film, law, tool)]
+
+
+PASCAL = {"strength": 18e6, "plateau": 12e6}
+IN_METRES = {"opening_a": 500, "opening_p": 3e3, "opening_u": 4e3}
+
+
+@pytest.mark.parametrize(
+    ("numbers", "severity", "said"),
+    [
+        ({"thickness": 74.0}, "refuse", "its theory does not hold, got thickness 74 mm"),
+        ({"thickness": 2.0}, "doubt", "thinner than 0.1 of its size"),
+        ({"thickness": 0.5}, "doubt", "thickness 0.5 mm and edges of 0.4 mm"),
+        ({"thickness": 7.4e-5}, "doubt", "thicker than 0.0001 mm"),  # in m
+        ({"young": 1.678}, "refuse", "a strain of 10.7"),  # in GPa
+        ({"young": 1.678e9}, "doubt", "young 1.678e+09 MPa"),  # in Pa
+        ({"density": 1e-12}, "doubt", "density 1e-12 t/mm³"),  # in t/mm³ by a slip of g/m³
+        ({"density": 5e-8}, "doubt", "osmium"),
+        ({"law": PASCAL}, "refuse", "a strain of 1.07e+04"),
+        ({"law": {"strength": 0.018, "plateau": 0.012}}, "doubt", "a strain of 1.07e-05"),  # in GPa
+        ({"law": {"strength": 400.0}}, "doubt", "a strain of 0.238"),
+        ({"law": IN_METRES}, "doubt", "opening_u 4000 mm"),
+        ({"law": PASCAL, "young": 1678e6}, "doubt", "1.295e+06 m/s"),  # by the speed of waves
+    ],
+)
+def test_a_film_or_law_in_another_unit(numbers, severity, said):
+    findings = of_numbers(**numbers)
+    assert any(level == severity and said in text for level, text in findings), findings
+
+
+@pytest.mark.parametrize(
+    ("first", "r_values", "severity", "said"),
+    [
+        (10000.0, None, "refuse", "a first yield stress of 1e+04 MPa at a modulus of 1000 MPa"),
+        (400.0, None, "doubt", "a strain of 0.4"),
+        (40.0, (1000.0, 1000.0, 1000.0), "doubt", "got r_values 1000, 1000, 1000"),
+        (40.0, (1.0, 0.01, 1.0), "doubt", "got r_values 1, 0.01, 1"),
+    ],
+)
+def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
+    material = sc.Plastic(sc.Elastic(1000.0, 0.3, 1e-9), sc.Linear(first, 1.0), r_values)
+    ((level, text),) = of_numbers(sc.ShellMaterial((sc.Layer(material, 0.05),)))
+    assert level == severity
+    assert said in text
+
+
+def test_what_is_wrong_in_one_layer_of_several_is_told_once():
+    polymer, foil = sc.Elastic(800.0, 0.4, 0.92e-9), sc.Elastic(69e9, 0.33, 2.7e-9)
+    film = sc.ShellMaterial([sc.Layer(foil, 0.005), sc.Layer(polymer, 0.06), sc.Layer(foil, 0.005)])
+    said = [text for _, text in of_numbers(film, tool=None)]
+    assert sum("a modulus should lie" in text for text in said) == 1
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ("um", "between them nothing resists the tooth"),
+        ("m", "of similar size, got a tool of 67"),
+    ],
+)
+def test_a_tool_of_another_scale(tmp_path, unit, said):
+    BLADE.write(tmp_path / "blade.stl")
+    ((level, text),) = of_numbers(tool=sc.read_tool(tmp_path / "blade.stl", unit=unit))
+    assert level == "doubt"
+    assert said in text
+
+
+# --- the steps -----------------------------------------------------------------------------------
+
+STEPS = {
+    "dt": 1.5e-7,
+    "fixed": None,
+    "bound": 1.6e-7,
+    "check_every": 10,
+    "duration": 6e-3,
+    "speed": 2700.0,
+    "wave": 1.3e6,
+    "edge_length": 0.4,
+}
+
+
+def steps(**changed):
+    return [(f.severity, str(f)) for f in check_steps(**{**STEPS, **changed})]
+
+
+def test_what_follows_its_teeth_is_not_blamed():
+    assert steps() == []
+    assert steps(speed=8.1e4, check_every=5) == []  # looking more often follows a faster blade
+    assert of_numbers() == []
+
+
+@pytest.mark.parametrize(
+    ("changed", "severity", "said"),
+    [
+        ({"speed": 1e9}, "refuse", "got 150 mm a step"),
+        ({"dt": 1e-3, "fixed": 1e-3}, "refuse", "leave time.fixed out"),
+        # 0.3 edges of 0.4 mm in ten steps of 1.5e-7 s are 8e4 mm/s
+        ({"speed": 8.1e4}, "doubt", "two looks at the cracks"),
+        ({"speed": 7.9e4, "wave": 5e5}, "doubt", "slower than 0.1 of the film's waves"),
+        ({"dt": 2e-7, "fixed": 2e-7}, "doubt", "must not exceed the safe one, 1.6e-07 s"),
+        ({"duration": 6.0}, "note", "about 4e+07 steps"),
+    ],
+)
+def test_a_step_that_does_not_follow(changed, severity, said):
+    assert [level for level, text in steps(**changed) if said in text] == [severity]

@@ -11,14 +11,8 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import (
-    ModelFileError,
-    guillotine,
-    opening_test,
-    oscillating,
-    read_model,
-    trouser,
-)
+from free_model import FREE
+from shellcut import ModelFileError, guillotine, opening_test, oscillating, read_model, trouser
 from shellcut.material.orthotropic import turned_moduli
 from shellcut.model_file import shipped_models
 from shellcut.model_file.section_table import HEAD, LISTS, SECTIONS
@@ -172,19 +166,7 @@ def remembered(constructor):
 
 KINDS = {kind for sections in SECTIONS.values() for kinds in sections.values() for kind in kinds}
 REMEMBERED = {kind: remembered(kind.constructor) for kind in KINDS if kind.constructor is not None}
-JUNK = [
-    "3",
-    "-1.5",
-    "nan",
-    "'x'",
-    "''",
-    "true",
-    "[]",
-    "[[]]",
-    "['x', 1]",
-    "{ a = 1 }",
-    "1979-05-27",
-]
+JUNK = ["3", "-1.5", "nan", "'x'", "''", "true", "[]", "[[]]", "['x',1]", "{a=1}", "1979-05-27"]
 
 
 @pytest.mark.parametrize(
@@ -275,32 +257,20 @@ def test_shipped_models_are_package_data_and_told():
     assert "free, guillotine, opening, oscillating, trouser; did you mean opening?" in line
 
 
-@pytest.mark.parametrize(
-    ("name", "builder"),
-    [
-        ("opening", opening_test),
-        ("guillotine", guillotine),
-        ("trouser", trouser),
-        ("oscillating", oscillating),
-    ],
-)
-def test_a_shipped_model_is_the_builder_with_its_defaults(name, builder):
+@pytest.mark.parametrize("builder", [opening_test, guillotine, trouser, oscillating])
+def test_a_shipped_model_is_the_builder_with_its_defaults(builder):
+    name = builder.__name__.removesuffix("_test")
     length = 30.0 if name == "oscillating" else 8.0
     smaller = {"size": 1.0, "membrane.length": length}
     case = read_model(name, {"mesh": "quick"} if name == "opening" else smaller).build()
     same = builder("quick") if name == "opening" else builder(1.0, length=length)
     assert (case.name, case.duration) == (same.name, same.duration)
-    for ours, theirs in ((case.simulation, same.simulation),):
-        np.testing.assert_array_equal(ours.mesh.nodes, theirs.mesh.nodes)
-        if name != "trouser":
-            np.testing.assert_array_equal(ours.tool.vertices, theirs.tool.vertices)
-        assert (ours.material, ours.law, ours.motion) == (
-            theirs.material,
-            theirs.law,
-            theirs.motion,
-        )
-        assert ours.fracture == theirs.fracture
-        assert ours.dt == theirs.dt
+    ours, theirs = case.simulation, same.simulation
+    np.testing.assert_array_equal(ours.mesh.nodes, theirs.mesh.nodes)
+    if name != "trouser":
+        np.testing.assert_array_equal(ours.tool.vertices, theirs.tool.vertices)
+    for part in ("material", "law", "motion", "fracture", "dt"):
+        assert getattr(ours, part) == getattr(theirs, part), part
 
 
 def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeypatch):
@@ -397,25 +367,6 @@ def test_a_file_that_has_changed_since_is_found(tmp_path, monkeypatch):
 
 
 # --- what the parts refuse -----------------------------------------------------------------------
-
-FREE = """model = "free"
-[membrane]
-length = 6.0
-width = 4.0
-size = 0.5
-clamp = ["bottom", "top"]
-notch = 1.0
-[tool]
-kind = "blade"
-length = 6.0
-height = 3.0
-shift = [-0.05, 0.0, 0.0]
-[motion]
-direction = [1, 0, 0]
-speed = "6 m/s"
-ramp = "0.1 ms"
-duration = "0.5 ms"
-"""
 
 
 def test_a_free_model_cuts_as_the_guillotine_does(write):

@@ -12,10 +12,7 @@ import sys
 import numpy as np
 import pytest
 
-from shellcut import read_model
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.drawing import mesh_from_drawing
-from shellcut.mesh.outline import mesh_from_outline
+from shellcut import ShellMaterial, Simulation, mesh_from_drawing, mesh_from_outline, read_model
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
 from shellcut.model_file.forms import written
@@ -25,7 +22,6 @@ from shellcut.model_file.schema import schema
 from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS
 from shellcut.models import Case
 from shellcut.recording.run_options import RunOptions
-from shellcut.simulation.simulation import Simulation
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 if sys.version_info >= (3, 11):

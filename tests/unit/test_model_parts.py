@@ -5,34 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from free_model import FREE
 from shellcut import ModelFileError, read_model
 
-FREE = """model = "free"
-[membrane]
-length = 6.0
-width = 4.0
-size = 0.5
-clamp = ["bottom"]
-notch = 1.0
-[tool]
-kind = "blade"
-length = 6.0
-height = 3.0
-shift = [-0.05, 0.0, 0.0]
-[motion]
-direction = [1, 0, 0]
-speed = "6 m/s"
-ramp = "0.1 ms"
-duration = "0.5 ms"
-[[supports]]
-nodes = "top"
-"""
+TWICE_HELD = FREE.replace('"bottom", "top"', '"bottom"') + '[[supports]]\nnodes = "top"\n'
 
 
 @pytest.fixture
 def free(tmp_path):
     path = tmp_path / "free.toml"
-    path.write_text(FREE)
+    path.write_text(TWICE_HELD)
     return path
 
 

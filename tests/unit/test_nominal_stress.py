@@ -53,7 +53,7 @@ def test_the_maximum_lies_where_the_slope_is_the_stress(material, stress):
 
 
 def test_hill_across_and_along():
-    # METHOD2 9: σ_90/σ_0 for r = 0.8, 1.2, 1.6; nominal stress goes with its power n + 1
+    # Hill's criterion: σ_90/σ_0 for r = 0.8, 1.2, 1.6; nominal stress goes with its power n + 1
     moduli = sc.Orthotropic(3e7, 3e7, 0.3, 1e7, 1e-9)
     sheet = film(sc.Plastic(moduli, sc.Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6)))
     along = largest_nominal_stress(sheet, "uniaxial")

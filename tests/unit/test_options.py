@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import meshing, tool_shapes
+from shellcut import Anisotropy, meshing, tool_shapes
 from shellcut.arguments import declared
-from shellcut.fracture.anisotropy import Anisotropy
 from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.tensile.specimen import SpecimenSize
 from shellcut.tool.round_bar import round_bar

@@ -7,14 +7,9 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.loads.supports import Support
-from shellcut.mitc4.mesh_quality import mesh_quality
-from shellcut.models import opening_test
-from shellcut.models.preview import ModelParts, preview, preview_parts
-from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
+from shellcut import Simulation, Stepping, Support, Tool, mesh_quality, opening_test, preview
+from shellcut.models.preview import ModelParts, preview_parts
 from shellcut.tool.shapes import tooth_ring
-from shellcut.tool.tool import Tool
 from shellcut.view import model_picture
 
 
@@ -119,9 +114,9 @@ def drawn(monkeypatch):
     return views
 
 
-def two_rings():
+def two_rings(height=2.0):
     """Teeth that cut, and others that are beside the film."""
-    ring = tooth_ring(n_teeth=1, height=2.0)
+    ring = tooth_ring(n_teeth=1, height=height)
     return Tool.from_triangles(
         np.concatenate([ring.vertices, ring.vertices * [2.0, 2.0, 1.0]]),
         np.concatenate([ring.triangles, ring.triangles + ring.n_vertex]),

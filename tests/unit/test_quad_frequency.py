@@ -8,8 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import shellcut as sc
 from naive import cases
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
-from shellcut.mesh.mesh import Mesh
+from shellcut import Elastic, Layer, Mesh, ShellMaterial
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.mitc4.eigenvalue_bound import bound_largest_eigenvalues
 from shellcut.mitc4.frequency import growth_rates

@@ -185,7 +185,7 @@ def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, ca
 
 def test_what_is_refused_leaves_nothing(tmp_path):
     sim = cutting(material=ShellMaterial.homogeneous(thickness=74.0))
-    with pytest.raises(RefusedModel, match="a shell must be thin"):
+    with pytest.raises(RefusedModel, match="a shell should be thin"):
         Recorder(sim, tmp_path / "none", until=END, name="cut", **RECORDS)
     assert not (tmp_path / "none").exists()
     film = rectangle(4.0, 2.0, size=1.0)

@@ -21,10 +21,11 @@ from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
 
-SECTIONS = """Conclusion, Force, Measured curve, Where the work went, What may be trusted, The cut,
-In three dimensions, Crack map, Quality of the cut, Figures, What was run, Versions"""
-SECTIONS = SECTIONS.replace("\n", " ")
-SECTIONS = SECTIONS.split(", ")
+SECTIONS = [
+    *("Conclusion", "Force", "Measured curve", "Where the work went", "What may be trusted"),
+    *("The cut", "In three dimensions", "Crack map", "Quality of the cut", "Figures"),
+    *("What was run", "Versions"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -108,28 +109,22 @@ def sentences(page):
 
 
 class TestPage:
-    def test_every_section_is_there_in_order(self, page):
+    def test_sections_pictures_and_what_the_user_wrote_are_in_it_and_nothing_is_loaded(self, page):
         assert Outline(page).titles == SECTIONS
-
-    def test_pictures_are_embedded_and_described(self, page):
         images = Outline(page).images
         assert len(images) == 3 + 1  # snapshots, map
         for image in images:
             assert image["src"].startswith("data:image/png;base64,iVBOR")
             assert len(image["alt"]) > 20
-
-    def test_nothing_is_loaded_from_elsewhere(self, page):
         assert re.findall(r"(?:src|href|url)\W{0,2}\s*https?:", without_scripts(page)) == []
         assert "default-src 'none'" in page
+        assert "alert(1)</script>" not in page
+        assert "&lt;script&gt;alert(1)" in page
 
     def test_figures_have_their_units(self, out, page):
         summary = json.loads((out / "summary.json").read_text())
         assert f"{summary['crack_length_mm']:.4g} mm" in page
         assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
-
-    def test_text_of_the_user_is_escaped(self, page):
-        assert "alert(1)</script>" not in page
-        assert "&lt;script&gt;alert(1)" in page
 
     def test_the_verdict_is_ordered_and_its_doubts_counted(self, page):
         kinds = [kind for kind, _ in sentences(page[page.index("What may be trusted") :])]
@@ -167,20 +162,16 @@ class TestWhatIsMissing:
         assert {"What may be trusted", "Versions", "Where the work went"} <= set(titles)
 
     def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
-        whole = report_run(out).read_text(encoding="utf-8")
-        page = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
-        closes = [text for _, text in sentences(whole) if "the ledger misses up to" in text]
-        assert closes == [text for _, text in sentences(page) if "the ledger misses up to" in text]
-        assert len(closes) == 1
-
-    def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):
-        whole = report_run(out).read_text(encoding="utf-8")
-        killed = report_run(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
+        folders = out, copy_without(out, tmp_path, "summary.json")
+        whole, killed = (report_run(folder).read_text(encoding="utf-8") for folder in folders)
         assert "The curve is the force along (1, 0, 0). Positive values resist the tool." in whole
         reason = shellcut.read(out).summary["no_window"]
         assert reason.startswith("cutting edge 1 has cut ")
+        closes = []
         for page in (whole, killed):
+            closes += [text for _, text in sentences(page) if "the ledger misses up to" in text]
             assert f"There is no steady window, so there is no mean: {reason}." in page
+        assert closes == [closes[0]] * 2
 
     def test_a_broken_file_is_no_end(self, out, tmp_path):
         folder = copy_without(out, tmp_path)
@@ -271,8 +262,6 @@ class TestFigures:
         assert with_unit("unfelt_penetration_mm", 0.1254) == "0.1254 mm"
         assert with_unit("n_quad", 8649) == "8,649"
         assert with_unit("version", "1.0") == "1.0"
-
-    def test_unknown_figures_are_shown_too(self):
         assert key_figures({"new_thing_mm": 1.5}) == [("new thing", "1.5 mm")]
 
     def test_the_window_is_said_beside_what_was_taken_over_it(self):
@@ -293,22 +282,22 @@ class TestChart:
     def draw(self, *curves):
         return chart(Diagram(self.X, curves, "angle", "deg", "torque", "N*mm"), "a <torque>")
 
-    def test_no_peak_is_lost(self):
+    def test_values_are_those_of_the_curve_and_no_peak_is_lost(self):
         y = np.zeros_like(self.X)
         y[1234], y[4321] = 7.0, -3.0
         rows = outline(self.X, y, 500)
         assert len(rows) <= 1002
         assert {0, 1234, 4321, 5000} <= set(rows.tolist())
-
-    def test_values_are_those_of_the_curve(self):
         spike = np.where(np.arange(len(self.X)) == 1234, 1e3, self.X**2)
-        (trace,), _ = drawn(self.draw(Curve("total", spike, "total")))
+        own = Curve("measured", np.array([1.0, 30.0]), "measured", x=np.array([-2.0, 12.0]))
+        (trace, other), _ = drawn(self.draw(Curve("total", spike, "total"), own))
         x, y = np.array(trace["x"]), np.array(trace["y"])
         rows = np.rint(x / 10.0 * 5000).astype(int)
-        assert 1234 in rows  # more points than a chart keeps, yet no peak is lost
+        assert 1234 in rows
         assert 1000 < len(rows) <= 2002
         np.testing.assert_allclose(y, spike[rows], rtol=2e-4, atol=1e-6)  # five figures
         assert (x[0], x[-1]) == (0.0, 10.0)
+        assert other["x"] == [-2.0, 12.0]  # it has places of its own
 
     def test_areas_are_stacked_and_a_crowd_is_switched_together(self):
         layers = [Curve(name, self.X, f"a{k}", True) for k, name in enumerate("ab")]
@@ -318,11 +307,6 @@ class TestChart:
         assert [trace["showlegend"] for trace in traces] == [True] * 3 + [False] * 2
         assert {trace["legendgroup"] for trace in traces[2:]} == {"each"}
         assert [trace.get("hoverinfo") for trace in traces] == [None] * 2 + ["skip"] * 3
-
-    def test_a_curve_may_have_places_of_its_own(self):
-        own = Curve("measured", np.array([1.0, 30.0]), "measured", x=np.array([-2.0, 12.0]))
-        traces, _ = drawn(self.draw(Curve("total", self.X, "total"), own))
-        assert traces[1]["x"] == [-2.0, 12.0]
 
     def test_names_are_escaped(self):
         html = self.draw(Curve("</script><b>", self.X, "total"))

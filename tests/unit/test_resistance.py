@@ -7,16 +7,14 @@ import numpy as np
 import pytest
 
 from notched_strip import cutting
+from shellcut import ScrewMotion, StraightMotion, TableMotion, read
 from shellcut.models import Case
 from shellcut.numerics.broken_line import BrokenLine
 from shellcut.recording.resistance import COMPONENTS, Resistance
-from shellcut.results.run_results import read
 from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
-from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
-from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.touch import Touch
 
 END = 1.0

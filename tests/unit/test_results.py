@@ -17,7 +17,7 @@ from shellcut import Recorder, guillotine
 from shellcut.frame import JOINTED
 from shellcut.recording.frame_capture import Exposure
 from shellcut.results.vtkhdf import VtkHdfWriter
-from test_vtkhdf import Reading, assert_holds, assert_same
+from test_vtkhdf import assert_same
 
 
 def leave(folder, n=3, name="made"):
@@ -75,15 +75,6 @@ def test_a_cut_is_read_back_frame_by_frame_as_it_was_simulated(run):
     np.testing.assert_array_equal(last.reference, s.node.X[: len(last.points)])
     assert last.held.sum() == 2 * 11
     np.testing.assert_array_equal(np.unique(last.tool_tooth), [1])
-
-
-def test_vtk_reads_a_cut_frame_by_frame_as_it_was_simulated(run):
-    folder, written, _ = run
-    reading = Reading(folder / "strip.vtkhdf")
-    assert reading.n_frame == len(written)
-    for k in (len(written) - 1, *range(len(written))):
-        got = reading.frame(k)
-        assert_holds(got, written[k], figure="force [N]", coordinate="path [mm]")
 
 
 def test_history_figures_and_splits(run):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import shellcut
-from opening_frame import opening_frame
+from opening_frame import EDGE_COLOR, opening_frame
 from run_folder import write_run
 from shellcut.command_line import main
-from shellcut.view import Look, _panel, draw_movie, draw_scene, movie, progress, snapshot
+from shellcut.view import Look, draw_movie, draw_scene, movie, progress, snapshot
 from shellcut.view.fields import at_corners, fields_of
 
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
@@ -40,9 +40,9 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
         FRAMES[2], edge_points=np.zeros((0, 2, 3)), edge_tooth=np.zeros(0, int)
     )
     draw_scene(tmp_path / "without.png", without, size=SIZE)
-    edges = near(drawn, _panel.EDGE_COLOR)
+    edges = near(drawn, EDGE_COLOR)
     assert edges > 15
-    assert near(pixels(tmp_path / "without.png")[35:260], _panel.EDGE_COLOR) < 0.2 * edges
+    assert near(pixels(tmp_path / "without.png")[35:260], EDGE_COLOR) < 0.2 * edges
     assert (drawn < 0.95).any(axis=2).mean() > 0.2
     assert capfd.readouterr().err == ""
 
@@ -57,8 +57,8 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
         ({"high": 1000.0}, (0.95, 0.9, 0.2), 0.0, 0.01),
         ({"hide": ["film"]}, (0.95, 0.9, 0.2), 0.0, 0.01),
         ({"zoom": 0.3}, (0.95, 0.9, 0.2), 0.005, 0.08),
-        ({}, _panel.EDGE_COLOR, 2e-4, 0.1),
-        ({"hide": ["edges"]}, _panel.EDGE_COLOR, 0.0, 1e-4),
+        ({}, EDGE_COLOR, 2e-4, 0.1),
+        ({"hide": ["edges"]}, EDGE_COLOR, 0.0, 1e-4),
     ],
 )
 def test_a_look_is_kept(tmp_path, look, color, least, most):

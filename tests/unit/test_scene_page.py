@@ -5,6 +5,7 @@ import dataclasses
 import io
 import json
 import re
+import sys
 import zlib
 
 import numpy as np
@@ -192,8 +193,10 @@ class TestFile:
         shown = []
         monkeypatch.setattr(view.webbrowser, "open", shown.append)
         page = folder / "view.html"
-        for screen in (False, True):
-            monkeypatch.setattr(view, "_has_screen", lambda screen=screen: screen)
+        monkeypatch.setattr(sys, "platform", "linux")
+        monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+        for screen in ("", ":0"):
+            monkeypatch.setenv("DISPLAY", screen)
             assert main(["view", str(folder), "--frames", "2"]) == 0
             assert page.is_file()
         page.unlink()

@@ -7,6 +7,8 @@ import shellcut as sc
 from free_strip import cut_strip
 from naive.cable import straight
 from naive.shell import shape
+from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.quad_polygon import divide
 from shellcut.fracture.tip import Segment
 from shellcut.mesh.structured import rectangle
@@ -24,7 +26,7 @@ def segment_cut(rise=0.3):
     sim.notch((rim - 1.0, y, 0.0), (rim + NOTCH, y, 0.0))
     free = sim.cracks
     (tip,) = free.tips
-    segment = free._path.segment_from(sim.state, tip, tip.heading)
+    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
     free._advance(sim.state, tip, segment, "criterion", 1.0)
     return sim, segment
 
@@ -32,12 +34,13 @@ def segment_cut(rise=0.3):
 def forces(sim):
     """Return the forces of all cables on the nodes that have film, (n_node, 3)."""
     s, n = sim.state, sim.state.node
-    sim._flanks.follow(s)
+    flanks = FlankPoints()
+    flanks.follow(s)
     n.force_rows[: n.count] = 0.0
     s.dt = 0.0
     sim.cables.add_forces(s, sim.pose)
     if s.flank.count:
-        sim._flanks.hand_on_forces(s)
+        flanks.hand_on_forces(s)
     return n.force[: n.count].copy()
 
 
@@ -110,6 +113,8 @@ def test_fibres_go_with_the_part_of_a_copy_that_holds_them():
     n.x[: n.count] += 0.02 * rng.normal(size=(n.count, 3))
     film, wanted = n.mass[: n.count] > 0.0, by_hand(sim)
     np.testing.assert_allclose(forces(sim)[film], wanted[film], atol=1e-12)  # round-off
+    with pytest.raises(ValueError, match="fibres must be 0 or more"):
+        sc.Fracture(fibres=-1)
 
 
 def test_a_segment_that_opens_nowhere_is_held_and_its_fibres_rest():
@@ -119,15 +124,11 @@ def test_a_segment_that_opens_nowhere_is_held_and_its_fibres_rest():
     middles = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     row = int(np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin())
     ways = [np.array([sign, 0.1, 0.0]) for sign in (-1.0, 1.0)]
-    back, ahead = (free._path.segment(s, row, (0.0, 0.0), way) for way in ways)
+    path = CrackPath(free.cuts.topology, sim.shell)
+    back, ahead = (path.segment(s, row, (0.0, 0.0), way) for way in ways)
     free._through(s, back, ahead, "puncture", 1.0)
     free.cuts.renew(s)
     assert s.n_cable == 6
     assert not s.node.real[s.flank.node[: s.flank.count]].any()
     film = s.node.mass[: s.n_node] > 0.0
     assert np.abs(forces(sim)[film]).max() < 1e-15 * LAW.strength
-
-
-def test_the_number_of_fibres_is_not_negative():
-    with pytest.raises(ValueError, match="fibres must be 0 or more"):
-        sc.Fracture(fibres=-1)

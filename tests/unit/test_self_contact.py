@@ -8,10 +8,11 @@ from naive.contact import smoothed
 from naive.self_contact import closest_in, depth_in_plate
 from shellcut.contact.film_outline import FilmOutline
 from shellcut.contact.look_at_quad import closest_place, corners_of
+from shellcut.contact.pair_search import PairSearch, Points
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.numerics.jit import kernel
-from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
+from two_pieces import CASES, ON, H, approached, evaluated, split, thrown, touching
 
 
 def momenta(sim):
@@ -134,11 +135,11 @@ def test_single_points_feel_what_a_plate_with_flat_edges_exerts():
         elif edge == 1:
             p[1] = low[1] + rng.uniform(-0.5, 1.0) * H
         place = x.copy()
-        term._age._known.revision = -1
+        state.revision += 1
         evaluated(state, term, place)  # far away: no side is known
         start = place.copy()
         start[node] = p + H * np.array([0.0, 0.0, 3.0] if edge == 2 else [2.0, -2.0, 0.0])
-        term._age._known.revision = -1
+        state.revision += 1
         evaluated(state, term, start)
         side = 1 if edge == 2 else 0
         term.tables.memory.side[:] = side
@@ -248,13 +249,8 @@ def test_a_flap_that_folds_onto_the_sheet_does_not_pass():
 def test_flanks_born_together_do_not_lock(path):
     force, looked = {}, {}
     for on in (False, True):
-        case = sc.guillotine(
-            0.8,
-            length=9.6,
-            width=6.4,
-            contact=sc.Contact(self_contact=on),
-            fracture=sc.Fracture(path=path),
-        )
+        options = {"contact": sc.Contact(self_contact=on), "fracture": sc.Fracture(path=path)}
+        case = sc.guillotine(0.8, length=9.6, width=6.4, **options)
         sim = case.simulation
         sim.run(case.duration)
         force[on] = sim.ledger.tool_work
@@ -315,14 +311,7 @@ def test_the_halves_of_a_split_node_keep_side_and_energy():
     _, before = approached(state, term, x, away)
     node = int(term.tables.presses.node[0, 0])
     assert node >= first
-    half = state.node.append_copy(node)
-    n = state.node
-    n.mass[[node, half]] *= 0.5
-    n.contact_mass[[node, half]] *= 0.5
-    n.halved[[node, half]] = True
-    n.origin[half] = n.origin[node]
-    state.revision += 1
-    term._age._known.restore(state.revision - 1, state)
+    half = split(state, node)
     force, after = evaluated(state, term, np.vstack([x, x[node]]))
     assert after.n_touching == before.n_touching + 1
     assert after.stored == pytest.approx(before.stored, rel=1e-12)
@@ -345,9 +334,29 @@ def test_film_inside_film_at_first_sight_does_not_press_until_it_has_parted():
 
 
 def test_contact_without_a_tool_says_what_it_may_be():
+    mesh, film = rectangle(1.0, 1.0, size=0.5), sc.ShellMaterial.homogeneous()
     with pytest.raises(ValueError, match="self_contact=True"):
-        sc.Simulation(
-            rectangle(1.0, 1.0, size=0.5),
-            sc.ShellMaterial.homogeneous(),
-            contact=sc.Contact(),
-        )
+        sc.Simulation(mesh, film, contact=sc.Contact())
+
+
+# --- the pairs of points and quads, beside those that a look at every box gives
+
+
+MESH = rectangle(6.0, 4.0, size=0.5)
+
+
+@pytest.mark.parametrize("reach", [0.1, 3.0])  # few pairs a point; more than room is made for
+def test_pairs_are_those_of_the_boxes(reach):
+    state = initial_state(MESH)
+    rng = np.random.default_rng(0)
+    place = np.column_stack([rng.uniform(-0.5, 6.5, 30), rng.uniform(-2.5, 2.5, 30), np.zeros(30)])
+    points = Points(np.arange(30), place, np.full(30, -1))
+    rows = np.arange(0, MESH.n_quad, 2)
+    found = PairSearch().find(points, rows, reach, state)
+    corner = MESH.nodes[MESH.quads[rows]]
+    low, high = corner.min(axis=1) - reach, corner.max(axis=1) + reach
+    near = ((place[:, None] >= low) & (place[:, None] <= high)).all(axis=2)
+    point, which = np.nonzero(near)
+    got = sorted(zip(found.point_of_pair.tolist(), found.row.tolist(), strict=True))
+    assert got == sorted(zip(point.tolist(), rows[which].tolist(), strict=True))
+    assert (len(got) > 16 * 31) == (reach > 1.0)

@@ -11,7 +11,7 @@ from naive.self_friction import forces_on_sheet, returned, slip_speed
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.pose import Pose
-from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
+from two_pieces import CASES, ON, H, approached, evaluated, split, thrown, touching
 
 MU = 0.3
 AT_REST = Pose.at_origin()
@@ -205,15 +205,8 @@ def test_the_halves_of_a_split_node_keep_their_spring():
     drawn = Drawn("face")
     slips_at = MU * drawn.pressure() / drawn.springs()
     _, before = drawn.shift((0.5 * slips_at.min(), 0.0, 0.0))
-    state, n = drawn.state, drawn.state.node
     node = int(drawn.contact.tables.presses.node[0, 0])
-    half = n.append_copy(node)
-    n.mass[[node, half]] *= 0.5
-    n.contact_mass[[node, half]] *= 0.5
-    n.halved[[node, half]] = True
-    n.origin[half] = n.origin[node]
-    state.revision += 1
-    drawn.contact._age._known.restore(state.revision - 1, state)
+    half = split(drawn.state, node)
     drawn.x = np.vstack([drawn.x, drawn.x[node]])
     force, after = drawn.step(np.zeros_like(drawn.x))
     assert after.stored == pytest.approx(before.stored, rel=1e-12)

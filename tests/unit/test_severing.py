@@ -8,11 +8,9 @@ import pytest
 import shellcut as sc
 from gone_on import check_goes_on
 from notched_strip import cutting
-from shellcut import CohesiveLaw, guillotine
+from shellcut import CohesiveLaw, guillotine, read, trouser
 from shellcut.checks.finding import DOUBT
-from shellcut.models import trouser
 from shellcut.models.trouser import LAW as TEAR_LAW
-from shellcut.results.run_results import read
 from shellcut.results.summary_figures import key_figures
 from shellcut.tool.shapes import straight_blade
 

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut import CohesiveLaw, Fracture, Pressure, Simulation, StraightMotion, Support
+from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cracks import Cracks
-from shellcut.fracture.options import Fracture
-from shellcut.loads.loads import LoadSet, Pressure
-from shellcut.loads.supports import Support
+from shellcut.fracture.side_tears import SideTears
+from shellcut.fracture.trial_cut import TrialCut
+from shellcut.loads.loads import LoadSet
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
 
@@ -82,9 +81,13 @@ def test_common_acceleration_pulls_nothing_apart():
     # Dead pressure on an unstrained skewed film: every part moves alike, though forces and masses
     # of the two sides differ.
     mesh = cases.skewed_flat(6, 4, seed=5, amount=0.2).cut(ROW)
-    _, state, cracks, _ = pulled(mesh, np.zeros((2, 2)), [Pressure(0.1)], turn_limit_deg=100.0)
+    loads, fracture = [Pressure(0.1)], Fracture(path="edges", turn_limit_deg=100.0)
+    shell, state, cracks, _ = pulled(mesh, np.zeros((2, 2)), loads, turn_limit_deg=100.0)
+    topology = cracks.cuts.topology
+    trial = TrialCut(topology, shell, LoadSet(mesh, loads), STRENGTH)
     (tip,) = cracks.tips
-    due = cracks._sides.best(state, tip, [tip])
+    path = CrackPath(topology, shell, sides_only=True)
+    due = SideTears(shell, path, trial, STRENGTH, fracture).best(state, tip, [tip])
     assert abs(due.measure) < 1e-12
 
 

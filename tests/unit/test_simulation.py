@@ -91,24 +91,17 @@ def test_the_case_cuts_and_its_ledger_closes(whole):
     assert stored_and_lost == pytest.approx(ledger.cohesive_work, rel=0.01)
 
 
-def test_run_in_parts_is_the_whole_run_bit_by_bit(whole):
-    sim = cutting()
-    for until in (1.3e-5, 1.4e-5, 4.9e-5, END):
-        sim.run(until)
-    whole.close_ledger()
-    sim.close_ledger()
-    assert bits(sim) == bits(whole)
-
-
-def test_hooks_do_not_change_a_bit(whole):
+def test_neither_a_run_in_parts_nor_hooks_change_a_bit(whole):
     def read(sim):
         sim.close_ledger()
         return sim.time_step.bound(sim.state), sim.cracks.at_tips(sim.mesh.nodes)
 
-    sampler = Sampler(1e-6, read)
-    sim = cutting()
-    sim.run(END, hooks=[sampler])
-    assert len(sampler.values) > 50
+    sim, n_read = cutting(), 0
+    for until in (1.3e-5, 1.4e-5, 4.9e-5, END):
+        sampler = Sampler(1e-6, read)
+        sim.run(until, hooks=[sampler])
+        n_read += len(sampler.values)
+    assert n_read > 50
     whole.close_ledger()
     sim.close_ledger()
     assert bits(sim) == bits(whole)

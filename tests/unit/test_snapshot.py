@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
-from opening_frame import RADIUS, opening_frame
-from shellcut.frame import JOINTED, STRAIGHT, Frame
-from shellcut.view import Look, _panel, draw_scene
+from opening_frame import EDGE_COLOR, RADIUS, opening_frame
+from shellcut.frame import Frame
+from shellcut.view import Look, draw_scene
 from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
 from shellcut.view.fields import field_limits
-from shellcut.view.snapshot import close_camera
+from shellcut.view.snapshot import close_camera, whole_camera
 
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -137,7 +137,7 @@ def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
 def test_the_close_camera_goes_with_the_tooth(angle):
     frame = opening_frame(angle, n_side=20)
     edge = frame.edge_points[:12]
-    whole = _panel.whole_camera([frame], (300, 400), Look())
+    whole = whole_camera([frame], (300, 400), Look())
     camera = close_camera(frame, whole, (300, 400))
     np.testing.assert_array_equal(camera.axes, whole.axes)
     assert camera.scale > whole.scale
@@ -179,8 +179,8 @@ def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
         image = pixels(path)
         assert image.shape == (400, 800, 3)
         right = image[50:350, 455:785]
-        orange, blue = _panel.CABLE_COLORS[JOINTED], _panel.CABLE_COLORS[STRAIGHT]
-        colors = (orange, blue, _panel.EDGE_COLOR, _panel.FLANK_COLOR)
+        orange, blue, flanks = (1.0, 0.55, 0.0), (0.0, 0.75, 1.0), (0.05, 0.05, 0.05)
+        colors = (orange, blue, EDGE_COLOR, flanks)
         counts.append([int(near(right, color, 0.15)) for color in colors])
     drawn, missing = counts
     # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)

@@ -52,25 +52,16 @@ def test_linear_solutions_that_the_element_holds_exactly():
     np.testing.assert_allclose(rotation[tip(bent)], [0, -angle, 0], rtol=1e-9, atol=1e-10)
 
 
-def test_linear_end_shear():
+def test_linear_end_shear_what_bears_it_and_what_it_stores():
     # n linear elements with a constant shear each give L³ / 3 EI less by its 1 / 4n².
     strip = cantilever(8, SHEAR)
-    displacement, _ = strip.linear()
+    answer = strip.linear()
+    displacement, rotation = answer  # as a sequence
+    assert answer[0] is displacement is answer.displacement
+    assert answer[1] is rotation
     shear_flexibility = LENGTH / (5.0 / 6.0 * 0.5 * YOUNG * WIDTH * THICKNESS)
     expected = 4.0 * (LENGTH**3 / (3.0 * BENDING) * (1.0 - 1.0 / 256.0) + shear_flexibility)
     assert displacement[tip(strip), 2] == pytest.approx(expected, rel=1e-9)
-
-
-def test_linear_solution_leaves_the_state_alone():
-    strip = cantilever(4, SHEAR)
-    strip.linear()
-    assert (strip.state.node.x == strip.state.node.X).all()
-    assert strip.factor == 0.0
-
-
-def test_what_holds_the_film_and_what_it_stores():
-    strip = cantilever(8, SHEAR)
-    answer = strip.linear()
     left = strip.mesh.node_set("left")
     # The supports bear the load, 4 N, and its moment about the root, to round-off.
     np.testing.assert_allclose(answer.reaction.sum(axis=0), [0, 0, -4.0], atol=1e-7)
@@ -80,14 +71,15 @@ def test_what_holds_the_film_and_what_it_stores():
     free = np.setdiff1d(np.arange(strip.mesh.n_node), left)
     assert not answer.reaction[free].any()
     assert not answer.reaction_moment[free].any()
-    assert answer.energy == pytest.approx(0.5 * 4.0 * answer.displacement[tip(strip), 2], rel=1e-9)
-    assert answer.residual < 1e-9
-    assert answer.error < 1e-9
+    assert answer.energy == pytest.approx(0.5 * 4.0 * displacement[tip(strip), 2], rel=1e-9)
+    assert max(answer.residual, answer.error) < 1e-9
     assert 1e4 < answer.condition < 1e12
-    # As a sequence it is displacement and rotation.
-    displacement, rotation = answer
-    assert answer[0] is displacement
-    assert answer[1] is rotation
+    assert (strip.state.node.x == strip.state.node.X).all()
+    assert strip.factor == 0.0
+    # The stresses stay when the film moves on.
+    before = answer.stress(place="top")
+    strip.load_steps([1.0])
+    assert (answer.stress(place="top") == before).all()
 
 
 def test_stresses_of_a_linear_solution():
@@ -139,14 +131,6 @@ def test_an_equilibrium_knows_its_reactions_energy_and_residual():
     assert end.energy == pytest.approx(work, rel=2e-3)
 
 
-def test_stresses_of_a_solution_stay_when_the_film_moves_on():
-    strip = cantilever(4, SHEAR, poisson=0.3, n_y=2)
-    answer = strip.linear()
-    before = answer.stress(place="top")
-    strip.load_steps([1.0])
-    assert (answer.stress(place="top") == before).all()
-
-
 @pytest.mark.parametrize(
     ("quads", "message"),
     [
@@ -169,19 +153,15 @@ def test_stresses_of_no_quads_are_refused(quads, message):
 # --- load steps ----------------------------------------------------------------------------------
 
 
-def test_the_path_does_not_depend_on_the_steps():
+def test_the_path_does_not_depend_on_the_steps_and_comes_back():
     many = cantilever(8, SHEAR).load_steps(np.linspace(0.1, 1.0, 10))
-    few = cantilever(8, SHEAR).load_steps([1.0])
+    strip = cantilever(8, SHEAR)
+    few = strip.load_steps([1.0, 0.0])
     assert [e.factor for e in many] == pytest.approx(np.linspace(0.1, 1.0, 10))
-    # Both are at equilibrium to 1e-8 of the largest force.
+    # All are at equilibrium to 1e-8 of the largest force.
     np.testing.assert_allclose(few[0].displacement, many[-1].displacement, atol=1e-6)
     assert few[0].n_iteration < 12
-
-
-def test_unloading_comes_back():
-    strip = cantilever(8, SHEAR)
-    path = strip.load_steps([0.5, 1.0, 0.0])
-    assert abs(path[-1].displacement).max() < 1e-6
+    assert abs(few[1].displacement).max() < 1e-6
     assert strip.factor == 0.0
 
 
@@ -428,30 +408,21 @@ def test_arc_length_goes_on_from_load_steps():
 
 def shallow_roof():
     """A hinged roof that snaps back: a quarter, h = 6.35 (verification case B09 with half of h)."""
-    arc = cylinder(2540.0, 508.0, n_around=8, n_along=8, arc_deg=np.degrees(0.2))
-    keep = arc.nodes_where(lambda x, y, _: (x > -1e-6) & (y > -1e-6))
-    new = np.full(arc.n_node, -1)
-    new[keep] = np.arange(keep.size)
-    quads = new[arc.quads]
-    nodes = arc.nodes[keep]
+    half = 0.1
+    arc = cylinder(2540.0, 254.0, n_around=4, n_along=4, arc_deg=np.degrees(half))
+    c, s = np.cos(0.5 * half), np.sin(0.5 * half)
+    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])  # one edge to the crown
     mesh = Mesh.from_arrays(
-        nodes,
-        quads[(quads >= 0).all(axis=1)],
-        directors=arc.directors[keep],
-        node_sets={
-            "middle": np.flatnonzero(abs(nodes[:, 0]) < 1e-6),
-            "centre": np.flatnonzero(abs(nodes[:, 1]) < 1e-6),
-            "hinge": np.flatnonzero(nodes[:, 0] > nodes[:, 0].max() - 1e-6),
-        },
+        arc.nodes @ turn.T, arc.quads, directors=arc.directors @ turn.T, node_sets=arc.node_sets
     )
-    top = int(np.intersect1d(mesh.node_set("middle"), mesh.node_set("centre"))[0])
+    top = int(np.intersect1d(mesh.node_set("left"), mesh.node_set("bottom"))[0])
     roof = Statics(
         mesh,
         ShellMaterial.homogeneous(young=3102.75, thickness=6.35),
         supports=[
-            Support.symmetry("middle", "x"),
-            Support.symmetry("centre", "y"),
-            Support("hinge", "xyz", "xz"),
+            Support.symmetry("left", "x"),
+            Support.symmetry("bottom", "y"),
+            Support("right", "xyz", "xz"),
         ],
         loads=[NodalForce([top], (0.0, 0.0, -750.0))],
     )
@@ -520,13 +491,6 @@ def test_an_arc_begins_at_an_equilibrium():
 # --- vibrations ----------------------------------------------------------------------------------
 
 
-def test_tension_raises_the_frequency():
-    strip = cantilever(20, EdgeTraction("right", (50.0, 0.0, 0.0)))
-    slack = strip.modes(1).frequency[0]
-    strip.load_steps([1.0])
-    assert strip.modes(1).frequency[0] > 1.5 * slack
-
-
 def test_largest_frequency_is_that_of_the_dense_matrices():
     strip = cantilever(6, n_y=2, poisson=0.3)
     K, mass = dense(strip, true_inertia=False)
@@ -547,19 +511,6 @@ def test_all_modes_there_are_and_no_more():
     for wrong in (n + 1, 0, 2.0):
         with pytest.raises(ValueError, match=f"n must be a whole number from 1 to 20.*got {wrong}"):
             strip.modes(wrong)
-
-
-def test_modes_of_a_free_film():
-    material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-4)
-    modes = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), material).modes(9)
-    frequency = modes.frequency
-    assert (abs(modes.shape[6:]).max(axis=(1, 2)) == 1.0).all()
-    assert (np.diff(frequency) >= 0.0).all()
-    thick = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-2)
-    expected = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), thick).modes(9).frequency
-    # Six rigid motions; bending in proportion to the thickness, but for shear.
-    assert (frequency[:6] == 0.0).all()
-    np.testing.assert_allclose(100.0 * frequency[6:], expected[6:], rtol=1e-3)
 
 
 def test_no_mode_is_omitted_where_many_are_alike():

@@ -12,13 +12,12 @@ import scipy
 
 import shellcut as sc
 from browser import opened
+from shellcut import Design, ModelFileError, report_study
 from shellcut.command_line import main
-from shellcut.model_file.errors import ModelFileError
-from shellcut.study.design import Design
 from shellcut.study.factors import factor, factors_of
 from shellcut.study.one_run import Outcome
 from shellcut.study.plan import Definition
-from shellcut.study.report import analysis, report_study
+from shellcut.study.report import analysis
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study.table import write_table
@@ -106,10 +105,13 @@ def page(tmp_path_factory):
 
 
 class TestPage:
-    def test_every_section_is_there_and_nothing_is_loaded(self, page):
+    def test_every_section_is_there_with_its_inputs_figures_and_constants(self, page):
         assert Outline(page).titles == SECTIONS
         assert re.findall(r"(?:src|href|url)\W{0,2}\s*https?:", without_scripts(page)) == []
         assert "default-src 'none'" in page
+        for head in ("edge inclination [°]", "pitch [mm]", "torque, peak [N·mm]"):
+            assert f">{head}</th>" in page
+        assert "crack length: no surface, it is 59.04 in all 21 runs" in page
 
     def test_runs_that_failed_have_their_reason_once_for_all(self, page):
         said = [text for kind, text in sentences(page) if kind == "doubt"]
@@ -117,11 +119,6 @@ class TestPage:
         assert "other reasons" not in said[0]
         assert "<script>no row" not in page
         assert page.count('<td class="status bad">') == 2
-
-    def test_inputs_figures_and_constants_are_told(self, page):
-        for head in ("edge inclination [°]", "pitch [mm]", "torque, peak [N·mm]"):
-            assert f">{head}</th>" in page
-        assert "crack length: no surface, it is 59.04 in all 21 runs" in page
 
     def test_a_surface_that_predicts_is_told_from_one_that_does_not(self, page):
         said = {text.partition(":")[0]: kind for kind, text in sentences(page)}
@@ -172,16 +169,13 @@ class TestWhatIsMissing:
         page = page_of(made(folder, THREE, failed=high))
         assert re.search(r"There is no run with pitch from 1[78]\.?\d* to 24 mm", page)
 
-    def test_no_table_yet(self, tmp_path, capsys):
-        folder = made(tmp_path / "s", THREE, n=1)
-        (folder / "table.csv").unlink()
-        assert main(["report", str(folder)]) == 2
-        assert "must have table.csv, and has none yet" in capsys.readouterr().err
-
-    def test_a_measured_curve_is_for_runs(self, tmp_path, capsys):
+    def test_no_table_yet_and_a_measured_curve_which_is_for_runs(self, tmp_path, capsys):
         folder = made(tmp_path / "s", THREE, n=1)
         assert main(["report", str(folder), "--measured", "cap.csv"]) == 2
         assert "give the folder of a run" in capsys.readouterr().err
+        (folder / "table.csv").unlink()
+        assert main(["report", str(folder)]) == 2
+        assert "must have table.csv, and has none yet" in capsys.readouterr().err
 
 
 def planned_folder(folder, given):
@@ -267,6 +261,7 @@ class TestOfARealStudy:
         assert main(["report", str(real)]) == 0
         assert "report.html (" in capsys.readouterr().out
         page = (real / "report.html").read_text(encoding="utf-8")
+        assert "a surface over 1 factor needs 4 runs or more, and 3 have this" in texts(page)
         links = [link for link in Outline(page).links if link.startswith("runs/")]
         assert len(links) == 3
         assert all((real / link).is_dir() for link in links)
@@ -277,10 +272,6 @@ class TestOfARealStudy:
         history = sc.read(real / links[0]).history
         top = max(max(trace["y"]) for trace in traces)
         assert history["force"].max() <= top * (1.0 + 1e-4)
-
-    def test_one_factor_and_three_runs_are_told(self, real):
-        page = texts(page_of(real))
-        assert "a surface over 1 factor needs 4 runs or more, and 3 have this figure" in page
 
 
 def test_a_reader_sorts_the_table_and_colours_the_curves(tmp_path):
@@ -379,13 +370,18 @@ def test_values_that_cannot_be_are_refused(name, given, said):
     assert said in str(refused.value)
 
 
-def test_all_problems_are_told_together_and_a_key_is_in_one_factor():
+def test_every_value_of_linked_keys_is_tried_before_any_run():
+    study = Definition("guillotine", {LINKED: "10:500, 14:-800, 200:800"})
+    with pytest.raises(ModelFileError) as refused:
+        study.plan()
+    assert "-800" in str(refused.value)
+    assert "200" in str(refused.value)
+
+
+def test_several_factors():
     with pytest.raises(ValueError, match="a must be in one factor only") as refused:
         factors_of({"a,b": "1:2,3:4", "a": [1, 2], "c": "2:1"})
     assert "c: a range must go up" in str(refused.value)
-
-
-def test_one_value_is_a_setting():
     several, settings = factors_of({"a, b": "1:M1", "c": [5], "d": "1,2"})
     assert settings == {"a": 1, "b": "M1", "c": 5}
     assert [one.keys for one in several] == [("d",)]
@@ -432,14 +428,6 @@ def test_cores_are_shared_by_runs_that_go_together(monkeypatch):
     assert threads == [None, 3, 1, 1]  # one alone takes what its film can use
     given = Definition("guillotine", GIVEN, {"threads": 4}).plan()
     assert given.model_of(given.runs[0], 6).head.threads == 4
-
-
-def test_every_value_of_linked_keys_is_tried_before_any_run():
-    study = Definition("guillotine", {LINKED: "10:500, 14:-800, 200:800"})
-    with pytest.raises(ModelFileError) as refused:
-        study.plan()
-    assert "-800" in str(refused.value)
-    assert "200" in str(refused.value)
 
 
 def test_the_command_lists_the_runs(capsys):

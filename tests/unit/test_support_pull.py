@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from shellcut import Simulation, Support, read, report_run, trouser
+from shellcut import Fracture, Simulation, Support, read, report_run, trouser
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.resistance import SupportPull
 
@@ -77,15 +77,9 @@ def test_the_way_is_that_of_the_fastest_support():
     [
         ({"notch": 20.0}, "notch must lie within the length"),
         ({"length": 3.0, "notch": 1.0}, "lengthen the strip"),
+        ({"size": 1.0, "fracture": Fracture(path="edges")}, "nothing steers its crack"),
     ],
 )
 def test_what_cannot_be_is_refused(wrong, said):
     with pytest.raises(ValueError, match=said):
         trouser(**wrong)
-
-
-def test_a_crack_along_edges_is_refused():
-    from shellcut import Fracture
-
-    with pytest.raises(ValueError, match="nothing steers its crack"):
-        trouser(1.0, fracture=Fracture(path="edges"))

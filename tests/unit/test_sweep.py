@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from shellcut import ScrewMotion, StraightMotion, TableMotion
+from shellcut import Mesh, ScrewMotion, StraightMotion, TableMotion, Tool
 from shellcut.checks import Sweep
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.tool import Tool
 
 SHEET = rectangle(10.0, 4.0, size=0.5)
 DOWN = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # x to -z

@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -35,12 +34,19 @@ def left(folder):
     return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
 
 
+def begin(folder, names, others=(), *, replace=True):
+    """Take a folder for a run, and give it back."""
+    taken = TakenFolder(folder)
+    try:
+        taken.begin(names, others, replace=replace)
+    finally:
+        taken.lock.close()
+
+
 def run_before(folder, *names):
     """Leave what a run does, and give the folder back."""
-    taken = TakenFolder(folder)
-    taken.begin(names, replace=True)
+    begin(folder, names)
     fill(folder, *names)
-    taken.lock.close()
 
 
 def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
@@ -49,12 +55,9 @@ def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
     # Of one killed while it wrote its checkpoint.
     fill(out, f"checkpoint.part-{'0a' * 8}.h5")
     mine = ["force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "snapshot_07.png"]
-    mine += ["b_frames/frame_0000.vtu", "notes/history.csv"]
-    mine += ["checkpoint.part.h5"]
+    mine += ["b_frames/frame_0000.vtu", "notes/history.csv", "checkpoint.part.h5"]
     fill(out, *mine)
-    taken = TakenFolder(out)
-    taken.begin(["history.csv"], replace=True)
-    taken.lock.close()
+    begin(out, ["history.csv"])
     assert left(out) == sorted([*mine, FILES])
     assert not (out / "a_frames").exists()
     assert names_in(out) == ["history.csv"]
@@ -64,9 +67,7 @@ def test_a_folder_of_frames_with_something_else_in_it_stays(tmp_path):
     out = tmp_path / "out"
     run_before(out, "a_frames/frame_0000.vtu")
     fill(out, "a_frames/mine.vtu")
-    taken = TakenFolder(out)
-    taken.begin([], replace=True)
-    taken.lock.close()
+    begin(out, [])
     assert left(out) == ["a_frames/mine.vtu", FILES]
 
 
@@ -74,10 +75,8 @@ def test_a_run_is_not_replaced_unasked(tmp_path):
     out = tmp_path / "out"
     run_before(out, "history.csv", "energy.png")
     before = left(out)
-    taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
-        taken.begin(["history.csv"], replace=False)
-    taken.lock.close()
+        begin(out, ["history.csv"], replace=False)
     assert left(out) == before
 
 
@@ -86,13 +85,9 @@ def test_what_no_run_wrote_is_not_replaced_either(tmp_path, replace):
     out = tmp_path / "out"
     out.mkdir()
     fill(out, "history.csv", "snapshot_01.png", "notes.txt")
-    taken = TakenFolder(out)
-    wanted = (
-        r"has history\.csv, snapshot_01\.png, which this run would replace although no run wrote it"
-    )
+    wanted = r"has history\.csv, snapshot_01\.png, which this run would replace although no run wro"
     with pytest.raises(FileExistsError, match=wanted):
-        taken.begin(["history.csv"], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
-    taken.lock.close()
+        begin(out, ["history.csv"], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
     assert left(out) == ["history.csv", "notes.txt", "snapshot_01.png"]
 
 
@@ -101,10 +96,8 @@ def test_a_list_of_another_origin_is_no_list(tmp_path):
     out.mkdir()
     fill(out, "precious.txt")
     (out / FILES).write_text("precious.txt\n")
-    taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=FILES):
-        taken.begin(["history.csv"], replace=True)
-    taken.lock.close()
+        begin(out, ["history.csv"])
     assert left(out) == ["precious.txt", FILES]
 
 
@@ -118,9 +111,7 @@ def test_a_list_leads_to_nothing_outside(tmp_path):
     (out / FILES).write_text("\n".join([heading, *wrong, "history.csv", "precious.t"]))
     # The last line was not finished: what it names is not known.
     assert names_in(out) == ["history.csv"]
-    taken = TakenFolder(out)
-    taken.begin([], replace=True)
-    taken.lock.close()
+    begin(out, [])
     assert (tmp_path / "precious.txt").exists()
 
 
@@ -160,9 +151,9 @@ def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):
     (out / "a_frames" / "frame_0000.vtu").unlink()
     (out / "a_frames").rmdir()
     (out / "a_frames").symlink_to(mine)
-    taken = TakenFolder(out)
     with pytest.raises(FileExistsError, match=r"has a_frames/frame_0000\.vtu"):
-        taken.begin(["history.csv"], ["a_frames/frame_0000.vtu"], replace=True)
+        begin(out, ["history.csv"], ["a_frames/frame_0000.vtu"])
+    taken = TakenFolder(out)
     taken.begin(["history.csv"], replace=True)  # removes the link, not what it leads to
     assert not (out / "history.csv").is_symlink()
     with pytest.raises(FileExistsError):
@@ -177,10 +168,8 @@ def test_a_list_behind_a_link_is_somebody_elses(tmp_path):
     (tmp_path / "out" / FILES).symlink_to(tmp_path / "other" / FILES)
     fill(tmp_path / "out", "history.csv")
     assert names_in(tmp_path / "out") == []
-    taken = TakenFolder(tmp_path / "out")
     with pytest.raises(FileExistsError, match=FILES):
-        taken.begin(["history.csv"], replace=True)
-    taken.lock.close()
+        begin(tmp_path / "out", ["history.csv"])
     assert names_in(tmp_path / "other") == ["history.csv"]
 
 
@@ -240,20 +229,17 @@ def test_who_holds_it_is_told(holder, tmp_path):
     assert json.loads((tmp_path / LOCK).read_text())["process"] == holder.pid
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_a_process_killed_or_ended_holds_nothing(holder, tmp_path):
-    holder.kill()
-    holder.wait()
+@pytest.mark.parametrize("killed", [True, False])
+def test_a_process_killed_or_ended_holds_nothing(holder, tmp_path, killed):
+    if killed:
+        holder.kill()
+    else:
+        holder.stdin.write(b"\n")
+        holder.stdin.close()
+    assert (holder.wait() == 0) != killed
     assert (tmp_path / LOCK).exists()
     FolderLock(tmp_path).close()
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_process_that_ends_holds_nothing(holder, tmp_path):
-    holder.stdin.write(b"\n")
-    holder.stdin.close()
-    assert holder.wait() == 0
-    FolderLock(tmp_path).close()
 
 
 def test_twice_in_one_process_is_refused_in_any_thread(tmp_path):

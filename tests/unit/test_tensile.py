@@ -6,11 +6,10 @@ from math import log
 import numpy as np
 import pytest
 
-from shellcut import CohesiveLaw, evaluate_tensile, read_measured_curve, read_model
+from shellcut import CohesiveLaw, ShellMaterial, evaluate_tensile, read_measured_curve, read_model
 from shellcut.command_line import main
 from shellcut.formats.errors import FileError
 from shellcut.material.nominal_stress import largest_nominal_stress
-from shellcut.material.shell_material import ShellMaterial
 from shellcut.tensile.law import proposed_law
 
 # A bilinear film: modulus and hardening [MPa], yield 16 MPa at 0.8 %, strength at 40 %, then

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import shellcut as sc
 from naive import cases
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.free_direction import FreeDirection
+from shellcut.fracture.sheet_stress import sheet_stress
 from shellcut.fracture.tip_domain import TipDomain
 from shellcut.fracture.tip_force import TipForce
 from shellcut.material import Elastic, Layer, Linear, Orthotropic, Plastic
@@ -175,25 +177,29 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
     assert np.abs(at_zero - never).max() > 0.1 * np.abs(never).max()
 
 
-def strip_at_rest(pull, notch=8.0, height=4.0, film=FILM, slit=None):
-    """A long notched strip whose upper and lower sides are moved apart by ``pull`` [mm]."""
-    mesh = rectangle(16.0, height, size=0.25)
+def notched(length, notch, beside=0.0, film=FILM, loads=()):
+    """A strip 4 mm high with clamped long sides, notched ``beside`` its middle line."""
+    mesh = rectangle(length, 4.0, size=0.25)
     X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
-    mesh = sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
-    supports = [sc.Support.clamped("bottom"), sc.Support.clamped("top")]
     sim = sc.Simulation(
-        mesh,
+        sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
         film,
-        supports=supports,
+        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        loads=loads,
         law=sc.CohesiveLaw(strength=1e3),
         fracture=sc.Fracture(path="free"),
     )
-    sim.notch((-1.0, 0.0, 0.0), (notch, 0.0, 0.0))
+    sim.notch((-1.0, beside, 0.0), (notch, beside, 0.0))
+    return sim
+
+
+def strip_at_rest(pull, film=FILM, slit=None):
+    """A long notched strip whose upper and lower sides are moved apart by ``pull`` [mm]."""
+    sim = notched(16.0, 8.0, film=film)
     if slit is not None:
         sim.notch(*((*end, 0.0) for end in slit))
     y = sim.state.node.X[: sim.state.node.count, 1]
-    share = np.clip(y / height, -0.5, 0.5)
-    sim.relax(share[:, None] * np.asarray(pull), tolerance=1e-4)
+    sim.relax(np.clip(y / 4.0, -0.5, 0.5)[:, None] * np.asarray(pull), tolerance=1e-4)
     return sim
 
 
@@ -226,20 +232,9 @@ def test_film_beyond_another_crack_is_no_part_of_the_force_on_a_tip():
     assert J[1] > 0.5 * J[0]  # towards the slit
 
 
-def pressed_strip(load, beside=0.0, pull=0.0, length=12.0, height=4.0):
-    """A strip with clamped long sides, notched to its middle, at rest under a load."""
-    mesh = rectangle(length, height, size=0.25)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
-    mesh = sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
-    sim = sc.Simulation(
-        mesh,
-        FILM,
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
-        loads=[load],
-        law=sc.CohesiveLaw(strength=1e3),
-        fracture=sc.Fracture(path="free"),
-    )
-    sim.notch((-1.0, beside, 0.0), (0.5 * length, beside, 0.0))
+def pressed_strip(load, beside=0.0):
+    """A strip notched to its middle, at rest under a load."""
+    sim = notched(12.0, 6.0, beside, loads=[load])
     sim.relax(tolerance=1e-3)
     return sim
 
@@ -299,3 +294,30 @@ def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     direction = FreeDirection(sim.shell, topology, path, sim.law, loads=sim.loads)
     way = next(direction.ways(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load
+
+
+# --- the stress of a sheet, found again from the field of a crack with zones of its strength
+
+
+def ahead_of_a_crack(p, x, a=1.0):
+    """Return the stress at x ahead of a zone over the strength, and c / x.
+
+    A crack of length 2b under p, less what pairs of forces do that hold its zones together.
+    """
+    b = a / np.cos(0.5 * np.pi * p)
+    at = b + x
+
+    def pair(angle):  # at b sin(angle) on either side
+        return 2.0 * b * np.cos(angle) * b * np.cos(angle) / (at**2 - (b * np.sin(angle)) ** 2)
+
+    zones = quad(pair, np.arcsin(a / b), 0.5 * np.pi)[0]
+    stress = (p - zones / np.pi) * at / np.sqrt(at**2 - b**2)
+    return stress, -np.log(np.cos(0.5 * np.pi * p)) * a / x
+
+
+@pytest.mark.parametrize("p", [0.05, 0.3, 0.6, 0.9, 0.99])
+@pytest.mark.parametrize("x", [0.01, 0.3, 3.0, 100.0])
+def test_the_stress_of_the_sheet_is_found_again(p, x):
+    stress, length = ahead_of_a_crack(p, x)
+    assert p < stress < 1.0
+    assert sheet_stress(stress, length) == pytest.approx(p, abs=1e-6)

@@ -22,7 +22,7 @@ from shellcut.command_line import main
 
 real = shellcut.recording.recorder.Recorder.__call__
 
-shellcut.recording.recorder._matplotlib_is_there = lambda: False
+shellcut.recording.recorder.can_draw = lambda: False
 
 def slow(recorder, sim):
     real(recorder, sim)

@@ -1,13 +1,31 @@
 """Units and numbers with units as people write them, against definitions."""
 
+import json
 import re
 from math import pi
 
+import matplotlib
+import numpy as np
 import pytest
 
+import shellcut
+from shellcut import ErrorBars, Optimum, preview, report_run, showing, view_html
+from shellcut.command_line import main
 from shellcut.model_file.quantity import quantity
 from shellcut.model_file.section_table import LISTS, SECTIONS
-from shellcut.unit import DIMENSIONS, LIBRARY_UNITS, canonical, conversion, dimension
+from shellcut.results.error_bars import Run, error_bar
+from shellcut.study.optimise import Trial
+from shellcut.unit import (
+    DIMENSIONS,
+    LIBRARY_UNITS,
+    canonical,
+    conversion,
+    dimension,
+    shown,
+    with_unit,
+)
+from shellcut.view import Look, draw_crack_map
+from shellcut.view.snapshot import SnapshotSeries
 
 
 @pytest.mark.parametrize(
@@ -141,3 +159,186 @@ def test_the_units_of_all_keys_are_those_of_the_library():
         assert quantity(f"1 {unit}", unit) == 1.0
         if unit != "rad/s":
             assert quantity(f"1 {unit}", unit.replace("MPa", "N/mm^2")) == 1.0
+
+
+# --- figures in a user's units: on the terminal, in pictures and in pages; files stay in mm and N
+
+
+MM, N = 1.0 / 25.4, 1.0 / 4.4482216152605
+SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
+SHORT += ["--set", "travel=3", "--set", "output.rows=40", "--frames", "4", "--no-pictures"]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """One run twice: in inches, and in the units of the library."""
+    folder = tmp_path_factory.mktemp("runs")
+    for name, asked in (("us", ["--shown-in", "in, lbf, psi"]), ("si", [])):
+        assert main(["run", "guillotine", "-o", str(folder / name), *SHORT, *asked]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def out(runs):
+    return runs / "us"
+
+
+@pytest.mark.parametrize(
+    ("unit", "wanted", "other", "factor"),
+    [
+        ("mm", "", "mm", 1.0),
+        ("mm", "in, lbf", "in", MM),
+        ("N", "in, lbf", "lbf", N),
+        ("N*mm", "in, lbf", "lbf*in", N * MM),
+        ("N·mm", "lbf", "lbf*mm", N),
+        ("N/mm", "in, lbf", "lbf/in", N / MM),
+        ("mm^2", "in", "in^2", MM * MM),
+        ("mm/s", "in", "in/s", MM),
+        ("MPa", "in, lbf", "lbf/in^2", N / MM**2),
+        ("MPa", "in, lbf, psi", "psi", N / MM**2),
+        ("in", "in", "in", 1.0),
+        ("deg", "in, lbf", "deg", 1.0),
+        ("%", "in, lbf", "%", 1.0),
+        ("", "in, lbf", "", 1.0),
+    ],
+)
+def test_what_is_made_of_lengths_and_forces_follows(unit, wanted, other, factor):
+    with showing(wanted):
+        assert shown(unit) == (other, pytest.approx(factor, rel=1e-12))
+    assert shown(unit) == (unit, 1.0)
+
+
+def test_only_units_are_taken(capsys):
+    with pytest.raises(ValueError, match="must have a unit made of"), showing("in, furlong"):
+        pass
+    with pytest.raises(SystemExit) as left:
+        main(["report", "out", "--shown-in", "furlong"])
+    assert left.value.code == 2
+    assert "--shown-in: must have a unit made of" in capsys.readouterr().err
+
+
+def test_files_are_the_same(runs):
+    us, si = runs / "us", runs / "si"
+    for name in ("history.csv", "splits.csv", "used.toml"):
+        assert (us / name).read_bytes() == (si / name).read_bytes()
+    of_the_machine = {"wall_s", "ns_per_quad_step", "pictures_s", "digest"}
+    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (us, si)]
+    one, other = ({k: v for k, v in s.items() if k not in of_the_machine} for s in summaries)
+    assert one == other
+
+
+MEASURED = "path [in],force [lbf]\n0.01,0.1\n0.03,0.4\n0.05,0.5\n"
+INCH = r"[\d.]+ in"
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (
+            ["resume", "OUT"],
+            [rf"^crack length +{INCH}$", r"^force, peak +[\d.]+ lbf$", r"^damping .* lbf·in +\d"],
+        ),
+        (
+            ["preview", "guillotine", "-o", "OUT/../model.png", *SHORT[:8]],
+            [r"quads, 0\.0\d+ in², ", r"\) in: step"],
+        ),
+        (
+            ["compare", "OUT", "OUT/../measured.csv"],
+            [rf"path [\d.]+ to {INCH}, ", r"^peak force +0\.5 lbf +[\d.]+ lbf"],
+        ),
+    ],
+)
+def test_the_terminal(command, said, out, capsys):
+    (out.parent / "measured.csv").write_text(MEASURED)
+    words = [word.replace("OUT", str(out)) for word in command]
+    assert main([*words, "--shown-in", "in, lbf"]) == 0
+    printed = capsys.readouterr().out
+    for pattern in said:
+        assert re.search(pattern, printed, re.M), printed
+
+
+def test_a_run_says_so_from_its_start_to_its_end(out):
+    log = (out / "run.log").read_text()
+    for pattern in (
+        rf"edges 0\.0394 to {INCH}, ",
+        r"steps to path 0\.1181 in",
+        r"100 %: path 0\.118\d in, force \S+ lbf \| E: .* lbf·in \| .* crack [\d.]+ in, cables",
+    ):
+        assert re.search(pattern, log), log
+
+
+PICTURES = {
+    "curve of the resistance": (
+        lambda results, path: results.plot_torque(path),
+        ["path [in]", "force [lbf]"],
+    ),
+    "energies": (lambda results, path: results.plot_energy(path), ["energy [lbf·in]"]),
+    "crack map": (
+        lambda results, path: draw_crack_map(path, list(results.frames())),
+        ["x [in]", "opened at path [in]"],
+    ),
+    "model": (
+        lambda _, path: preview(shellcut.guillotine(1.0, length=6.0).simulation, path, time=1e-3),
+        ["x [in]", "z [in]"],
+    ),
+}
+
+
+@pytest.mark.parametrize("which", PICTURES)
+def test_the_axes_of_pictures(which, out, tmp_path):
+    draw, words = PICTURES[which]
+    with matplotlib.rc_context({"svg.fonttype": "none"}), showing("in, lbf"):
+        draw(shellcut.read(out), tmp_path / "a.svg")
+    picture = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    for word in words:
+        assert word in picture
+    assert "[mm]" not in picture
+
+
+def test_a_snapshot_has_its_scale_and_its_bar_in_them(out):
+    frame = shellcut.read(out).frame(-1)
+    ends = []
+    for units in ("in, lbf, psi", ""):
+        with showing(units):
+            figure = SnapshotSeries([frame], look=Look(), size=(640, 400)).figure(frame)
+            texts = {text.get_text() for text in figure.findobj(matplotlib.text.Text)}
+            ends.append(Look().limits_for([Look().field_of(frame).values(frame)], 1)[1])
+        if units:
+            assert "largest principal stress [psi]" in texts
+            assert any(re.fullmatch(INCH, text) for text in texts), texts
+            assert any(re.match(r"path 0\.118\d in", text) for text in texts)
+    assert ends[0] == pytest.approx(145.04 * ends[1], rel=0.5)  # both round
+
+
+def test_pages(out, tmp_path):
+    summary = json.loads((out / "summary.json").read_text())
+    with showing("in, lbf"):
+        report = report_run(out, tmp_path / "r.html").read_text(encoding="utf-8")
+        page = view_html(out, tmp_path / "v.html").path.read_text(encoding="utf-8")
+    assert f"{summary['crack_length_mm'] * MM:.4g} in" in report
+    assert f"{summary['tool_work_Nmm'] * N * MM:.4g} lbf·in" in report
+    assert "force [lbf]" in report
+    assert "slit, mean width [in]" in report
+    for text in (report, page):
+        assert '"length":["in",' in text
+        assert '"unit":"lbf/in^2"' in text
+        assert re.search(r'"caption":\["path 0\.118\d in",', text)
+
+
+def test_error_bars_and_a_search():
+    runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
+    bar = error_bar("force_peak_N", runs, [3.2, 3.1])
+    best = Trial({"tool.half_thickness": 0.2}, "b", 180.0)
+    found = Optimum("torque_peak_Nmm", 1, (), (Trial({}, "a", 202.3), best))
+    with showing("in, lbf"):
+        bars = str(ErrorBars("1f3c", runs, (bar,), {})).splitlines()
+        assert bars[1].split()[:5] == ["force,", "peak", "[lbf]", "0.697", "0.022"]
+        assert "would leave ± 0.011 lbf" in bars[2]
+        assert "1.791 lbf·in as given, 1.593 lbf·in at best (-11.0 %)" in str(found)
+        assert found.diagram().shown().unit == "lbf*in"
+        assert np.nanmin(found.diagram().shown().curves[1].values) == pytest.approx(1.593, rel=1e-3)
+
+
+def test_a_number_keeps_four_digits():
+    assert with_unit(12345.6, "N*mm") == "12,346 N·mm"
+    assert with_unit(-0.0, "deg") == "0°"

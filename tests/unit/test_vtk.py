@@ -1,7 +1,7 @@
 """VTK files, written by VTK itself and by meshio; arrays as groups; counts."""
 
 import re
-from dataclasses import replace
+import sys
 
 import meshio
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 
 from damaged.mutations import mutated
 from known_film import LEFT, NODES, QUADS, RIGHT_PART, check_film
-from shellcut.formats import vtk as vtk_file
+from other_script import run_instead
 from shellcut.formats.errors import FileError
 from shellcut.mesh.film_file import read_film
 
@@ -90,7 +90,7 @@ def test_a_grid_written_by_vtk(tmp_path, name, mode, compressor, by_vtk, caplog,
     assert list(mesh.node_sets) == ["left"]  # a temperature is no group
     assert "1 array 'temperature'" in caplog.text
     assert len(mesh.quad_set("part_3")) + len(mesh.quad_set("part_4")) == 10
-    monkeypatch.setattr(vtk_file, "_VTK", replace(vtk_file._VTK, module="no_such_module"))
+    monkeypatch.setitem(sys.modules, "vtkmodules", None)
     if by_vtk:
         with pytest.raises(FileError, match=r"meshio cannot read it: .*'shellcut\[vtk\]'"):
             read_film(path, unit="mm")
@@ -167,9 +167,8 @@ def test_pieces_are_one_film(tmp_path, caplog):
 
 
 def test_a_breakdown_of_vtk_is_told(tmp_path, monkeypatch):
-    (tmp_path / "process.py").write_text("import os; os.abort()")
-    other = replace(vtk_file._VTK, script=str(tmp_path / "process.py"), module="numpy")
-    monkeypatch.setattr(vtk_file, "_VTK", other)
+    run_instead(monkeypatch, tmp_path, "import os; os.abort()")
+    monkeypatch.setitem(sys.modules, "vtkmodules", np)  # whatever is installed
     path = tmp_path / "film.vtp"
     path.write_text('<VTKFile type="PolyData"/>')
     with pytest.raises(FileError, match=r"found PolyData; VTK broke down on it \(code -6\)"):

@@ -69,8 +69,19 @@ def approached(state, term, x, away):
     """Bring the nodes from x + away to x, so that sides are known."""
     for part in (1.0, 0.5, 0.25):
         evaluated(state, term, x + part * away)
-        term._age._known.revision = -1  # search anew, as something may have come near
+        state.revision += 1  # search anew, as something may have come near
     return evaluated(state, term, x)
+
+
+def split(state, node):
+    """Part a node into halves that nothing moves apart; return the other one."""
+    n, half = state.node, state.node.append_copy(node)
+    n.mass[[node, half]] *= 0.5
+    n.contact_mass[[node, half]] *= 0.5
+    n.halved[[node, half]] = True
+    n.origin[half] = n.origin[node]
+    state.revision += 1
+    return half
 
 
 CASES = {

@@ -15,9 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from shellcut.material.shell_material import ShellMaterial
-from shellcut.models import guillotine, opening_test
-from shellcut.simulation.simulation import Simulation
+from shellcut import ShellMaterial, Simulation, guillotine, opening_test
 from shellcut.state import local_edge_length
 from shellcut.tool.shapes import straight_blade
 

@@ -1,9 +1,9 @@
 """A blade that crosses an earlier cut gives the film its tearing energy all the same.
 
 A strip is cut through to its end, across a slit that runs in from the held rim. Then all cables
-are broken, and their work is G h times the length of the crack. A slit that crosses rows anywhere
-leaves slivers, corners and closed tips next to the blade: a flap caught on the wrong side of it
-takes many times the work.
+are broken but those of tears, and their work is G h times the length of the cut. A slit that
+crosses rows anywhere leaves slivers, corners and closed tips next to the blade: a flap caught on
+the wrong side of it takes many times the work.
 """
 
 import numpy as np
@@ -35,14 +35,19 @@ def test_a_cut_across_an_earlier_one_takes_the_tearing_energy(angle, amount, see
             if book.tool_work > 1.0:
                 worst = max(worst, abs(book.relative(book.imbalance)))
     book, cables = sim.close_ledger(), sim.state.cable
-    assert sim.cables.n_broken == cables.count
+    # The film between the slit and the rim tears by an edge or two, and hardly opens.
+    torn = [cut.time for cut in sim.state.split_log if cut.kind == "tear"]
+    cut = ~np.isin(cables.birth[: cables.count], torn)
+    assert (cables.status[: cables.count][cut] == sc.state.BROKEN).all()
+    assert cables.opening_max[: cables.count][~cut].max(initial=0.0) < 0.1
     # From the side at which the notch ends to the rim; the crack steps aside at corners.
-    assert LENGTH - NOTCH - SIZE < sim.state.crack_length < LENGTH - NOTCH + 0.2
-    tearing = law.fracture_energy * sim.material.thickness * sim.state.crack_length
+    length = cables.length[: cables.count][cut].sum()
+    assert LENGTH - NOTCH - SIZE < length < LENGTH - NOTCH + 0.2
+    tearing = law.fracture_energy * sim.material.thickness * length
     # Measured 0.9995 to 1.0001 on 15 meshes and angles: what a step overshoots the last opening by.
-    assert book.cohesive_work == pytest.approx(tearing, rel=2e-3)
+    assert cables.work[: cables.count][cut].sum() == pytest.approx(tearing, rel=2e-3)
     # The edge meets its cables on its way, on the other flank too.
     assert cables.overshoot[: cables.count].max() < 0.05 * SIZE
-    # The rest swings and fades: 1.19 to 1.26; with a flap caught 6 to 12.
-    assert book.tool_work < 1.4 * tearing
+    # The rest tears, swings and fades: 1.07 to 1.15; with a flap caught 6 to 12.
+    assert book.tool_work < 1.3 * tearing
     assert worst < 5e-3

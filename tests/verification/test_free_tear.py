@@ -13,6 +13,7 @@ import pytest
 import shellcut as sc
 from curved_films import moved
 from shellcut.mesh.structured import rectangle
+from shellcut.tool.shapes import straight_blade
 
 LENGTH, WIDTH, SPEED, RISE = 16.0, 8.0, 400.0, 2e-4
 HEIGHTS = [-1.5, 0.0, 1.5, 3.0]
@@ -21,7 +22,7 @@ LEAN = np.array([-0.002, -0.047, -0.093, -0.128])
 """Of the path on 0.2 mm quads moved at random, at these heights, from its start [mm]."""
 
 
-def torn(size, amount):
+def torn(size, amount, **tool):
     """Pull a strip until its crack has gone through; return the simulation."""
     pull = {"x": lambda time: SPEED * min(1.0, time / RISE)}
     sim = sc.Simulation(
@@ -32,8 +33,9 @@ def torn(size, amount):
             sc.Support("right", translation="xyz", rotation="xyz", velocity=pull),
         ],
         law=LAW,
-        fracture=sc.Fracture(path="free"),
+        fracture=sc.Fracture(path="free", fibres=0),
         damping_alpha=2000.0,
+        **tool,
     )
     middle, rim = LENGTH / 2, -WIDTH / 2
     sim.notch((middle - 0.3, rim - 0.3, 0.0), (middle + 1.5, rim + 1.5, 0.0))
@@ -42,9 +44,19 @@ def torn(size, amount):
     return sim
 
 
-@pytest.mark.parametrize(("size", "amount"), [(0.4, 0.0), (0.4, 0.2), (0.8, 0.2)])
-def test_a_crack_turns_across_the_pull(size, amount):
-    sim = torn(size, amount)
+# A blade far from the film, on its way to farther off.
+ELSEWHERE = {
+    "tool": straight_blade().translated((-20.0, 0.0, 0.0)),
+    "motion": sc.StraightMotion((-1.0, 0.0, 0.0), speed=1.0),
+}
+
+
+@pytest.mark.parametrize(
+    ("size", "amount", "tool"),
+    [(0.4, 0.0, {}), (0.4, 0.2, {}), (0.8, 0.2, {}), (0.4, 0.2, ELSEWHERE)],
+)
+def test_a_crack_turns_across_the_pull(size, amount, tool):
+    sim = torn(size, amount, **tool)
     cuts = [cut.reference for cut in sim.state.split_log if cut.kind != "notch"]
     x, y = np.array(cuts)[:, 0] - LENGTH / 2, np.array(cuts)[:, 1]
     order = np.argsort(y)

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.contact.settings import Contact
-from shellcut.fracture.options import Fracture
+from shellcut import Contact, Fracture, StraightMotion
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
 from shellcut.recording.unfelt_penetration import UnfeltPenetration
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 
 

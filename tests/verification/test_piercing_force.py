@@ -8,11 +8,9 @@ import pytest
 
 import shellcut
 from films import unstructured_disc
-from shellcut import CohesiveLaw, Fracture, ShellMaterial, opening_test
+from shellcut import CohesiveLaw, Fracture, MeasuredCurve, Recorder, ShellMaterial, opening_test
 from shellcut.contact.contact_points import contact_points
 from shellcut.fracture.puncture import puncture_force
-from shellcut.recording.recorder import Recorder
-from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.tool.shapes import tooth_ring
 
 DURATION = 6e-3

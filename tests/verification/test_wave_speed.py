@@ -12,10 +12,8 @@ Error in c: dispersion of the mesh, of second order in its size.
 import numpy as np
 import pytest
 
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import ShellMaterial
+from shellcut import ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
 
 E, NU, RHO = 1678.0, 0.3, 1.0e-9
 LENGTH = 30.0  # mm

@@ -39,6 +39,16 @@ class Finding:
         return f"{self.holds}, got {self.came}: {self.remedy}"
 
 
+def doubt(holds: str, came: str, remedy: str) -> Finding:
+    """Return what is likely a mistake."""
+    return Finding(DOUBT, holds, came, remedy)
+
+
+def note(came: str, remedy: str) -> Finding:
+    """Return what is worth knowing."""
+    return Finding(NOTE, "", came, remedy)
+
+
 class RefusedModel(ValueError):
     """No sensible result is possible with this model; the message lists every reason.
 

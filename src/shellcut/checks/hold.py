@@ -16,7 +16,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
-from .finding import DOUBT, Finding
+from .finding import Finding, doubt
 from .sweep import Sweep
 
 _LEVER = 1e-4
@@ -27,11 +27,7 @@ _WAYS = ("along x", "along y", "along z", "about x", "about y", "about z")
 def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
     """Yield a doubt for each piece of the film that can move away as a rigid body.
 
-    Parameters
-    ----------
-    mesh : Mesh
-    support : ndarray of bool, shape (n_node, 6)
-        Held components of each node, three of position and three of director spin.
+    The support is that of each node, six components, as in :func:`pieces_of`.
     """
     pieces = pieces_of(mesh.quads, mesh.nodes, mesh.directors, support, _LEVER)
     for nodes, free in pieces:
@@ -47,8 +43,7 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
             else f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, whose {held:,} held nodes leave it "
             f"free to move {', '.join(free)}"
         )
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "every piece of the film must be held, or the tool pushes it away instead of cutting",
             came,
             "clamp some of its nodes ([membrane] clamp, [[supports]], or Support in Python)",
@@ -56,20 +51,12 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
 
 
 def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
-    """Yield a doubt if a cutting edge goes through quads that cannot give way.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    support : ndarray of bool, shape (n_node, 6)
-        As for :func:`check_hold`.
-    """
+    """Yield a doubt if a cutting edge goes through quads that cannot give way."""
     node = np.asarray(support[:, :3].all(axis=1))
     held = np.flatnonzero(node[sweep.mesh.quads[sweep.quad]].all(axis=1))
     if held.size:
         x, y, z = sweep.place[held[0]]
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "the cutting edges must go through film that can give way",
             f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes "
             f"held, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
@@ -80,21 +67,11 @@ def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
 def pieces_of(
     quads: Ints, x: Floats, directors: Floats, support: Bools, lever: float
 ) -> list[tuple[Ints, list[str]]]:
-    """Return the pieces of a film, quads that share nodes, and the rigid motions each is free to.
+    """Return nodes and free motions, in words, of each piece of a film, quads that share nodes.
 
-    Parameters
-    ----------
-    quads : ndarray of int, shape (n_quad, 4)
-    x, directors : ndarray, shape (n_node, 3), [mm] and [-]
-    support : ndarray of bool, shape (n_node, 6)
-        Held components of each node, three of position and three of director spin.
-    lever : float
-        Arm of a held node over the size of its piece below which it holds no rotation.
-
-    Returns
-    -------
-    list of (ndarray of int, list of str)
-        Nodes of each piece, and its motions in words, one each.
+    ``support`` tells the held components of each node, three of position and three of director
+    spin, shape (n_node, 6). A held node whose arm over the size of its piece is below ``lever``
+    holds no rotation.
 
     Examples
     --------

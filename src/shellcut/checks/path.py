@@ -43,7 +43,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.formats.errors import counted, named
 from shellcut.mesh.mesh import Mesh
 
-from .finding import DOUBT, NOTE, Finding
+from .finding import Finding, doubt, note
 from .row import Rows
 from .sweep import Fate, Sweep
 
@@ -66,19 +66,10 @@ RUNGS = 2.0
 def check_path(
     mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, fracture: Fracture
 ) -> Iterator[Finding]:
-    """Yield findings on the path of the cutting edges.
+    """Yield findings on the path of the cutting edges over the tool's whole motion.
 
-    Parameters
-    ----------
-    mesh : Mesh
-    support : ndarray of bool, shape (n_node, 6)
-        Held components.
-    law : CohesiveLaw
-        Of cables that the edge has met.
-    sweep : Sweep
-        Of the tool's whole motion.
-    fracture : Fracture
-        Whether cracks follow the edges of the mesh, and whether they must.
+    ``support`` tells the held components of each node, the law is of cables that the edges have
+    met.
     """
     along_edges = fracture.path == "edges"
     yield from _fates(sweep)
@@ -92,8 +83,7 @@ def check_path(
     yield from _held(mesh, support, sweep)
     h = rows.spacing if along_edges else float(np.median(mesh.edge_lengths()))
     if law.opening_u < RUNGS * h:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             f"opening_u must be at least {RUNGS:g} edges of the film along the path long, or the "
             "force is too high by a tenth and more",
             f"opening_u {law.opening_u:.4g} mm and edges of {h:.3g} mm on the path, "
@@ -125,8 +115,7 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
     fates = sweep.fates
     never = [fate.chain for fate in fates if not fate.meets]
     if len(never) == len(fates):
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "a cutting edge must pass through the film during the motion",
             f"none of {len(fates)} that does so up to {1e3 * sweep.duration:.4g} ms",
             "check place and unit of the tool, the motion and its duration (shellcut preview draws "
@@ -134,16 +123,13 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
         )
         return
     if never:
-        yield Finding(
-            NOTE,
-            "",
+        yield note(
             f"{len(never)} of {len(fates)} cutting edges never meet the film: {_chains(never)}",
             "fine if that is intended; [tool] not_cutting leaves them out",
         )
     out = [fate for fate in fates if fate.passed_out]
     if out:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "a cutting edge must stay in the film as long as the tool moves along it, or the tool "
             "behind the edge tears the film or leaves it whole",
             f"{len(out)} of {len(fates)} whose end leaves the film, the first at "
@@ -152,9 +138,7 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
         )
     left = [fate for fate in fates if fate.meets and not fate.stays and not fate.passed_out]
     if left:
-        yield Finding(
-            NOTE,
-            "",
+        yield note(
             f"{len(left)} of {len(fates)} cutting edges leave the film before the motion ends, the "
             f"first at {_first_exit(left, sweep)}: "
             f"{_chains([fate.chain for fate in left])}",
@@ -188,8 +172,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
     worst = int(np.argmin(np.where(astray, forward / np.maximum(speed, 1e-300), np.inf)))
     angle = float(np.degrees(np.arccos(np.clip(forward[worst] / speed[worst], -1.0, 1.0))))
     x, y, z = sweep.place[worst] + 0.0
-    yield Finding(
-        DOUBT,
+    yield doubt(
         f"a cutting edge must move where it points, within {np.degrees(ATTACK):.0f}°, or a "
         "blunt back or flank presses on the film",
         f"another direction on {100.0 * share:.0f} % of the path; cutting edge "
@@ -216,8 +199,7 @@ def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
 
 def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
     if rows.open.all():
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "there must be film to cut on the path of the cutting edges",
             "a path that lies in existing cuts from end to end",
             "take a shorter notch, or move the tool",
@@ -241,8 +223,7 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
     if rows.off[worst] > OFF_ROW:
         h = float(sweep.edge_length[worst])
         came += f", the next one {rows.off[worst] * h:.3g} mm off at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
-    yield Finding(
-        DOUBT,
+    yield doubt(
         f"a row of mesh edges must lie under the path of the cutting edges, within {OFF_ROW:g} of "
         "their length, since cracks follow edges: beside it the force is too large, or nothing is "
         "cut",
@@ -260,8 +241,7 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
     held = np.unique(nodes[near & supported[nodes]])
     if len(held):
         x, y, z = mesh.nodes[held[0]] + 0.0
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "the path of the cutting edges must keep clear of held nodes, which never split: the "
             "blade runs against them",
             f"{counted(len(held), 'held node')} on it, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",

@@ -17,7 +17,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.tool import Tool
 
-from .finding import DOUBT, REFUSE, Finding
+from .finding import DOUBT, REFUSE, Finding, doubt
 
 THINNEST = 1e-4
 """[mm]; capacitor films, the thinnest on the market, have 5e-4 mm."""
@@ -62,31 +62,22 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
     h, size = material.thickness, film_size(mesh)
     edge = float(np.median(mesh.edge_lengths()))
     remedy = 'thickness is in mm unless a unit is given: 74 µm is 0.074 or "74 um"'
-    if h >= size:
+    if h > SLENDER * size:
         yield Finding(
-            REFUSE,
-            "a shell must be thin beside its size",
-            f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
-            remedy,
-        )
-    elif h > SLENDER * size:
-        yield Finding(
-            DOUBT,
+            REFUSE if h >= size else DOUBT,
             f"a shell should be thinner than {SLENDER:g} of its size, or its theory does not hold",
             f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
             remedy,
         )
     elif h > edge:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "the film should be thinner than its quads are long: a shell has no detail below its "
             "thickness, and cables and contact act at its mid-surface",
             f"thickness {h:.4g} mm and edges of {edge:.4g} mm",
             f"{remedy}; or take a coarser mesh",
         )
     if h < THINNEST:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             f"a film should be thicker than {THINNEST:g} mm; the thinnest on the market have "
             "0.0005 mm",
             f"thickness {h:.4g} mm",
@@ -95,21 +86,17 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
 
 
 def _layers(material: ShellMaterial) -> Iterator[Finding]:
-    seen = {
-        (layer.material.stretching_modulus, layer.material.density) for layer in material.layers
-    }
+    seen = {(one.material.stretching_modulus, one.material.density) for one in material.layers}
     for young, density in sorted(seen):
         if not SOFTEST <= young <= STIFFEST:
-            yield Finding(
-                DOUBT,
+            yield doubt(
                 f"a modulus should lie between {SOFTEST:g} MPa, a gel, and {STIFFEST:g} MPa, "
                 "diamond",
                 f"young {young:.4g} MPa",
                 'young is in MPa unless a unit is given: 1.678 GPa is 1678 or "1.678 GPa"',
             )
         if not LIGHTEST <= density <= HEAVIEST:
-            yield Finding(
-                DOUBT,
+            yield doubt(
                 f"a density should lie between {LIGHTEST:g} t/mm³, a foam, and {HEAVIEST:g} t/mm³, "
                 "osmium",
                 f"density {density:.4g} t/mm³",
@@ -118,8 +105,7 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
             )
         wave = math.sqrt(young / density)
         if not SLOWEST_WAVE <= wave <= FASTEST_WAVE:
-            yield Finding(
-                DOUBT,
+            yield doubt(
                 f"waves in a film should run at {1e-3 * SLOWEST_WAVE:g} to "
                 f"{1e-3 * FASTEST_WAVE:g} m/s, from soft rubber to diamond",
                 f"{1e-3 * wave:.4g} m/s, the root of young {young:.4g} MPa over density "
@@ -144,8 +130,7 @@ def _yielding(material: ShellMaterial) -> Iterator[Finding]:
             )
     for r in sorted({f.r_values for f in films if f.r_values is not None}):
         if not (min(r) >= SMALLEST_R and max(r) <= LARGEST_R):
-            yield Finding(
-                DOUBT,
+            yield doubt(
                 f"r-values should lie between {SMALLEST_R:g} and {LARGEST_R:g}, those of all known "
                 "sheets",
                 f"r_values {', '.join(f'{one:.4g}' for one in r)}",
@@ -171,8 +156,7 @@ def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Find
             forcible=True,
         )
     elif not SMALLEST_STRAIN <= strain <= LARGEST_STRAIN:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             f"the strain at which the film tears should lie between {SMALLEST_STRAIN:g} and "
             f"{LARGEST_STRAIN:g}, the range of materials and of the elastic law",
             came,
@@ -180,8 +164,7 @@ def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Find
         )
     size = film_size(mesh)
     if law.opening_u > size:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "a cable should break before it is as long as the film, or none ever does",
             f"opening_u {law.opening_u:.4g} mm of a film of {size:.4g} mm, the root of its area",
             "openings are in mm: 4 µm is 0.004",
@@ -197,8 +180,7 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
     extents = [float(np.linalg.norm(np.ptp(x, axis=0))) for x in bodies]
     small = [b for b, extent in enumerate(extents) if extent < edge]
     if small:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "a tooth should be longer than an edge of the film: contact sees nodes only, and "
             "between them nothing resists the tooth",
             f"bodies {small[:5]} of the tool, of which body {small[0]} is {extents[small[0]]:.3g} "
@@ -207,8 +189,7 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
         )
     film, whole = film_size(mesh), float(np.linalg.norm(np.ptp(tool.vertices, axis=0)))
     if whole > 100.0 * film:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "tool and film should be of similar size",
             f"a tool of {whole:.4g} mm and a film of {film:.4g} mm",
             "give the unit of the tool's file, or of the film's",

@@ -87,12 +87,7 @@ def lies_under(sweep: Sweep) -> bool:
 def row_of(sweep: Sweep, chain: int) -> Ints:
     """Return the nodes of the row under one cutting edge, in the order it meets them, shape (n,).
 
-    Parameters
-    ----------
-    sweep : Sweep
-        Of a tool whose edges follow a row, :func:`lies_under`.
-    chain : int
-        Number of the cutting edge.
+    The edges of the tool follow a row, :func:`lies_under`.
     """
     mine = sweep.chain == chain
     ends = Rows(sweep).ends[mine]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .finding import DOUBT, NOTE, REFUSE, Finding
+from .finding import REFUSE, Finding, doubt, note
 
 FOUND_WITHIN = 0.3
 """Travel of the edge between two checks for splits, in edge lengths."""
@@ -36,24 +36,12 @@ def check_steps(
 ) -> Iterator[Finding]:
     """Yield findings on the time step and the tool's speed.
 
-    Parameters
-    ----------
-    dt, fixed, bound : float
-        First step, user's fixed step, and safe bound at the start [s].
-    check_every : int
-        Steps between two checks for splits.
-    duration : float
-        Of the run [s].
-    speed : float
-        Largest speed of the cutting edges [mm/s].
-    wave : float
-        Speed of membrane waves [mm/s].
-    edge_length : float
-        Of the film along the cut, or of the whole film [mm].
+    Times in s: first step, user's fixed step, safe bound at the start, and duration of the run.
+    Speeds in mm/s: the largest of the cutting edges, and that of membrane waves. The edge length
+    [mm] is that along the cut, or of the whole film.
     """
     if fixed is not None and fixed > bound:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             f"a fixed step must not exceed the safe one, {bound:.4g} s at the start, or the "
             "solution blows up",
             f"time.fixed {fixed:.4g} s",
@@ -75,25 +63,21 @@ def check_steps(
             remedy,
         )
     elif way * check_every > FOUND_WITHIN * edge_length:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             f"the cutting edge should move by less than {FOUND_WITHIN:g} edge lengths of the film "
             f"in the {check_every} steps between two looks at the cracks, or it cuts late",
             came,
             remedy + "; or check more often, fracture.check_every" * (check_every > 1),
         )
     elif speed > OF_WAVE * wave:
-        yield Finding(
-            DOUBT,
+        yield doubt(
             f"the cutting edge should be slower than {OF_WAVE:g} of the film's waves, which run at "
             f"{1e-3 * wave:.4g} m/s, or inertia carries the load",
             f"{1e-3 * speed:.4g} m/s",
             f"{slower}; speeds are in mm/s: 6 m/s is 6000",
         )
     if duration / dt > MANY_STEPS:
-        yield Finding(
-            NOTE,
-            "",
+        yield note(
             f"the run takes about {duration / dt:.2g} steps of {dt:.3g} s, with cutting edges at "
             f"{1e-3 * speed:.4g} m/s",
             "take a faster motion: between 1.5 and 12 m/s the speed hardly changes the cutting "

@@ -19,7 +19,7 @@ from shellcut.material.nominal_stress import (
 )
 from shellcut.material.shell_material import ShellMaterial
 
-from .finding import DOUBT, NOTE, Finding
+from .finding import Finding, doubt, note
 
 _PLASTIC = 0.02
 """Strain beyond the elastic one from which a film is said to yield before it cracks."""
@@ -35,8 +35,7 @@ def check_strength(material: ShellMaterial, law: CohesiveLaw | None) -> Iterator
     if law.strength > most.stress:
         in_strip = largest_nominal_stress(material, "plane strain", across=most.across)
         shown = most if in_strip is None else in_strip
-        yield Finding(
-            DOUBT,
+        yield doubt(
             "a film must be able to carry the strength at which it is to crack, or it necks and "
             "parts only where a blade has passed",
             f"{_carries(shown)}, a crack needs {law.strength:.4g} MPa",
@@ -47,16 +46,12 @@ def check_strength(material: ShellMaterial, law: CohesiveLaw | None) -> Iterator
     reached = _strain_at(material, law.strength)
     elastic = law.strength * material.thickness / material.stretching_stiffness
     if reached is None:
-        yield Finding(
-            NOTE,
-            "",
+        yield note(
             f"{_carries(most)}, less in plane strain; a crack needs {law.strength:.4g} MPa",
             "the film cracks only where it is stretched both ways, elsewhere it necks",
         )
     elif reached > elastic + _PLASTIC:
-        yield Finding(
-            NOTE,
-            "",
+        yield note(
             f"the film yields before it cracks: in plane strain it carries the strength, "
             f"{law.strength:.4g} MPa, at {_per_cent(reached)} strain",
             f"the work of stretching it so far is not in the cables' energy; {_carries(most)}",

@@ -1,11 +1,16 @@
-"""``shellcut compare``: compare a run with a measured curve."""
+"""``compare``: compare a run with a measured curve.
+
+Compare a run with a measured curve on their common range: difference, peaks, work. Writes
+OUT/comparison.json and, with Matplotlib, OUT/comparison.png.
+
+example: shellcut compare out cap.csv --x angle=Winkel --y torque=Drehmoment --units "deg, N*cm"
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
 
 from shellcut.files.file_list import target
 from shellcut.results.comparison import Comparison, compare
@@ -14,18 +19,8 @@ from .exit_code import BAD_INPUT, DONE, refuse
 from .shared_arguments import named
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "compare",
-        help="compare a run with a measured curve",
-        description=(
-            "Compare a run with a measured curve on their common range: difference, peaks, work. "
-            "Writes OUT/comparison.json and, with Matplotlib, OUT/comparison.png."
-        ),
-        epilog="example: shellcut compare out cap.csv --x angle=Winkel --y torque=Drehmoment "
-        '--units "deg, N*cm"',
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", help="folder of the run")
     parser.add_argument("measured", metavar="FILE", help="text table with the measured curve")
     add_columns_to(parser)
@@ -35,7 +30,6 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--picture", metavar="FILE", type=named, help="output file instead of OUT/comparison.png"
     )
-    parser.set_defaults(run=run)
 
 
 def add_columns_to(parser: argparse.ArgumentParser) -> None:
@@ -55,13 +49,7 @@ def add_columns_to(parser: argparse.ArgumentParser) -> None:
 
 
 def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
-    """Compare a run with the measured curve given by the arguments.
-
-    Raises
-    ------
-    ValueError, OSError
-        Like :func:`shellcut.compare`.
-    """
+    """Compare a run with the measured curve that the arguments give, as ``compare`` does."""
     (x, x_column), (y, y_column) = parted(arguments.x), parted(arguments.y)
     return compare(
         out,

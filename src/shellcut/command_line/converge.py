@@ -1,26 +1,24 @@
-"""``shellcut converge``: the figures of a model with error bars."""
+"""``converge``: error bars: run a model on other meshes, slower, and from other small shapes.
+
+How fine, how slow, how sure: run a model with its companions, on a coarser and a finer mesh, with
+nodes elsewhere under the path, at half the speed and from two other small shapes of the film, ten
+times its time in all, and print its figures with error bars. Runs that are done are found and not
+repeated, interrupted ones go on.
+
+example: shellcut converge opening --set mesh=quick -o bars
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from .exit_code import refuse
 from .shared_arguments import add_engine_to, add_settings_to, named, print_found, settings_of
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "converge",
-        help="error bars: run a model on other meshes, slower, and from other small shapes",
-        description="How fine, how slow, how sure: run a model with its companions, on a coarser "
-        "and a finer mesh, with nodes elsewhere under the path, at half the speed and from two "
-        "other small shapes of the film, ten times its time in all, and print its figures with "
-        "error bars. Runs that are done are found and not repeated, interrupted ones go on.",
-        epilog="example: shellcut converge opening --set mesh=quick -o bars",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a run's folder")
     parser.add_argument(
         "-o", "--out", metavar="OUT", type=named, help="folder [of a run: RUN/converge]"
@@ -30,7 +28,6 @@ def add_to(commands: Any) -> None:
     )
     add_settings_to(parser)
     add_engine_to(parser)
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

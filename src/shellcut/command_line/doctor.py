@@ -1,4 +1,8 @@
-"""``shellcut doctor``: check this machine, one line per finding, with a remedy for each problem."""
+"""``doctor``: check this machine.
+
+Check this machine, one line per finding, with a remedy where there is one. Exit code 2 only if no
+model can be run.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import h5py
 import llvmlite.binding
@@ -61,15 +65,8 @@ class Finding:
         return f"{self.status:<7}  {self.what:<14}  {self.value}{remedy}"
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "doctor",
-        help="check this machine",
-        description="Check this machine, one line per finding, with a remedy where there is one. "
-        "Exit code 2 only if no model can be run.",
-    )
-    parser.set_defaults(run=run)
+def add_to(_: argparse.ArgumentParser) -> None:
+    """Add nothing: the command has no arguments."""
 
 
 def run(_: argparse.Namespace) -> int:
@@ -98,8 +95,7 @@ def _cores() -> Iterator[Finding]:
     # widest first: number of doubles per instruction
     for feature, lanes in (("avx512f", 8), ("avx", 4), ("sse2", 2), ("neon", 2)):
         if features.get(feature):
-            value = f"{lanes} numbers per instruction ({feature})"
-            yield Finding("ok", "SIMD", value)
+            yield Finding("ok", "SIMD", f"{lanes} numbers per instruction ({feature})")
             return
     yield Finding("note", "SIMD", "LLVM knows no vector instructions here", "runs are slow")
 
@@ -141,10 +137,10 @@ def _cache() -> Finding:
     entries = (entry for folder in folders for entry in folder.iterdir())
     held = [entry.stat() for entry in entries if entry.suffix in (".nbi", ".nbc")]
     common = os.path.commonpath(folders)
-    size = sum(entry.st_size for entry in held) / 1e6
     if not held:
-        value = f"none yet in {common}"
-        return Finding("note", "compiled code", value, "shellcut warmup compiles, half a minute")
+        remedy = "shellcut warmup compiles, half a minute"
+        return Finding("note", "compiled code", f"none yet in {common}", remedy)
+    size = sum(entry.st_size for entry in held) / 1e6
     return Finding("ok", "compiled code", f"{size:.1f} MB in {common}")
 
 
@@ -179,10 +175,8 @@ def _files() -> Iterator[Finding]:
         yield Finding("PROBLEM", "result files", "HDF5 reads wrongly", "reinstall h5py", True)
     free = shutil.disk_usage(os.getcwd()).free
     value = f"{free / 1e9:.1f} GB free in {os.getcwd()}"
-    if free < _LITTLE_SPACE:
-        yield Finding("note", "disk", value, "a fine run writes some hundred megabytes")
-    else:
-        yield Finding("ok", "disk", value)
+    little = "a fine run writes some hundred megabytes" if free < _LITTLE_SPACE else ""
+    yield Finding("note" if little else "ok", "disk", value, little)
 
 
 def _extras() -> Iterator[Finding]:
@@ -196,7 +190,8 @@ def _extras() -> Iterator[Finding]:
 
 
 def _extra(package: str, found: str) -> Finding:
-    if package == "vtk" and _numbers(found)[:2] < _FIRST_RIGHT_VTK:
+    numbers = tuple(int(part) for part in found.split(".") if part.isdecimal())
+    if package == "vtk" and numbers[:2] < _FIRST_RIGHT_VTK:
         value = f"{found} silently misreads shellcut's files"
         return Finding("PROBLEM", package, value, 'pip install "vtk>=9.3"')
     if package == "gmsh":
@@ -209,15 +204,6 @@ def _extra(package: str, found: str) -> Finding:
     return Finding("ok", package, found)
 
 
-def _numbers(found: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in found.split(".") if part.isdecimal())
-
-
-CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
-    _versions,
-    _cores,
-    _compiler,
-    _files,
-    _extras,
-)
+CHECKS: tuple[Callable[[], Iterator[Finding]], ...]
+CHECKS = (_versions, _cores, _compiler, _files, _extras)
 """In the order of the report."""

@@ -1,10 +1,18 @@
-"""``shellcut fit``: fit keys of a model to measured curves."""
+"""``fit``: fit keys of a model to measured curves.
+
+Fit keys of a model to measured curves by least squares. Writes OUT/fit.json, with 95 % confidence
+intervals, and with Matplotlib OUT/fit.png. Runs are kept: the same call again repeats none, and an
+interrupted fit goes on.
+
+example: shellcut fit opening slow.csv fast.csv --for fast.csv motion.duration=3e-3 --free
+cohesive.plateau,cohesive.opening_u -o OUT
+"""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shellcut.study.fit import Search
 
@@ -24,17 +32,8 @@ if TYPE_CHECKING:
     from shellcut.study.curve_misfit import FitCurve
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "fit",
-        help="fit keys of a model to measured curves",
-        description="Fit keys of a model to measured curves by least squares. Writes "
-        "OUT/fit.json, with 95 % confidence intervals, and with Matplotlib OUT/fit.png. Runs are "
-        "kept: the same call again repeats none, and an interrupted fit goes on.",
-        epilog="example: shellcut fit opening slow.csv fast.csv --for fast.csv "
-        "motion.duration=3e-3 --free cohesive.plateau,cohesive.opening_u -o OUT",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
     parser.add_argument(
@@ -49,13 +48,8 @@ def add_to(commands: Any) -> None:
         default=[],
         help="of a key, in its unit; by default a third of its value to three times it",
     )
-    add_options(
-        parser,
-        Search,
-        keep_energy="--keep-energy",
-        max_runs="--max-runs",
-        method="--method",
-    )
+    flags = {name: f"--{name.replace('_', '-')}" for name in ("keep_energy", "max_runs", "method")}
+    add_options(parser, Search, **flags)
     parser.add_argument(
         "--x", metavar="NAME[=COLUMN]", default="", help="the coordinate, as of compare"
     )
@@ -78,7 +72,6 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("--units", help='units of the files\' columns, as "deg, N*cm"')
     add_engine_to(parser)
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

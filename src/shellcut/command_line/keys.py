@@ -1,11 +1,16 @@
-"""``shellcut keys``: search the keys of model files."""
+"""``keys``: search the keys of model files.
+
+Print the keys of model files that contain all the words in name, section, unit or meaning; without
+words, all keys.
+
+example: shellcut keys notch
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
 from collections.abc import Iterator
-from typing import Any
 
 from shellcut.model_file.key_index import Table, found
 from shellcut.model_file.schema import schema
@@ -14,15 +19,8 @@ from shellcut.study.study_file import study_schema
 from .exit_code import DONE, refuse
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "keys",
-        help="search the keys of model files",
-        description="Print the keys of model files that contain all the words in name, section, "
-        "unit or meaning; without words, all keys.",
-        epilog="example: shellcut keys notch",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
     parser.add_argument(
         "--schema",
@@ -31,7 +29,6 @@ def add_to(commands: Any) -> None:
         choices=("model", "study"),
         help="print a JSON Schema of model files or study files, for editors [model]",
     )
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 from io import TextIOWrapper
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from shellcut.unit import showing
 
@@ -34,21 +34,10 @@ from .listener import ignore_closed_pipe
 from .shared_arguments import add_shown_in_to
 
 _COMMANDS = (
-    run,
-    resume,
-    sweep,
-    converge,
-    fit,
-    optimise,
-    preview,
-    keys,
-    compare,
-    tensile,
-    report,
-    view,
-    doctor,
-    warmup,
+    *(run, resume, sweep, converge, fit, optimise, preview),
+    *(keys, compare, tensile, report, view, doctor, warmup),
 )
+"""A file each, whose text is the help: in one line, at length, and an example."""
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
 """Commands that show figures, in units of the user's choice."""
 
@@ -65,11 +54,8 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with the given arguments, or with those of the process.
 
-    Returns
-    -------
-    int
-        Exit code, one of :data:`shellcut.command_line.exit_code.MEANINGS`; argparse exits by
-        itself, with the code for bad input.
+    Returns its exit code, one of :data:`.exit_code.MEANINGS`; argparse exits by itself, with the
+    code for bad input.
     """
     for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
         if isinstance(stream, TextIOWrapper):
@@ -106,7 +92,12 @@ def parser_of_all() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"%(prog)s {version('shellcut')}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in _COMMANDS:
-        command.add_to(commands)
-    for name in _SHOWING:
-        add_shown_in_to(commands.choices[name])
+        said, *more = [" ".join(part.split()) for part in str(command.__doc__).split("\n\n")]
+        _, _, name = command.__name__.rpartition(".")
+        told: dict[str, Any] = dict(zip(("description", "epilog"), more, strict=False))
+        of = commands.add_parser(name, help=said.partition(": ")[2].removesuffix("."), **told)
+        command.add_to(of)
+        of.set_defaults(run=command.run)
+        if name in _SHOWING:
+            add_shown_in_to(of)
     return parser

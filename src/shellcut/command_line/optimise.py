@@ -1,9 +1,17 @@
-"""``shellcut optimise``: the values of some keys that make a figure least, or largest."""
+"""``optimise``: seek the values of keys that make a figure least, or largest.
+
+Seek the values of some keys that make a figure least, or largest, within limits on others. The
+first run is the model as given, Optuna proposes the others. Writes OUT/optimum.json, and with
+Matplotlib OUT/optimum.png. Runs are kept: the same call again repeats none, an interrupted search
+goes on.
+
+example: shellcut optimise opening --set mesh=quick --vary tool.half_thickness=0.2:0.5 --minimise
+torque_peak --subject-to 'n_loose == 1' -o OUT
+"""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from .shared_arguments import (
     add_engine_to,
@@ -15,18 +23,8 @@ from .shared_arguments import (
 )
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "optimise",
-        help="seek the values of keys that make a figure least, or largest",
-        description="Seek the values of some keys that make a figure least, or largest, within "
-        "limits on others. The first run is the model as given, Optuna proposes the others. Writes "
-        "OUT/optimum.json, and with Matplotlib OUT/optimum.png. Runs are kept: the same call again "
-        "repeats none, an interrupted search goes on.",
-        epilog="example: shellcut optimise opening --set mesh=quick --vary "
-        "tool.half_thickness=0.2:0.5 --minimise torque_peak --subject-to 'n_loose == 1' -o OUT",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
     parser.add_argument(
@@ -58,7 +56,6 @@ def add_to(commands: Any) -> None:
         "--max-runs", metavar="N", type=int, default=60, help="runs to take at most [60]"
     )
     add_engine_to(parser)
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

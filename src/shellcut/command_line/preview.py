@@ -1,11 +1,15 @@
-"""``shellcut preview``: draw and check a model before its run."""
+"""``preview``: draw a model before its run.
+
+Draw film, held nodes, tool and cutting edges of a model and check it, without running it. If the
+model is refused, its valid parts are drawn.
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shellcut.files.file_list import target
 
@@ -16,20 +20,13 @@ if TYPE_CHECKING:
     from shellcut.model_file import Model
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "preview",
-        help="draw a model before its run",
-        description="Draw film, held nodes, tool and cutting edges of a model and check it, "
-        "without running it. If the model is refused, its valid parts are drawn.",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a TOML file, or a name")
     parser.add_argument(
         "-o", "--out", metavar="PICTURE", type=named, help="output file [model.png]"
     )
     add_settings_to(parser)
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,10 +1,14 @@
-"""``shellcut report``: one HTML file about a run, or about a study."""
+"""``report``: write an HTML report of a run or a study.
+
+Write one self-contained HTML file about a run: verdict, figures, curves, pictures. An interrupted
+run is reported up to its last record. Of a study (the folder of shellcut sweep): table, curves,
+effects of the factors, response surfaces, sensitivities.
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from shellcut.report import report_run
 
@@ -13,15 +17,8 @@ from .exit_code import DONE, refuse
 from .shared_arguments import named
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "report",
-        help="write an HTML report of a run or a study",
-        description="Write one self-contained HTML file about a run: verdict, figures, curves, "
-        "pictures. An interrupted run is reported up to its last record. Of a study (the folder of "
-        "shellcut sweep): table, curves, effects of the factors, response surfaces, sensitivities.",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument(
         "folder", metavar="OUT", type=named, help="result folder of the run or the study"
     )
@@ -35,7 +32,6 @@ def add_to(commands: Any) -> None:
         "options are those of shellcut compare",
     )
     add_columns_to(parser)
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

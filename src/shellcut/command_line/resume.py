@@ -1,10 +1,12 @@
-"""``shellcut resume``: continue an interrupted run."""
+"""``resume``: continue an interrupted run.
+
+Continue an interrupted run, bit for bit, appending to its files.
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from shellcut.files.run_folder import USED
 from shellcut.recording.run_log import RunLog
@@ -14,15 +16,9 @@ from .run_model import run_model
 from .shared_arguments import named
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "resume",
-        help="continue an interrupted run",
-        description="Continue an interrupted run, bit for bit, appending to its files.",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

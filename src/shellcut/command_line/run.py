@@ -1,10 +1,12 @@
-"""``shellcut run``: run a model file, or a model of the package by its name."""
+"""``run``: run a model.
+
+Run a model file, or a model of the package by its name.
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from shellcut.recording.run_log import RunLog
 
@@ -13,13 +15,8 @@ from .run_model import run_model
 from .shared_arguments import add_settings_to, named, settings_of
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "run",
-        help="run a model",
-        description="Run a model file, or a model of the package by its name.",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", nargs="?", help="a TOML file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
     add_settings_to(parser)
@@ -41,7 +38,6 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--write-model", metavar="FILE", type=named, help="write a model file to edit; run nothing"
     )
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -51,20 +51,9 @@ def run_model(
 ) -> int:
     """Build the model, run it into the folder, and return the exit code.
 
-    Parameters
-    ----------
-    model : Model
-        The model to run.
-    folder : Path
-        Output folder; nothing in it is changed before the model has been built.
-    log : RunLog
-        Receives every line.
-    resume : bool
-        Continue the run in the folder.
-    overwrite : bool
-        Whether an earlier run in the folder may be removed.
-    force : bool
-        Run a model that a check refuses, where that can make sense.
+    Nothing in the folder is changed before the model has been built. ``resume`` continues the run
+    there, ``overwrite`` says whether it may be removed, ``force`` runs a model that a check
+    refuses, where that can make sense.
     """
     options = {"resume": resume, "replace": overwrite, "force": force}
     with log.library_said(), closing(log):

@@ -38,10 +38,7 @@ def add_settings_to(parser: argparse.ArgumentParser) -> None:
 def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
     """Return the keys set, with their values read as TOML; bare words are strings.
 
-    Raises
-    ------
-    ModelFileError
-        If an argument is not of the form key=value.
+    ModelFileError lists those that are not of the form key=value.
     """
     from shellcut.model_file.errors import ModelFileError, Problem
     from shellcut.model_file.source import parse_value
@@ -60,13 +57,7 @@ def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def key_and_value(text: str) -> tuple[str, str]:
-    """Split ``key=value``.
-
-    Raises
-    ------
-    ValueError
-        If there is no key, or no ``=``.
-    """
+    """Split ``key=value``; ValueError if there is no key, or no ``=``."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
         raise ValueError("must be KEY=VALUE")
@@ -95,11 +86,9 @@ def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **fl
 
 def made_of(arguments: argparse.Namespace, owner: Callable[..., T], **more: Any) -> T:
     """Return the class called with the arguments that are given."""
-    given = {name.partition("."): value for name, value in vars(arguments).items()}
-    return owner(
-        **{name: v for (of, _, name), v in given.items() if of == owner.__name__ and v is not None},
-        **more,
-    )
+    own = f"{owner.__name__}."
+    given = {n.removeprefix(own): v for n, v in vars(arguments).items() if n.startswith(own)}
+    return owner(**{name: v for name, v in given.items() if v is not None}, **more)
 
 
 def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
@@ -153,10 +142,7 @@ def print_found(arguments: argparse.Namespace, find: Callable[[Any], object], wh
 def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     """Give the number of processes, or a Dask client, with a cluster of its own if asked for.
 
-    Raises
-    ------
-    ImportError, ConnectionError
-        If there is no Dask, or no scheduler.
+    ImportError or ConnectionError if there is no Dask, or no scheduler.
     """
     if arguments.dask is None:
         yield arguments.jobs
@@ -170,10 +156,8 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     with contextlib.ExitStack() as close:
         where: Any = arguments.dask
         if where == "local":
-            cluster = LocalCluster(
-                n_workers=available_cores(), threads_per_worker=1, dashboard_address=None
-            )
-            where = close.enter_context(cluster)
+            size = {"n_workers": available_cores(), "threads_per_worker": 1}
+            where = close.enter_context(LocalCluster(**size, dashboard_address=None))
         try:
             client = close.enter_context(Client(where, timeout=10.0))
         except (OSError, TimeoutError, ValueError) as problem:

@@ -1,9 +1,15 @@
-"""``shellcut sweep``: run a model with many values, or a study file."""
+"""``sweep``: run a model with many values: a study.
+
+Run a model with many values of some keys, or the runs of a study file. A key with several values
+(40,60,80), with files (caps/*.stl), or with a range (12:20, for --design sobol or lhs) is a factor;
+tool.edge_inclination_deg,motion.pitch=40:12,60:20 is one of values that go together. Runs that are
+done are found and not repeated, interrupted ones go on. OUT/table.csv has a row for each run.
+"""
 
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shellcut.study.design import Design
 
@@ -24,24 +30,14 @@ if TYPE_CHECKING:
 _DRY_SHOWN = 20  # runs of a plan that are printed
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "sweep",
-        help="run a model with many values: a study",
-        description="Run a model with many values of some keys, or the runs of a study file. A key "
-        "with several values (40,60,80), with files (caps/*.stl), or with a range (12:20, for "
-        "--design sobol or lhs) is a factor; tool.edge_inclination_deg,motion.pitch=40:12,60:20 is "
-        "one of values that go together. Runs that are done are found and not repeated, "
-        "interrupted ones go on. OUT/table.csv has a row for each run.",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
     add_settings_to(parser)
     add_options(parser, Design, kind="--design", n="--n", seed="--seed")
     add_engine_to(parser)
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,11 +1,17 @@
-"""``shellcut tensile``: figures of a film and a cohesive law from tensile tests."""
+"""``tensile``: modulus, yield, strength, hardening and a cohesive law from tensile tests.
+
+Evaluate tensile tests: modulus, yield, strength, strain at break, hardening curve, scatter, and a
+proposed cohesive law. With -o write OUT/tensile.json, hardening.csv, material.toml, law.toml and,
+with Matplotlib, tensile.png.
+
+example: shellcut tensile MD=md_1.csv MD=md_2.csv CD=cd_1.csv --gauge-length 50 -o film
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
 
 from shellcut.model_file.key import keys_of
 from shellcut.tensile import evaluate_tensile
@@ -18,17 +24,8 @@ from .shared_arguments import named
 _LENGTHS = keys_of(SpecimenSize)
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "tensile",
-        help="modulus, yield, strength, hardening and a cohesive law from tensile tests",
-        description="Evaluate tensile tests: modulus, yield, strength, strain at break, hardening "
-        "curve, scatter, and a proposed cohesive law. With -o write OUT/tensile.json, "
-        "hardening.csv, material.toml, law.toml and, with Matplotlib, tensile.png.",
-        epilog="example: shellcut tensile MD=md_1.csv MD=md_2.csv CD=cd_1.csv --gauge-length 50 "
-        "-o film",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument(
         "files",
         metavar="[DIRECTION=]FILE",
@@ -56,7 +53,6 @@ def add_to(commands: Any) -> None:
         "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
     )
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,12 @@
-"""``shellcut view``: a run as a page to turn, a frame as a picture, a movie."""
+"""``view``: turn a run in 3-D in the browser; draw a frame or a movie.
+
+Without options, write a page to turn the run, move through its frames and read values, and open it
+in the browser; it loads nothing from the network. The suffix of --output says what is wanted: the
+page, a picture of a frame, or a movie of all, with the same camera and scale. Pictures need
+shellcut[plot], an MP4 shellcut[movie].
+
+example: shellcut view out -o cut.mp4 --field thickness --elevation 25 --hide mesh
+"""
 
 from __future__ import annotations
 
@@ -18,17 +26,8 @@ from .exit_code import DONE, refuse
 from .shared_arguments import add_options, made_of, named
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "view",
-        help="turn a run in 3-D in the browser; draw a frame or a movie",
-        description="Without options, write a page to turn the run, move through its frames and "
-        "read values, and open it in the browser; it loads nothing from the network. The suffix "
-        "of --output says what is wanted: the page, a picture of a frame, or a movie of all, with "
-        "the same camera and scale. Pictures need shellcut[plot], an MP4 shellcut[movie].",
-        epilog="example: shellcut view out -o cut.mp4 --field thickness --elevation 25 --hide mesh",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="folder of the run")
     parser.add_argument(
         "-o",
@@ -57,7 +56,6 @@ def add_to(commands: Any) -> None:
     )
     names = ("field", "low", "high", "colormap", "flat", "hide", "elevation", "azimuth", "zoom")
     add_options(parser, Look, **{name: f"--{name}" for name in names})
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

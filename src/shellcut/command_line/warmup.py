@@ -1,27 +1,23 @@
-"""``shellcut warmup``: compile before the first run."""
+"""``warmup``: compile the kernels of the ready models into the cache.
+
+Compile the kernels of the ready models into the cache, on all cores, so that the first run starts
+at once.
+"""
 
 from __future__ import annotations
 
 import argparse
 import os
 import time
-from typing import Any
 
 from shellcut.models.warmup import MODELS, warmup
 
 
-def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser."""
-    parser = commands.add_parser(
-        "warmup",
-        help="compile the kernels of the ready models into the cache",
-        description="Compile the kernels of the ready models into the cache, on all cores, so that "
-        "the first run starts at once.",
-    )
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add its arguments to the parser."""
     parser.add_argument(
         "models", nargs="*", metavar="MODEL", help=f"only for some of {', '.join(MODELS)}"
     )
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

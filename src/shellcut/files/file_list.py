@@ -30,14 +30,9 @@ _MOST_NAMED = 5
 
 
 class FileList:
-    """A record in a folder; of ``run.files`` only the run that holds the folder changes it.
+    """A record in a folder, ``run.files`` or ``shellcut.files``; it need not exist.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder; the record need not exist.
-    record : {"run.files", "shellcut.files"}
-        Its name.
+    Of ``run.files`` only the run that holds the folder changes it.
     """
 
     def __init__(self, folder: Path, record: str = FILES) -> None:
@@ -48,13 +43,7 @@ class FileList:
         """Names relative to the folder, in the order they were added, with ``/`` between parts."""
 
     def refuse_foreign(self, names: Iterable[str]) -> None:
-        """Raise if files that are about to be written, or the record, are somebody else's.
-
-        Raises
-        ------
-        FileExistsError
-            With their names.
-        """
+        """Raise if files that are about to be written, or the record, are somebody else's."""
         known = {*self.names, self._record} if self._is_there else set()
         foreign = [
             name
@@ -75,12 +64,7 @@ class FileList:
     def add(self, *names: str) -> None:
         """Add those of some names that are new, before their files are created.
 
-        Raises
-        ------
-        FileExistsError
-            If one of them belongs to somebody else's file.
-        OSError
-            If the record cannot be written.
+        A name that belongs to somebody else's file is refused.
         """
         new = [name for name in names if name not in self.names]
         if not new:
@@ -94,13 +78,7 @@ class FileList:
         self.names += new
 
     def write(self, names: Iterable[str]) -> None:
-        """Replace the record.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written; the old one then stays.
-        """
+        """Replace the record. If it cannot be written, the old one stays."""
         self.names = list(dict.fromkeys(names))
         lines = (_HEADINGS[self._record], *self.names)
         write_text(self._folder / self._record, "".join(f"{line}\n" for line in lines), *_TEXT)
@@ -132,24 +110,8 @@ def claim(
 ) -> None:
     """List files that a command is about to write in a folder under names of its own choice.
 
-    Parameters
-    ----------
-    folder : path
-        The folder; created if missing.
-    names : iterable of str
-        In the folder.
-    inputs : iterable of path
-        What the command reads: none of these is written.
-
-    Raises
-    ------
-    FileExistsError
-        If one of the names belongs to an input or to somebody else's file; nothing has been changed
-        then.
-    ValueError
-        If the path of the folder is empty.
-    OSError
-        If the folder cannot be written.
+    The folder is created if missing. A name of an input, which the command reads, or of somebody
+    else's file is refused; nothing has been changed then.
     """
     folder, names = folder_named(folder), list(names)
     for name in names:
@@ -165,21 +127,8 @@ def target(
 ) -> Path:
     """Return the file that a command writes: the one that a user names, or one that is claimed.
 
-    Parameters
-    ----------
-    path : path, optional
-        As named: replaced if it exists.
-    default : Path
-        Without one: never replaces somebody else's.
-    inputs : iterable of path
-        What the command reads.
-
-    Raises
-    ------
-    FileExistsError
-        If it is an input or belongs to a run, or the default to somebody else.
-    OSError
-        If the folder of the default cannot be written.
+    A named one is replaced if it exists, unless it is an input, which the command reads, or belongs
+    to a run; the default never replaces somebody else's.
     """
     if path is None:
         claim(default.parent, [default.name], inputs)
@@ -189,13 +138,7 @@ def target(
 
 
 def refuse_input(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None:
-    """Raise if a file that is about to be replaced is an input.
-
-    Raises
-    ------
-    FileExistsError
-        If it is.
-    """
+    """Raise if a file that is about to be replaced is an input."""
     if path.exists() and any(os.path.exists(i) and os.path.samefile(path, i) for i in inputs):
         raise FileExistsError(
             f"{path} is read here and would be replaced: choose another place for the results"
@@ -221,10 +164,7 @@ def files_there(folder: Path) -> list[str]:
 def folder_named(path: str | os.PathLike[str]) -> Path:
     """Return the path of a folder to write to.
 
-    Raises
-    ------
-    ValueError
-        If it is empty, which would be the present folder.
+    An empty one, which would be the present folder, is refused.
     """
     if not os.fspath(path):
         raise ValueError("the folder for the results must have a name, got an empty one; . is here")

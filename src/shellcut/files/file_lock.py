@@ -23,20 +23,10 @@ _BETWEEN_TRIES = 0.05
 
 
 def take(file: IO[Any], *, wait: bool = False) -> None:
-    """Lock an open file against all others, also of this process.
+    """Lock a file open for writing against all others, also of this process.
 
-    Parameters
-    ----------
-    file : file
-        Open for writing.
-    wait : bool
-        Whether to wait until the lock is free.
-
-    Raises
-    ------
-    OSError
-        Of a code in :data:`HELD_BY_ANOTHER` if another has the lock and ``wait`` is false; of other
-        codes on a file system without locks.
+    Raises OSError of a code in :data:`HELD_BY_ANOTHER` if another has the lock and ``wait`` is
+    false; of other codes on a file system without locks.
     """
     if sys.platform == "win32":
         file.seek(_LOCKED_BYTE)

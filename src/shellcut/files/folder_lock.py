@@ -41,21 +41,10 @@ class FolderInUse(OSError):
 
 
 class FolderLock:
-    """The lock on a folder, held until it is closed or the process ends.
+    """The lock on an existing folder, held until it is closed or the process ends.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder; it must exist.
-
-    Raises
-    ------
-    FolderInUse
-        If another run, of this or another process, holds it.
-    FileExistsError
-        If ``run.lock`` is a file of another origin.
-    OSError
-        If the folder cannot be written.
+    Raises FolderInUse if another run, of this or another process, holds it, and FileExistsError if
+    ``run.lock`` is a file of another origin.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -65,15 +54,7 @@ class FolderLock:
         _all.add(self)
 
     def hold(self) -> None:
-        """Check the lock: if somebody has removed its file, lock again.
-
-        Raises
-        ------
-        FolderInUse
-            If another run has locked it meanwhile.
-        OSError
-            If the folder cannot be written.
-        """
+        """Check the lock: if somebody has removed its file, lock again."""
         if self._file is not None and self._is_in_place(self._file):
             return
         self.let_go()
@@ -151,13 +132,7 @@ class FolderLock:
 
 
 def refuse_if_in_use(folder: Path) -> None:
-    """Raise if a run is writing in a folder; a run that starts later is not excluded.
-
-    Raises
-    ------
-    FolderInUse
-        If a run is writing there.
-    """
+    """Raise if a run is writing in a folder; a run that starts later is not excluded."""
     if os.path.lexists(folder / LOCK):
         FolderLock(folder).close()
 

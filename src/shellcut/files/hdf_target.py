@@ -19,20 +19,7 @@ from .whole_file import opened, write_all
 
 
 class HdfTarget(io.RawIOBase):
-    """A binary file to pass to ``h5py.File``; close it after that.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    mode : {"w", "r+"}
-        Create it, or open the existing file.
-
-    Raises
-    ------
-    OSError
-        If it cannot be opened.
-    """
+    """A binary file, created or opened again, to pass to ``h5py.File``; close it after that."""
 
     def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
         self._path = path
@@ -45,37 +32,19 @@ class HdfTarget(io.RawIOBase):
         self._told = False
 
     def check(self) -> None:
-        """Raise if writing has failed.
-
-        Raises
-        ------
-        OSError
-            With the system's number and reason.
-        """
+        """Raise if writing has failed."""
         if self._failure is not None:
             self._told = True
             raise OSError(*self._failure.args[:2], str(self._path)) from self._failure
 
     def keep(self) -> None:
-        """Mark the file as consistent now: a later failure restores this state.
-
-        Raises
-        ------
-        OSError
-            If it has failed.
-        """
+        """Mark the file as consistent now: a later failure restores this state."""
         self.check()
         self._kept = self._file.seek(0, os.SEEK_END)
         self._replaced.clear()
 
     def sync(self) -> None:
-        """Wait until everything written is on the disk.
-
-        Raises
-        ------
-        OSError
-            If that fails.
-        """
+        """Wait until everything written is on the disk."""
         os.fsync(self._file.fileno())
 
     def close(self) -> None:

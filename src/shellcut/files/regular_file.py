@@ -31,19 +31,7 @@ class NotRegularError(OSError):
 
 
 def read_regular(path: str | os.PathLike[str], most: int = _LARGEST) -> bytes:
-    """Return the content of a regular file.
-
-    Parameters
-    ----------
-    path : path
-    most : int, optional
-        Largest size allowed [bytes]; by default 4 GB.
-
-    Raises
-    ------
-    OSError
-        If it does not exist, cannot be read, is not a regular file, or is larger.
-    """
+    """Return the content of a regular file of ``most`` bytes, by default 4 GB."""
     require_regular(path)
     # The file may have been replaced by a pipe meanwhile: opening it must not block.
     with open(os.open(path, os.O_RDONLY | _FLAGS), "rb") as file:
@@ -64,13 +52,7 @@ _FLAGS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
 def require_regular(path: str | os.PathLike[str]) -> None:
-    """Check the kind of a file that another library is to open.
-
-    Raises
-    ------
-    OSError
-        If it does not exist, or is not a regular file.
-    """
+    """Check that a file which another library is to open exists and is a regular file."""
     _check_kind(path, Path(path).stat().st_mode)
 
 

@@ -67,14 +67,7 @@ def snapshots(folder: Path, first: int = 0) -> list[Path]:
 def planned_names(name: str, resistance: str, *, n_snapshot: int) -> tuple[list[str], list[str]]:
     """Return the names of the files that a run always writes, and of those it may write.
 
-    Parameters
-    ----------
-    name : str
-        Name of the run.
-    resistance : str
-        Name of its torque or force.
-    n_snapshot : int
-        Number of pictures wanted; there may be one more at the end.
+    There may be one picture more at the end than are wanted.
     """
     here = Path()
     always = [HISTORY, SUMMARY, SPLITS, CHECKPOINT, ENERGY_PICTURE]

@@ -13,19 +13,7 @@ from .whole_file import unfinished
 class TakenFolder:
     """Hold a folder until its ``lock`` is closed, or the process ends; ``files`` lists its files.
 
-    Parameters
-    ----------
-    path : path
-        The folder; created if missing.
-
-    Raises
-    ------
-    FolderInUse
-        If another run writes there.
-    ValueError
-        If the path is empty.
-    OSError
-        If it cannot be created or written.
+    It is created if missing; FolderInUse is raised if another run writes there.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -35,24 +23,10 @@ class TakenFolder:
         self.files = FileList(self.path)
 
     def begin(self, names: Iterable[str], later: Iterable[str] = (), *, replace: bool) -> None:
-        """Prepare the folder for a new run.
+        """Prepare the folder for a new run, which writes these names and later may list others.
 
-        Parameters
-        ----------
-        names : iterable of str
-            Files that the run will write, listed at once.
-        later : iterable of str
-            Files that it may write, and lists when it does.
-        replace : bool
-            Whether the previous run may be removed.
-
-        Raises
-        ------
-        FileExistsError
-            If there is a run that must not be replaced, or one of the names belongs to a file of
-            another origin; nothing has been changed then.
-        OSError
-            If the folder cannot be written.
+        FileExistsError is raised, and nothing has been changed, if there is a run that must not be
+        replaced, or one of the names belongs to a file of another origin.
         """
         earlier, names = self.files.there(), list(names)
         if earlier and not replace:
@@ -62,15 +36,7 @@ class TakenFolder:
         self.files.write(names)
 
     def resume(self, names: Iterable[str]) -> None:
-        """Resume the run in the folder, which may write these further files.
-
-        Raises
-        ------
-        FileExistsError
-            If one of the names belongs to a file of another origin.
-        OSError
-            If the list cannot be written.
-        """
+        """Resume the run in the folder, which may write these further files."""
         self.files.refuse_foreign(names := list(names))
         for name in self.files.names:
             for of_killed in unfinished(self.path / name):

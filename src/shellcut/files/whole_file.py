@@ -28,22 +28,13 @@ _MOST_OF_STEM = 40  # characters: a temporary name must not be too long where th
 def exclusive(path: str, flags: int) -> int:
     """Open a name that nobody has, for ``open(..., opener=exclusive)``.
 
-    Raises
-    ------
-    FileExistsError
-        If there is anything of this name, be it a link that leads nowhere.
+    Not even a link that leads nowhere may have it.
     """
     return os.open(path, flags | os.O_CREAT | os.O_EXCL | _FLAGS, 0o666)
 
 
 def unfollowed(path: str, flags: int) -> int:
-    """Open a regular file, for ``open(..., opener=unfollowed)``; ``"a"`` creates one.
-
-    Raises
-    ------
-    OSError
-        If it is a link, a pipe or a device.
-    """
+    """Open a regular file, no link, for ``open(..., opener=unfollowed)``; ``"a"`` creates one."""
     refuse_link(Path(path))
     file = os.open(path, flags | _FLAGS, 0o666)
     if not stat.S_ISREG(os.fstat(file).st_mode):
@@ -53,15 +44,10 @@ def unfollowed(path: str, flags: int) -> int:
 
 
 def opened(path: Path, mode: Literal["w", "r+", "a+"]) -> BinaryIO:
-    """Return a file to read and write, unbuffered.
+    """Return a file to read and write, unbuffered, which is a regular one and no link.
 
     mode : ``"w"`` puts a new file in the place of the one there; ``"r+"`` opens the one there;
     ``"a+"`` opens or creates it, and writes at its end.
-
-    Raises
-    ------
-    OSError
-        If it cannot be opened, or the one there is a link or no regular file.
     """
     if mode == "w":
         path.unlink(missing_ok=True)  # a link itself, not what it leads to
@@ -72,24 +58,12 @@ def opened(path: Path, mode: Literal["w", "r+", "a+"]) -> BinaryIO:
 
 
 def log_file(path: Path) -> TextIOWrapper:
-    """Return a text file to append to, created if missing.
-
-    Raises
-    ------
-    OSError
-        As :func:`opened`.
-    """
+    """Return a text file to append to, created if missing."""
     return open(path, "a", encoding="utf-8", errors="backslashreplace", opener=unfollowed)
 
 
 def refuse_link(path: Path) -> None:
-    """Raise if a path is a link: what it leads to is somebody's own.
-
-    Raises
-    ------
-    OSError
-        If it is.
-    """
+    """Raise if a path is a link: what it leads to is somebody's own."""
     if path.is_symlink():
         raise OSError(f"{path} must not be a link: move it away, or name the file itself")
 
@@ -99,12 +73,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
     """Give a temporary path to write to; after the block that file replaces ``path``.
 
     If the block fails, the temporary file is removed and the old one stays. A path that is not a
-    regular file, such as ``/dev/stdout``, is written directly.
-
-    Raises
-    ------
-    OSError
-        If the path is a link, or its folder cannot be written.
+    regular file, such as ``/dev/stdout``, is written directly; a link is refused.
     """
     if path.exists() and not path.is_file():
         yield path
@@ -123,13 +92,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str, encoding: str = "utf-8", errors: str = "strict") -> None:
-    """Replace a file by a text, atomically.
-
-    Raises
-    ------
-    OSError
-        As :func:`atomic_write`.
-    """
+    """Replace a file by a text, atomically."""
     with atomic_write(path) as temporary:
         temporary.write_bytes(text.encode(encoding, errors))
 
@@ -146,13 +109,7 @@ def unfinished(path: Path) -> list[Path]:
 
 
 def write_all(file: BinaryIO, data: bytes | memoryview) -> None:
-    """Write all bytes to an unbuffered file.
-
-    Raises
-    ------
-    OSError
-        If the system accepts no more of them, with the file's name.
-    """
+    """Write all bytes to an unbuffered file."""
     rest = memoryview(data)
     try:
         while len(rest):

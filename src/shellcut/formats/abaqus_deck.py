@@ -66,17 +66,8 @@ class Keyword(Block):
 def read_deck(deck: Deck, known: frozenset[str]) -> Iterator[Keyword]:
     """Return the keywords of a file and of the files it includes, in order.
 
-    Parameters
-    ----------
-    deck : Deck
-    known : frozenset of str
-        Keywords that the caller uses. Others are passed on too, unless they look like a misspelt
-        one of these.
-
-    Raises
-    ------
-    FileError
-        For a file that is no input file, for misspelt keywords and for missing files.
+    Keywords that are not ``known``, those that the caller uses, are passed on too, unless they look
+    like a misspelt one.
     """
     if not any(line.lstrip().startswith("*") for line in read_lines(deck.path)):
         raise FileError(deck.path, "an Abaqus input file must hold *KEYWORD lines, got none")

@@ -20,32 +20,11 @@ from .file_mesh import LINE, QUAD, TRIANGLE, CellBlock, FileMesh
 from .losses import gap_note
 
 KINDS: dict[str, tuple[str, int]] = {
-    **dict.fromkeys(
-        [
-            "S4",
-            "S4R",
-            "S4RS",
-            "S4RSW",
-            "S4R5",
-            "S4T",
-            "S4RT",
-            "M3D4",
-            "M3D4R",
-            "CPS4",
-            "CPS4R",
-            "CPS4I",
-            "CPE4",
-            "CPE4R",
-            "CPE4I",
-            "SFM3D4",
-            "SFM3D4R",
-        ],
-        (QUAD, 4),
-    ),
-    **dict.fromkeys(
-        ["S3", "S3R", "S3RS", "S3T", "S3RT", "STRI3", "M3D3", "CPS3", "CPE3", "SFM3D3"],
-        (TRIANGLE, 3),
-    ),
+    **dict.fromkeys(["S4", "S4R", "S4RS", "S4RSW", "S4R5", "S4T", "S4RT"], (QUAD, 4)),
+    **dict.fromkeys(["M3D4", "M3D4R", "SFM3D4", "SFM3D4R"], (QUAD, 4)),
+    **dict.fromkeys(["CPS4", "CPS4R", "CPS4I", "CPE4", "CPE4R", "CPE4I"], (QUAD, 4)),
+    **dict.fromkeys(["S3", "S3R", "S3RS", "S3T", "S3RT", "STRI3"], (TRIANGLE, 3)),
+    **dict.fromkeys(["M3D3", "CPS3", "CPE3", "SFM3D3"], (TRIANGLE, 3)),
     **dict.fromkeys(["T3D2", "T2D2"], (LINE, 2)),
 }
 """Three- and four-node shells of any formulation, and the trusses that mesh programs write for
@@ -100,13 +79,7 @@ class Instance:
 
 
 class Model:
-    """All placed scopes; nodes and elements are numbered in order of appearance.
-
-    Parameters
-    ----------
-    deck : Deck
-        Whose path messages name; it counts ids of sets of sets.
-    """
+    """All placed scopes; nodes and elements are numbered in order of appearance."""
 
     def __init__(self, deck: Deck):
         self.path, self.notes, self.budget = deck.path, deck.notes, deck.budget
@@ -118,13 +91,7 @@ class Model:
         self.scopes: dict[str, list[Scope]] = defaultdict(list)
 
     def add(self, key: str, scope: Scope, transform: Transform | None) -> None:
-        """Add a scope: an instance by its upper-case name, or the assembly with "".
-
-        Raises
-        ------
-        FileError
-            For repeated definitions, and for elements with undefined nodes.
-        """
+        """Add a scope: an instance by its upper-case name, or the assembly with ""."""
         self.scopes[key].append(scope)
         prefix = f"{scope.name}." if scope.name else ""
         self.notes += gap_note(f"{prefix}node", scope.nodes)
@@ -158,11 +125,8 @@ class Model:
         for i, (_, kind, _) in enumerate(self.elements):
             by_kind[kind].append(i)
         for kind in by_kind:
-            if (
-                kind in KINDS
-                and KINDS[kind][0] != LINE
-                and not kind.startswith(("S3", "S4", "STRI"))
-            ):
+            of_film = kind in KINDS and KINDS[kind][0] != LINE
+            if of_film and not kind.startswith(("S3", "S4", "STRI")):
                 self.notes.append(
                     f"{len(by_kind[kind])} elements of type {kind}, which do not bend, are read as "
                     "shells"
@@ -172,14 +136,12 @@ class Model:
             new_number[members] = n_cell + np.arange(len(members))
             n_cell += len(members)
             labels = [self.elements[i][0] for i in members]
-            if kind in KINDS:
-                nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
-                blocks.append(CellBlock(KINDS[kind][0], labels, nodes))
-            elif kind in QUADRATIC:
-                nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
-                blocks.append(CellBlock(kind, labels, nodes, QUADRATIC[kind][0]))
-            else:
+            if kind not in KINDS | QUADRATIC:
                 blocks.append(CellBlock(kind, labels, np.empty((len(members), 0), np.int64)))
+                continue
+            nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
+            corners, _ = QUADRATIC.get(kind, ("", 0))
+            blocks.append(CellBlock(kind if corners else KINDS[kind][0], labels, nodes, corners))
         groups = {
             kind: {
                 name: self._members(kind, key, upper, ())

@@ -29,12 +29,7 @@ _SHOWN = 10**18  # larger numbers are shown by their power of ten
 
 
 class Budget:
-    """Counts what the reader of one file makes.
-
-    Parameters
-    ----------
-    path : Path
-        The file that messages name.
+    """Counts what the reader of one file makes; what is too much or too deep is a FileError.
 
     Examples
     --------
@@ -49,13 +44,7 @@ class Budget:
         self._made: Counter[str] = Counter()
 
     def take(self, what: str, n: int = 1, remedy: str = "is it the right file?") -> None:
-        """Count ``n`` more of a kind of :data:`LIMITS`.
-
-        Raises
-        ------
-        FileError
-            With the limit and the number, if there are too many.
-        """
+        """Count ``n`` more of a kind of :data:`LIMITS`."""
         self._made[what] += n
         if (made := self._made[what]) > LIMITS[what]:
             shown = f"{made:,}" if made < _SHOWN else f"about 10^{len(str(made)) - 1}"
@@ -64,13 +53,7 @@ class Budget:
             )
 
     def descend(self, what: str, level: int) -> None:
-        """Check the level of something within others of its kind.
-
-        Raises
-        ------
-        FileError
-            If it is deeper than :data:`DEEPEST`, as of things that contain themselves.
-        """
+        """Check the level of something within others of its kind."""
         if level > DEEPEST:
             raise FileError(
                 self.path,

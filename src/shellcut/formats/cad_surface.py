@@ -35,30 +35,12 @@ _GMSH = gmsh(
 def read_cad(
     path: str | Path, chord_deviation: float | None = None, unit_mm: float | None = None
 ) -> SurfaceFile:
-    """Read a STEP or IGES file.
+    """Read a STEP or IGES file; the surface is in the unit that the file states.
 
-    Parameters
-    ----------
-    path : str or Path
-    chord_deviation : float, optional, [mm]
-        Largest distance of the triangles from curved faces; by default
-        :data:`cad_process.DEVIATION` of the diagonal.
-    unit_mm : float, optional, [mm]
-        Unit in which the file is to be read, if not the one that it states.
-
-    Returns
-    -------
-    SurfaceFile
-        In the unit that the file states, which ``unit_mm`` holds. A file that states several units
-        is returned in mm, and then ``unit_mm`` must not be given.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or holds no surfaces, a solid with a cavity, or solids that
-        touch.
-    ImportError
-        If Gmsh is missing or cannot be loaded.
+    Triangles are at most ``chord_deviation`` [mm] off curved faces, by default
+    :data:`cad_process.DEVIATION` of the diagonal. The file is read in ``unit_mm`` [mm], if given,
+    and not in its own unit. One that states several units is returned in mm, and then there must be
+    no ``unit_mm``. A solid with a cavity and solids that touch are refused.
     """
     path = Path(path)
     if chord_deviation is not None and not (isfinite(chord_deviation) and chord_deviation > 0.0):

@@ -40,10 +40,7 @@ _FLAG = 13  # of the unit, among the parameters of the global section
 def stated_unit(path: Path, content: bytes) -> list[float]:
     """Return the lengths of all units that a STEP or IGES file states [mm]; usually one.
 
-    Raises
-    ------
-    FileError
-        If it is neither STEP nor IGES, or states a unit that the kernel does not know.
+    FileError if it is neither, or states a unit that the kernel does not know.
     """
     if path.suffix.lower() in (".step", ".stp"):
         if _STEP_BEGINS not in content[:1000]:
@@ -106,9 +103,8 @@ def _of_iges(path: Path, section: bytes) -> list[float]:
             value = text[start : start + int(held[1])]
             at = start + int(held[1]) + 1
         else:
-            end = min(
-                k for k in (text.find(separator, at), text.find(";", at), len(text)) if k >= 0
-            )
+            ends = text.find(separator, at), text.find(";", at), len(text)
+            end = min(k for k in ends if k >= 0)
             value, at = text[at:end].strip(), end + 1
         if not values and held:
             separator = value

@@ -82,10 +82,7 @@ class Deck:
     def reading(self, path: Path) -> Iterator[list[str]]:
         """Give the lines of a file that may include others.
 
-        Raises
-        ------
-        FileError
-            If it cannot be read, includes itself, or there is too much.
+        FileError if it includes itself, or there is too much.
         """
         if path.resolve() in self._within:
             raise FileError(path, "a file must not include itself")
@@ -98,13 +95,7 @@ class Deck:
         self._within.pop()
 
     def included(self, block: Block, name: str) -> Path:
-        """Return the path of a file that a keyword names.
-
-        Raises
-        ------
-        FileError
-            If it is not there.
-        """
+        """Return the path of a file that a keyword names."""
         for folder in (block.path.parent, *self.folders):
             if (found := folder / name).is_file():
                 return found
@@ -112,13 +103,7 @@ class Deck:
 
 
 def attached(parts: Iterator[Block | Line]) -> Iterator[Block]:
-    """Return the keywords with the lines of data that follow them.
-
-    Raises
-    ------
-    FileError
-        If data comes before the first keyword.
-    """
+    """Return the keywords with the lines of data that follow them."""
     current: Block | None = None
     for part in parts:
         if isinstance(part, Block):

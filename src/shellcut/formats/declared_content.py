@@ -14,9 +14,7 @@ from .errors import FileError, read_bytes
 class Content:
     """The content of a file on the way from its first byte to its last.
 
-    Parameters
-    ----------
-    path : Path
+    What is not there, or is no number where one must be, is a FileError.
     """
 
     def __init__(self, path: Path):
@@ -42,39 +40,21 @@ class Content:
         return line.strip()
 
     def raw(self, n: int) -> bytes:
-        """Take bytes.
-
-        Raises
-        ------
-        FileError
-            If the file ends before.
-        """
+        """Take bytes."""
         if n < 0 or self.at + n > len(self.content):
             raise self.error("the file ends before its declared content: it is cut short")
         self.at += n
         return self.content[self.at - n : self.at]
 
     def texts(self, n: int) -> list[bytes]:
-        """Take numbers as text.
-
-        Raises
-        ------
-        FileError
-            If there are fewer.
-        """
+        """Take numbers as text."""
         if n < 0 or self.next_token + n > len(self.tokens):
             raise self.error("the file ends before its declared content: it is cut short")
         self.next_token += n
         return self.tokens[self.next_token - n : self.next_token]
 
     def numbers(self, kind: str, n: int = 1) -> Any:
-        """Take numbers, shape (n,); ``kind`` as of NumPy, without byte order: ``f4``, ``i8``.
-
-        Raises
-        ------
-        FileError
-            If there are fewer, or some are none.
-        """
+        """Take numbers, shape (n,); ``kind`` as of NumPy, without byte order: ``f4``, ``i8``."""
         if not self.order:
             return self.read(kind, self.texts(n))
         dtype = np.dtype(self.order + kind)
@@ -82,13 +62,7 @@ class Content:
         return found.astype(np.float64 if kind[0] == "f" else np.int64)
 
     def read(self, kind: str, texts: list[bytes]) -> Any:
-        """Return texts as numbers of a kind.
-
-        Raises
-        ------
-        FileError
-            If some are none.
-        """
+        """Return texts as numbers of a kind."""
         as_float = kind[0] == "f"
         read = numerals.number if as_float else numerals.whole
         try:

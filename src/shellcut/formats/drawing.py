@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import acos, ceil, pi
 from pathlib import Path
@@ -45,6 +46,12 @@ class Drawing:
     """Why the unit must be given, if it cannot be guessed from the size either."""
     notes: list[str] = field(default_factory=list)
     """Omissions of the reader."""
+
+    def left_out(self, kinds: Mapping[str, int]) -> None:
+        """Note how many of which kinds the reader has left out."""
+        if kinds:
+            listed = ", ".join(f"{n} {kind}" for kind, n in sorted(kinds.items()))
+            self.notes.append(f"left out: {listed}")
 
 
 def n_of_arc(radius: float, angle: float, deviation: float) -> int:

@@ -41,21 +41,8 @@ def read_dxf(
 ) -> Drawing:
     """Read the curves of the model space: lines, polylines, arcs, ellipses, splines, blocks.
 
-    Parameters
-    ----------
-    path : str or Path
-    layers : collection of str
-        Names of the layers to read, in any case; by default all that are switched on.
-    chord_deviation : float, optional
-        Largest distance of polygons from curves, in the file's unit; by default
-        :data:`drawing.DEVIATION` of the diagonal.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, has no such layers, or is not flat.
-    ImportError
-        If ezdxf is missing.
+    Layers are named in any case; by default those that are switched on are read. The chord
+    deviation is in the file's unit, by default :data:`drawing.DEVIATION` of the diagonal.
     """
     path = Path(path)
     document = _document(path, read_bytes(path, LARGEST_FILE))
@@ -64,9 +51,8 @@ def read_dxf(
     budget = Budget(path)
     paths = list(_paths(path, document, chosen, kinds, budget))
     if chord_deviation is None:
-        box = np.array(
-            [list(p)[:2] for _, c in paths for p in c.control_vertices()] or [[0.0, 0.0]]
-        )
+        corners = [list(p)[:2] for _, c in paths for p in c.control_vertices()]
+        box = np.array(corners or [[0.0, 0.0]])
         chord_deviation = DEVIATION * (extent_of(box) or 1.0)
     curves, heights = [], [0.0]
     for where, curve in paths:
@@ -84,9 +70,7 @@ def read_dxf(
                 f"{max(heights[1:]):g}; project it in the CAD program, or choose layers",
             )
     drawing = Drawing(path, curves, _UNITS.get(document.header.get("$INSUNITS", 0)))
-    if kinds:
-        listed = ", ".join(f"{n} {kind}" for kind, n in sorted(kinds.items()))
-        drawing.notes.append(f"left out: {listed}")
+    drawing.left_out(kinds)
     return drawing
 
 

@@ -42,13 +42,9 @@ def point_text(point: Floats) -> str:
 
 
 def read_bytes(path: str | Path, most: int | None = None) -> bytes:
-    """Return the content of a file; ``most`` bytes, by default :data:`LARGEST_FILE`.
+    """Return the content of a regular file that is not empty.
 
-    Raises
-    ------
-    FileError
-            If the file does not exist, cannot be read, is empty, is not a regular file (but a
-            pipe, a device), or is larger.
+    It has ``most`` bytes, :data:`LARGEST_FILE` by default.
     """
     try:
         content = read_regular(path, LARGEST_FILE if most is None else most)

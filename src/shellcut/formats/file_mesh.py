@@ -85,10 +85,7 @@ class Numbering:
     def rows(self, labels: npt.ArrayLike, wanted_by: str) -> Ints:
         """Return the rows of some labels, of any shape.
 
-        Raises
-        ------
-        FileError
-            Names the missing labels and ``wanted_by``, the part of the file that uses them.
+        The part of the file that uses them is named as ``wanted_by``.
         """
         ids = np.asarray(labels, dtype=np.int64)
         found = np.zeros(ids.shape, dtype=np.int64)

@@ -44,22 +44,13 @@ _TYPES: dict[int, tuple[str, int]] = {
     26: ("4-node line", 4),
     36: ("16-node quad", 16),
 }
-_QUADRATIC = {
-    "3-node line": LINE,
-    "6-node triangle": TRIANGLE,
+_QUADRATIC = {"3-node line": LINE, "6-node triangle": TRIANGLE} | {
     "8-node quad": QUAD,
     "9-node quad": QUAD,
 }
-_PASSED_OVER = frozenset(
-    [
-        "Comments",
-        "Periodic",
-        "Parametrizations",
-        "NodeData",
-        "ElementData",
-        "ElementNodeData",
-        "InterpolationScheme",
-    ]
+_PASSED_OVER = (
+    *("Comments", "Periodic", "Parametrizations"),
+    *("NodeData", "ElementData", "ElementNodeData", "InterpolationScheme"),
 )
 _ENTITY = ("point", "curve", "surface", "volume")
 
@@ -73,15 +64,10 @@ class _Cells(NamedTuple):
 
 
 def read_gmsh(path: str | Path) -> FileMesh:
-    """Read a .msh file.
+    """Read a .msh file of version 2.2 or 4.1.
 
     Points and lines are returned as cells of those kinds. A physical group without a name is called
     ``curve_3`` and the like, by dimension and number.
-
-    Raises
-    ------
-    FileError
-        If the file is no .msh of version 2.2 or 4.1, is cut short or contradicts itself.
     """
     return _Reader(Path(path)).mesh()
 
@@ -102,14 +88,10 @@ class _Reader(Content):
     def mesh(self) -> FileMesh:
         version = self._format()
         readers = {"PhysicalNames": self._physical_names}
+        readers |= {"Nodes": self._nodes_2, "Elements": self._elements_2}
         if version == "4.1":
-            readers |= {
-                "Entities": self._entities,
-                "Nodes": self._nodes_4,
-                "Elements": self._elements_4,
-            }
-        else:
-            readers |= {"Nodes": self._nodes_2, "Elements": self._elements_2}
+            readers |= {"Nodes": self._nodes_4, "Elements": self._elements_4}
+            readers["Entities"] = self._entities
         seen = set()
         while (name := self._section()) is not None:
             if name in _PASSED_OVER:
@@ -159,8 +141,7 @@ class _Reader(Content):
 
     def _physical_names(self) -> None:
         # names may contain blanks: dimension, tag, then everything up to the closing quote
-        text = b" ".join(self.tokens[1:])
-        rest = text
+        rest = b" ".join(self.tokens[1:])
         for _ in range(int(self.read("i8", self.texts(1))[0])):
             head, quote, tail = rest.partition(b'"')
             name, closing, rest = tail.partition(b'"')
@@ -192,9 +173,8 @@ class _Reader(Content):
             (count,) = self._sizes(1)
             self.node_labels.append(self.numbers("i8", count))
             columns = 3 + (int(dim) if parametric else 0)
-            self.positions.append(
-                self.numbers("f8", count * columns).reshape(count, columns)[:, :3]
-            )
+            rows = self.numbers("f8", count * columns).reshape(count, columns)
+            self.positions.append(rows[:, :3])
         self._check_count("nodes", n_node, sum(len(p) for p in self.positions))
 
     def _elements_4(self) -> None:
@@ -279,12 +259,8 @@ class _Reader(Content):
 
     def _assemble(self) -> FileMesh:
         positions = np.concatenate([np.empty((0, 3)), *self.positions])
-        numbering = Numbering(
-            self.path,
-            "node",
-            np.concatenate([np.empty(0, np.int64), *self.node_labels]),
-            positions,
-        )
+        labels = np.concatenate([np.empty(0, np.int64), *self.node_labels])
+        numbering = Numbering(self.path, "node", labels, positions)
         blocks: list[CellBlock] = []
         groups: dict[str, list[Ints]] = defaultdict(list)
         first: dict[tuple[str, tuple[int, ...]], int] = {}  # version 2 repeats a cell per group
@@ -305,11 +281,8 @@ class _Reader(Content):
             for name in cells.groups:
                 groups[name].append(np.array(members, dtype=np.int64))
             if keep:
-                blocks.append(
-                    CellBlock(
-                        cells.kind, cells.labels[keep], nodes[keep], _QUADRATIC.get(cells.kind, "")
-                    )
-                )
+                corners = _QUADRATIC.get(cells.kind, "")
+                blocks.append(CellBlock(cells.kind, cells.labels[keep], nodes[keep], corners))
                 n_cell += len(keep)
         mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=union(groups))
         mesh.notes += unused_note(+self.unused)

@@ -41,30 +41,12 @@ FileUnit: TypeAlias = Annotated[
 def unit_in_mm(
     unit: str | float | None, extent: float, what: str, *, stated: float | None = None
 ) -> tuple[float, str]:
-    """Return the length of the unit [mm], and a note.
+    """Return the length of the unit [mm], and a note, empty if there is nothing to say.
 
-    Parameters
-    ----------
-    unit : str, float or None
-        One of :data:`MILLIMETRES`, or a length in mm; None guesses.
-    extent : float
-        Largest side of the bounding box, in the file's unit.
-    what : str
-        Name of the part in messages.
-    stated : float, optional, [mm]
-        The unit that the file itself states; taken if no other is given.
-
-    Returns
-    -------
-    factor : float
-    note : str
-        Empty if the unit was given, and the file does not state another.
-
-    Raises
-    ------
-    ValueError
-        If the unit is unknown, or not given and too uncertain to guess, or stated and makes a
-        part of an unlikely size.
+    The unit is given, or ``stated`` by the file [mm], or guessed from the ``extent``, the largest
+    side of the bounding box in the file's unit. Messages name the part by ``what``. Raises
+    ValueError if the unit is unknown, too uncertain to guess, or stated and makes a part of an
+    unlikely size.
 
     Examples
     --------

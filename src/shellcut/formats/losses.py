@@ -27,11 +27,6 @@ _NUMBERS = re.compile(r"[\s,]*[+-]?[\d.][\d.eE+-]*([\s,]+[+-]?[\d.][\d.eE+-]*){2
 def unused_note(counts: Mapping[str, int]) -> list[str]:
     """Return a note on all that a reader of meshes passes over, because no film takes it.
 
-    Parameters
-    ----------
-    counts : mapping from str to int
-        How often each keyword, section or array occurs.
-
     Examples
     --------
     >>> unused_note({"*ELASTIC": 1, "*BOUNDARY": 2})
@@ -72,12 +67,7 @@ def gap_note(what: str, labels: Iterable[int]) -> list[str]:
 def ragged_note(what: str, lines: Sequence[tuple[int, int]]) -> list[str]:
     """Return a note on lines of ids whose number of ids differs from all other lines.
 
-    Parameters
-    ----------
-    what : str
-        Name of the set.
-    lines : sequence of (int, int)
-        Line number and number of ids in it; the last line may be shorter.
+    Each line has its number and the number of ids in it; the last one may be shorter.
     """
     counts = np.array([n for _, n in lines[:-1]])
     if len(counts) < 2:
@@ -126,14 +116,7 @@ def end_note(path: Path) -> list[str]:
 def blank_note(what: str, counts: Sequence[int], labels: Sequence[int]) -> list[str]:
     """Return a note on a few entries with fewer numbers than all others.
 
-    Parameters
-    ----------
-    what : str
-        Name of an entry.
-    counts : sequence of int
-        Number of values given for each entry; missing values are zero.
-    labels : sequence of int
-        Labels of the entries in the file.
+    There are as many counts as entries; a value that is not given is zero.
     """
     given = np.array(counts)
     if len(given) < _MANY:

@@ -66,19 +66,7 @@ class CardBlock(Block):
 
 
 def read_deck(deck: Deck) -> tuple[list[CardBlock], bool]:
-    """Return the keywords of a file, with its includes inserted.
-
-    Returns
-    -------
-    blocks : list of CardBlock
-    ended : bool
-        Whether the main file has an ``*END``.
-
-    Raises
-    ------
-    FileError
-        For a file that is no keyword file and for missing includes.
-    """
+    """Return the keywords of a file, its includes inserted, and whether it has an ``*END``."""
     blocks = list(_blocks(deck, deck.path, "standard"))
     if not blocks:
         raise FileError(deck.path, "an LS-DYNA file must hold *KEYWORD lines, got none")

@@ -29,22 +29,11 @@ _COLUMNS = {
 
 
 def read_motion_csv(path: str | Path) -> tuple[Floats, Floats, Floats]:
-    """Read times, translations and rotation vectors.
+    """Read times [s], translations [mm] and rotation vectors [rad], one row per time.
 
     The columns, in any order: ``time``; those of ``x``, ``y``, ``z`` that are not zero; ``rx``,
     ``ry``, ``rz`` (the rotation vector) or ``angle`` (the rotation about z). A heading is written
     ``time [ms]``, ``time (ms)`` or ``time / ms``; :mod:`shellcut.unit` lists the units.
-
-    Returns
-    -------
-    times : ndarray, shape (n_time,), [s]
-    translations : ndarray, shape (n_time, 3), [mm]
-    rotation_vectors : ndarray, shape (n_time, 3), [rad]
-
-    Raises
-    ------
-    FileError
-        Names invalid headings or lines.
     """
     table = read_number_table(path)
     if not table.headings:

@@ -77,13 +77,7 @@ class NumberTable:
         return len(self.headings) or (len(self.rows[0]) if self.rows else 0)
 
     def numbers(self, columns: list[int]) -> Floats:
-        """Return some of the columns, shape (n_row, len(columns)).
-
-        Raises
-        ------
-        FileError
-            Lists rows of another length and cells that are not numbers, with their lines.
-        """
+        """Return some of the columns, shape (n_row, len(columns))."""
         problems: list[str] = []
         values = np.full((len(self.rows), len(columns)), np.nan)
         mark: dict[str, tuple[str, int]] = {}  # first cell with "." and with ","
@@ -107,16 +101,15 @@ class NumberTable:
                 f"line {there}; thousands separators are not read"
             )
         if problems:
-            raise FileError(self.path, _listed(problems))
+            more = len(problems) - _MOST_PROBLEMS
+            listed = [*problems[:_MOST_PROBLEMS], *([f"and {more} more"] if more > 0 else [])]
+            raise FileError(self.path, "; ".join(listed))
         return values
 
     def column(self, which: str | int) -> int:
         """Return the index of a column given by heading, with or without unit, or number from 1.
 
-        Raises
-        ------
-        ValueError
-            If there is none, or more than one; the message lists the columns.
+        Raises ValueError if there is none, or more than one, with a list of the columns.
         """
         if isinstance(which, str):
             hits = self.headed(which)
@@ -161,19 +154,10 @@ class NumberTable:
 
 
 def read_number_table(path: str | Path) -> NumberTable:
-    """Read a table of numbers; its cells are converted only when columns are requested.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read or contains only comments.
-    """
+    """Read a table of numbers; its cells are converted only when columns are requested."""
     path = Path(path)
-    written = [
-        (number, text.rstrip())
-        for number, text in enumerate(_decode(read_bytes(path)).splitlines(), start=1)
-        if text.strip()
-    ]
+    every = enumerate(_decode(read_bytes(path)).splitlines(), start=1)
+    written = [(number, text.rstrip()) for number, text in every if text.strip()]
     lines = [(number, text) for number, text in written if not _is_comment(text)]
     if not lines:
         raise FileError(path, "a table must have a line of headings and lines of numbers")
@@ -342,9 +326,8 @@ def _tell(found: tuple[list[Heading], int] | None) -> bool:
 def _headings(
     preamble: list[tuple[int, str]], separator: str, n: int
 ) -> tuple[list[Heading], int] | None:
-    found = [
-        (line, cells) for line, text in preamble if (cells := _heading_cells(text, separator, n))
-    ]
+    each = ((line, _heading_cells(text, separator, n)) for line, text in preamble)
+    found = [(line, cells) for line, cells in each if cells]
     if not found:
         return None
     line, cells = found[-1]
@@ -377,9 +360,3 @@ def _no_number(cell: str) -> str:
     if _THOUSANDS.fullmatch(cell):
         return f"thousands separators are not read, got {cell!r}"
     return f"must be a number, got {cell!r}"
-
-
-def _listed(problems: list[str]) -> str:
-    left = len(problems) - _MOST_PROBLEMS
-    more = f"; and {left} more" if left > 0 else ""
-    return "; ".join(problems[:_MOST_PROBLEMS]) + more

@@ -10,22 +10,14 @@ from .losses import end_note
 from .surface_file import SurfaceFile, surface_of_polygons
 
 # Statements other than faces: texture, normals, groups, materials, points, lines.
-_PASSED_OVER = frozenset(
-    (
-        *("vt", "vn", "vp", "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "p", "l"),
-        *("bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"),
-    )
+_PASSED_OVER = (
+    *("vt", "vn", "vp", "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "p", "l"),
+    *("bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"),
 )
 
 
 def read_obj(path: str | Path) -> SurfaceFile:
-    """Read an OBJ file.
-
-    Raises
-    ------
-    FileError
-        For unknown statements: free-form surfaces and misspelt lines.
-    """
+    """Read an OBJ file without free-form surfaces."""
     path = Path(path)
     vertices: list[list[float]] = []
     faces: list[list[int]] = []

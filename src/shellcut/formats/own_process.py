@@ -51,15 +51,8 @@ class OwnProcess:
     def answer(self, path: Path, *arguments: str) -> dict[str, Any]:
         """Run the script with the file, a place for its answer, and further arguments.
 
-        Returns
-        -------
-        dict of str to ndarray
-            What it wrote by ``numpy.savez``.
-
-        Raises
-        ------
-        FileError, ImportError
-            As :meth:`run`, and if the library is not installed.
+        Returns the arrays that it wrote by ``numpy.savez``; raises as :meth:`run`, and ImportError
+        if the library is not installed.
         """
         if not self.installed:
             raise ImportError(self.missing)
@@ -72,12 +65,7 @@ class OwnProcess:
     def run(self, path: Path, *arguments: str) -> str:
         """Run the script with the file and further arguments; return its standard output.
 
-        Raises
-        ------
-        FileError
-            If it refuses the file, breaks down or does not end.
-        ImportError
-            If the library cannot be loaded.
+        Raises FileError if it refuses the file, breaks down or does not end.
         """
         command = [sys.executable, "-X", "utf8", "-c", _START, self.script, str(path.resolve())]
         try:
@@ -108,10 +96,7 @@ class OwnProcess:
 
 
 def gmsh(script: str, remedy: str, task: str) -> OwnProcess:
-    """Return a script that uses Gmsh, an optional extra; ``task`` is what that cannot do without.
-
-    script, remedy : as of :class:`OwnProcess`.
-    """
+    """Return a script that uses Gmsh, an optional extra; ``task`` is what cannot do without it."""
     return OwnProcess(
         "Gmsh",
         "gmsh",

@@ -37,13 +37,7 @@ class _Element:
 
 
 def read_ply(path: str | Path) -> SurfaceFile:
-    """Read a PLY file.
-
-    Raises
-    ------
-    FileError
-        If its header is invalid or its content differs from the header.
-    """
+    """Read a PLY file."""
     return _Reader(Path(path)).surface()
 
 
@@ -72,8 +66,7 @@ class _Reader(Content):
                     more = "more" if self.next_token < ends[n_row] else "fewer"
                     raise self.error(
                         f"each {element.name} must have its own line, but {element.name} in line "
-                        f"{self.row_lines[n_row]} of the file has "
-                        f"{more} values than it should"
+                        f"{self.row_lines[n_row]} of the file has {more} values than it should"
                     )
                 n_row += 1
                 if element.name == "vertex":
@@ -133,13 +126,12 @@ class _Reader(Content):
 
     def _property(self, words: list[str]) -> bool:
         properties = self.elements[-1].properties
+        n = len(properties)
         if len(words) == 5 and words[1] == "list" and {words[2], words[3]} <= set(_TYPES):
             properties.append(_Property(words[4], _TYPES[words[3]], _TYPES[words[2]]))
-            return True
-        if len(words) == 3 and words[1] in _TYPES:
+        elif len(words) == 3 and words[1] in _TYPES:
             properties.append(_Property(words[2], _TYPES[words[1]]))
-            return True
-        return False
+        return len(properties) > n
 
     def _row(self, element: _Element) -> dict[str, list[float]]:
         row = {}

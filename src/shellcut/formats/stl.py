@@ -21,13 +21,7 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def read_stl(path: str | Path) -> SurfaceFile:
-    """Read an STL file; each triangle gets its own three vertices.
-
-    Raises
-    ------
-    FileError
-        If it is neither text nor has the length for its number of triangles.
-    """
+    """Read an STL file; each triangle gets its own three vertices."""
     path = Path(path)
     content = read_bytes(path)
     start = _HEADER + 4
@@ -96,12 +90,7 @@ def _text_corners(path: Path) -> Floats:
 def write_stl(path: str | Path, vertices: Floats, triangles: Ints, *, header: str) -> None:
     """Write a binary STL file in single precision.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (n_vertex, 3)
-    triangles : ndarray of int, shape (n_triangle, 3)
-    header : str
-        Cut to 80 bytes; must not begin with ``solid``, which programs take for text.
+    The header is cut to 80 bytes; it must not begin with ``solid``, which programs take for text.
     """
     corners = vertices[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

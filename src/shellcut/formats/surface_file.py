@@ -38,11 +38,7 @@ def surface_of_polygons(
 ) -> SurfaceFile:
     """Return a surface, with polygons cut into triangles from their first corners.
 
-    Raises
-    ------
-    FileError
-        If a polygon names a missing vertex, or has more than three corners and is not convex: cut
-        in this way it would overlap itself.
+    One of more than three corners must be convex: cut in this way another would overlap itself.
     """
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     if not polygons:

@@ -54,22 +54,9 @@ def read_svg(
 ) -> Drawing:
     """Read the curves of a page: paths, rectangles, ellipses, lines, polygons, uses of them.
 
-    Parameters
-    ----------
-    path : str or Path
-    layers : collection of str
-        Labels of Inkscape's layers, or labels and ids of groups and elements; by default all that
-        are not hidden.
-    chord_deviation : float, optional
-        Largest distance of polygons from curves, in the file's unit; by default
-        :data:`drawing.DEVIATION` of the page.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, has no such layers, or scales x and y differently.
-    ImportError
-        If svgpathtools is missing.
+    Layers are labels of Inkscape's layers, or labels and ids of groups and elements; by default all
+    that are not hidden are read. The chord deviation is in the file's unit, by default
+    :data:`drawing.DEVIATION` of the page.
     """
     path = Path(path)
     content = read_bytes(path, LARGEST_FILE)
@@ -99,9 +86,7 @@ def read_svg(
             "the page is in px, 1/96 inch by the standard, but 1/72 or 1/90 in some programs: "
             "unit= the length of a px in mm, such as 25.4 / 96"
         )
-    if reader.others:
-        listed = ", ".join(f"{n} {kind}" for kind, n in sorted(reader.others.items()))
-        drawing.notes.append(f"left out: {listed}")
+    drawing.left_out(reader.others)
     return drawing
 
 

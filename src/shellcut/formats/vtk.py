@@ -45,10 +45,7 @@ _VTK = OwnProcess(
 def read_vtk(path: str | Path) -> FileMesh:
     """Read a grid or polygons: .vtu, .vtp or legacy .vtk.
 
-    Raises
-    ------
-    FileError
-        If neither meshio nor VTK can read it, or they find other counts than declared.
+    Raises FileError if neither meshio nor VTK can read it, or they find other counts than declared.
     """
     path = Path(path)
     declared = _declared(path, read_bytes(path))
@@ -81,9 +78,8 @@ def _declared(path: Path, content: bytes) -> dict[str, int]:
     # numbers of points and cells; none of a structured grid, whose dimensions give them
     if path.suffix.lower() != ".vtk":
         points = re.findall(rb"\bNumberOfPoints\s*=\s*[\"']\s*(\d+)", content)
-        cells = re.findall(
-            rb"\bNumberOf(?:Cells|Verts|Lines|Strips|Polys)\s*=\s*[\"']\s*(\d+)", content
-        )
+        parts = rb"\bNumberOf(?:Cells|Verts|Lines|Strips|Polys)\s*=\s*[\"']\s*(\d+)"
+        cells = re.findall(parts, content)
         return {"points": sum(map(int, points)), "cells": sum(map(int, cells))}
     points = re.findall(rb"(?i)\n\s*POINTS\s+(\d+)", content)
     cells = re.findall(rb"(?i)\n\s*CELL_TYPES\s+(\d+)", content)
@@ -107,11 +103,8 @@ def _by_meshio(path: Path, declared: dict[str, int]) -> Any:
     except (Exception, SystemExit) as reason:  # meshio raises any exception, or exits
         raise _Unread(f"meshio cannot read it: {_cause(reason)}") from None
     read = {"points": len(mesh.points), "cells": sum(len(block.data) for block in mesh.cells)}
-    if problems := [
-        f"{n} {what} are declared, got {read[what]}"
-        for what, n in declared.items()
-        if n != read[what]
-    ]:
+    wrong = {what: n for what, n in declared.items() if n != read[what]}
+    if problems := [f"{n} {what} are declared, got {read[what]}" for what, n in wrong.items()]:
         raise _Unread(
             f"{'; '.join(problems)}: is it damaged, or are there several pieces, or polylines, "
             "strips, sets of points, which meshio leaves out?"

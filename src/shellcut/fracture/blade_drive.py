@@ -2,7 +2,7 @@
 
 A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
 it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
-edge has passed goes on whatever the force there ([METHOD2] 12, rule 6).
+edge has passed goes on whatever the force there.
 
 The motion is prescribed, so that this pose is known. On a circle of radius R the present mid-plane
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
@@ -169,6 +169,8 @@ class BladeDrive:
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
         """Return in which directions edges drive the tips that were asked for last.
 
+        One that no edge drives is led straight on.
+
         Parameters
         ----------
         director, reference : ndarray, shape (n_tip, 3)
@@ -244,9 +246,14 @@ def _direct(
     found = borrowed(found)
     n_way = found.ways.shape[1]
     for i in range(size.shape[0]):
-        if found.edge_of[i] < 0:
-            continue
         d, e = load(director, i), found.edge_of[i]
+        if e < 0:
+            way = load(heading, i)
+            way = combine(1.0, way, -dot(way, d), d)
+            for nth in range(n_way):
+                store(found.ways[i], nth, scale(1.0 / max(norm(way), TANGENT), way))
+            store(found.lean, i, (0.0, 0.0, 0.0))
+            continue
         pose = Pose(found.rotation[i], found.translation[i])
         b = turn(segment_part(segments, e, NORMAL), pose)
         trace = cross(d, b)

@@ -60,7 +60,7 @@ ONCOMING = -0.7
 """Cosine of the headings of two cracks below which they come towards each other."""
 
 
-_ASKED, _STRAIGHT_UP = np.zeros(1, np.int64), np.zeros((1, 3))
+_STRAIGHT_UP = np.zeros((1, 3))
 
 
 class CrackPath:
@@ -395,7 +395,6 @@ class CrackPath:
             np.array([0, len(table.row)]),
             np.ascontiguousarray(direction).reshape(1, 1, 3),
             _STRAIGHT_UP if lean is None else np.ascontiguousarray(lean).reshape(1, 3),
-            _ASKED,
             state.node.x,
             state.node.t,
             self._held_aimed,

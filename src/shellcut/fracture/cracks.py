@@ -43,6 +43,9 @@ from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut, TrialSums
 
+TEAR = "tear"
+"""Kind of a cut by a crack that no blade drives."""
+
 _SAME_PLACE = 1e-6
 """Of the local edge length: tips that are no farther from each other are at one place."""
 
@@ -132,19 +135,20 @@ class Cracks:
         if state.step % self._check_every:
             return
         if self._pierce is None:
-            self._advance_free(state)
+            self._advance_free(state, list(self.tips))
             return
         while self._advance_driven(state):
             pass
+        self._advance_free(state, self._watch.may_tear(state.step // self._check_every))
         self._begin_cuts(state, pose, work)
 
-    def _advance_free(self, state: State) -> None:
-        """Advance the cracks that no blade drives and that are due, by one quad at most.
+    def _advance_free(self, state: State, tips: Sequence[Tip]) -> None:
+        """Advance those of some cracks that are due without a blade, by one quad at most.
 
         A crack then runs no faster than an edge length in ``check_every`` steps.
         """
         self._require_checks(state)
-        for tip in list(self.tips):
+        for tip in tips:
             if not self._known.is_of(state):
                 self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
                 self._known.take(state)
@@ -157,7 +161,7 @@ class Cracks:
             if due is None or due.measure < 1.0 or self._is_held(state, due.segment):
                 continue
             if not self._branch(state, tip, due.segment):
-                self._advance(state, tip, due.segment, "criterion", due.measure, due.force)
+                self._advance(state, tip, due.segment, TEAR, due.measure, due.force)
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
         """Return along which segment a crack would run that no blade drives."""
@@ -213,10 +217,10 @@ class Cracks:
         if (left.row, left.exit) == (right.row, right.exit):
             return False  # a corner or a crossing has drawn both to it
         # What lies to the right of the first cut keeps its row, where the second one goes.
-        self._advance(state, tip, left, "criterion", measure, branch=True)
+        self._advance(state, tip, left, TEAR, measure, branch=True)
         again = self._path.segment(state, right.row, right.entry, ways(way, place.t)[1])
         if again is not None:
-            cut = self._cut(state, again, "criterion", other_measure)
+            cut = self._cut(state, again, TEAR, other_measure)
             self._end_at(state, again, cut, 1, tip.heading, branch=True)
             self.cuts.renew(state)
         return True
@@ -387,8 +391,8 @@ class Cracks:
         if joined is not None and product(joined.heading, came) < ONCOMING:
             self.tips.remove(joined)
             return None
-        if cut.kind != NOTCH and self._pierce is None:
-            return None  # a tear begins at no edge of the film
+        if cut.kind == TEAR:
+            return None  # it ends at the edges of the film
         self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
         return self._path.tip_across(state, segment, heading)
 

@@ -1,8 +1,8 @@
 """Through which side or corner a crack leaves the row ahead: one ray, or those of many tips.
 
 A ray lies in the plane along its direction and the director at the tip, from which the plane may
-lean: sides are straight in space, chords of the parametric square are not. Where its segment ends
-([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
+lean: sides are straight in space, chords of the parametric square are not. Its segment ends, in
+this order (without any of these rules some cuts failed):
 
 1. where a crack that comes towards it ends, within ``JOIN`` edge lengths, measured across the ray;
 2. on a crossing of another crack within ``MERGE``; if that crack leads there from the tip, there is
@@ -105,24 +105,21 @@ def leave(
     start: Ints,
     ways: Floats,
     lean: Floats,
-    edge_of: Ints,
     x: Floats,
     t: Floats,
     aimed: Aimed,
 ) -> int:
-    """Write the segments from all tips that an edge drives; return how many there are.
+    """Write the segments from all tips; return how many there are.
 
     start : (n_tip + 1,), first row ahead of each tip, and the end.  ways : (n_tip, n_way, 3), unit
-    directions, the best one first.  lean : (n_tip, 3), of the planes from the director.  edge_of :
-    (n_tip,), -1 of a tip that is left out.  x, t : (n_node, 3).
+    directions, the best one first.  lean : (n_tip, 3), of the planes from the director.  x, t :
+    (n_node, 3).
     """
     ahead, aimed = borrowed(ahead), borrowed(aimed)
     count = 0
-    for i in range(edge_of.shape[0]):
+    for i in range(lean.shape[0]):
         _end_at(aimed, i, 0, 0, 0, 0.0, 0.0)
         aimed.way[i, AHEAD] = -1
-        if edge_of[i] < 0:
-            continue
         for turn in range(ways.shape[1]):
             way = ways[i, turn, 0], ways[i, turn, 1], ways[i, turn, 2]
             for joining in (True, False):

@@ -1,6 +1,9 @@
 """Which of the cracks that blades drive are due, and along which segments: asked often.
 
 What lasts as long as the topology is found once; the rest is done by a few kernels for all tips.
+
+A tip that no edge drives is tried straight ahead. If that comes near to what a tear takes, it is
+asked now and then where it would run, which takes as long as a hundred of these trials.
 """
 
 from __future__ import annotations
@@ -23,6 +26,13 @@ from .rows_ahead import RowsAhead, Tips, tips_of
 from .side_tears import LargestStress
 from .tip import Segment, Tip
 from .trial_cut import Pair, TrialCut, TrialSums, Weighed
+
+NEAR = 0.8
+"""Of what a tear takes straight ahead: from there on it may be due in another direction, in which
+the force is up to 1.2 times as large."""
+
+_SELDOM = 5
+"""In every such check a tip is asked that is near, but not due straight ahead."""
 
 
 class TipWatch:
@@ -74,6 +84,14 @@ class TipWatch:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
         return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
+    def may_tear(self, nth: int) -> list[Tip]:
+        """Return the tips to ask in the n-th check: no edge drives them, and they may be due."""
+        if not self._tips:
+            return []
+        enough = 1.0 if nth % _SELDOM else NEAR
+        near = (self._drive.driven.edge_of < 0) & (self.weighed.size >= enough)
+        return [self._tips[i] for i in np.flatnonzero(near).tolist()]
+
     def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
         """Return which tips are due, shape (n_tip,).
 
@@ -96,17 +114,17 @@ class TipWatch:
         self._due[:] = False
         driven = drive.find(self.x, table.size, state.time)
         drive.direct(self._director, self._heading, table.reference, table.size)
-        edges, ways, lean = driven.edge_of, driven.ways, driven.lean
-        if self._leave(ahead, table.start, ways, lean, edges, n.x, n.t, aimed):
+        if self._leave(ahead, table.start, driven.ways, driven.lean, n.x, n.t, aimed):
             way = self._aimed.way.tobytes()
             if way != self._way:
                 self._way = way
                 self._sums.take(self._trials(state), self._aimed, self.weighed)
             self._sums.weigh(state)
             if self._stress is not None:
-                self.weighed.measure[:], _ = self._stress.at(state, tips, [*tips, *others])
-            leads_on = self._aimed.way[:, AHEAD] >= 0
-            self._due[:] = leads_on & (driven.passed | (self.weighed.measure >= 1.0))
+                stress, _ = self._stress.at(state, tips, [*tips, *others])
+                self.weighed.measure[:] = self.weighed.size[:] = stress
+            drives = (self._aimed.way[:, AHEAD] >= 0) & (driven.edge_of >= 0)
+            self._due[:] = drives & (driven.passed | (self.weighed.measure >= 1.0))
         return self._due
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:

@@ -236,12 +236,14 @@ class Weighed(NamedTuple):
     """L_in times the factor on its strength [mm]; 0 where no cables hold the segment behind."""
     measure: Annotated[Floats, "(n_tip,)"]
     """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
+    size: Annotated[Floats, "(n_tip,)"]
+    """|F| over the same."""
 
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
         (force, pull), (length, behind) = np.zeros((2, n, 3)), np.zeros((2, n))
-        return cls(force, pull, length, behind, np.full(n, -np.inf))
+        return cls(force, pull, length, behind, *np.full((2, n), -np.inf))
 
 
 class _Trials(NamedTuple):
@@ -394,12 +396,14 @@ def _weigh_trials(
                 closed = add_scaled(closed, moves, load(behind[p], side))
                 kappa += sums.weight[p] ** 2 / mass
         if kappa == 0.0:
-            weighed.measure[tip] = -np.inf
+            weighed.measure[tip] = weighed.size[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
         pull = scale(1.0 / kappa, sub(d, closed))
         before = held[k] / (thickness * whole)
-        weighed.measure[tip] = dot(pull, m) / norm(m) / (0.5 * carried * (before + out))
+        carries = 0.5 * carried * (before + out)
+        weighed.measure[tip] = dot(pull, m) / norm(m) / carries
+        weighed.size[tip] = norm(pull) / carries
         weighed.length[tip], weighed.behind[tip] = out, before
         store(weighed.force, tip, scale(1.0 / kappa, d))
         store(weighed.pull, tip, pull)

@@ -56,13 +56,7 @@ def checked_arrays(
     origin: npt.ArrayLike | None,
     max_fold_deg: float,
 ) -> tuple[Floats, Ints, Floats, dict[str, Ints], dict[str, Ints], Ints]:
-    """Return the arguments of :meth:`Mesh.from_arrays`, cast, in the order of the constructor.
-
-    Raises
-    ------
-    MeshError
-        Lists all problems, one per line.
-    """
+    """Return the arguments of :meth:`Mesh.from_arrays`, cast, in the order of the constructor."""
     problems: list[str] = []
     X = _cast_nodes(nodes, problems)
     Q = _cast_quads(quads, problems)

@@ -40,12 +40,7 @@ _FLAT = 1e-6
 
 
 def film_doubts(mesh: Mesh) -> list[str]:
-    """Return a sentence for every sign of a loss.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Valid, as checked by :meth:`Mesh.from_arrays`.
+    """Return a sentence for every sign of a loss in a valid mesh.
 
     Examples
     --------

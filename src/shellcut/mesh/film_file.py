@@ -40,12 +40,8 @@ _log = logging.getLogger("shellcut.film_file")
 READERS: dict[str, Callable[[str | Path], FileMesh]] = {
     ".msh": read_gmsh,
     ".inp": read_abaqus,
-    ".k": read_lsdyna,
-    ".key": read_lsdyna,
-    ".dyn": read_lsdyna,
-    ".vtu": read_vtk,
-    ".vtp": read_vtk,
-    ".vtk": read_vtk,
+    **dict.fromkeys((".k", ".key", ".dyn"), read_lsdyna),
+    **dict.fromkeys((".vtu", ".vtp", ".vtk"), read_vtk),
 }
 """The reader for each file name suffix."""
 

@@ -18,19 +18,9 @@ BYTES_A_QUAD = 902.0
 
 
 def check_film_size(n_quad: float, remedy: str) -> None:
-    """Refuse a film with too many quads for the library or for this machine's memory.
+    """Refuse a film of too many quads, about, for the library or for this machine's memory.
 
-    Parameters
-    ----------
-    n_quad : float
-        Approximate number of quads; may be infinite.
-    remedy : str
-        Suggested change.
-
-    Raises
-    ------
-    MeshError
-        Gives the number and the memory needed.
+    The number may be infinite.
 
     Examples
     --------

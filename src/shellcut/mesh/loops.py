@@ -69,17 +69,8 @@ def within(points: Floats, polygon: Floats) -> Bools:
 def meetings(loops: Sequence[Floats], reach: float = 0.0) -> list[Meeting]:
     """Return the first few polygons that cross, touch, come closer than ``reach``, meet themselves.
 
-    Parameters
-    ----------
-    loops : sequence of ndarray, shape (n, 2)
-        Vertices in order; the first is not repeated.
-    reach : float
-        Of two polygons; of one only sides that are not neighbours count, and only round-off.
-
-    Raises
-    ------
-    MeshError
-        If so many sides lie beside each other that this cannot be told.
+    Vertices are in order, the first is not repeated. The reach is of two polygons; of one only
+    sides that are not neighbours count, and only round-off.
 
     Examples
     --------
@@ -125,13 +116,7 @@ def not_one_film(
 ) -> list[str]:
     """Return why loops are not an outline, that of number ``outer``, with holes inside.
 
-    Parameters
-    ----------
-    loops : sequence of ndarray, shape (n, 2)
-    names : sequence of str
-        In the sentences.
-    apart : float
-        Least distance of two loops.
+    Loops have names in the sentences; they are ``apart`` at least.
 
     Examples
     --------

@@ -67,12 +67,6 @@ class QuadSplit:
 def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
     """Return the mesh with each cell split into quads.
 
-    Parameters
-    ----------
-    nodes : ndarray, shape (n_node, 3)
-    quads : ndarray of int, shape (n, 4)
-    triangles : ndarray of int, shape (m, 3)
-
     Examples
     --------
     >>> nodes = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]])

@@ -44,13 +44,7 @@ _ARGUMENTS = {
 
 
 def build(model: Model) -> Case:
-    """Build the case.
-
-    Raises
-    ------
-    ModelFileError
-        Names the section that cannot be built, or that does not fit the others.
-    """
+    """Build the case; ModelFileError names the section that cannot be built, or does not fit."""
     with _blame(model, ()):
         case = BUILDERS[model.head.model](**_arguments(model))
     return replace(case, name=model.name)
@@ -91,12 +85,10 @@ def _arguments(model: Model) -> dict[str, Any]:
 def film_of(model: Model) -> Mesh:
     """Return the film of a model."""
     section = model.sections["membrane"]
-    film: Mesh
     if model.head.model == "oscillating":
         shape = {name: section.values[name] for name in ("size", "length", "width", "band")}
-        film = film_before(model.sections["tool"].diameter, **shape)
-    else:
-        film = section.made()
+        return film_before(model.sections["tool"].diameter, **shape)
+    film: Mesh = section.made()
     return film
 
 

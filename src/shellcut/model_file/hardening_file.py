@@ -42,10 +42,7 @@ def read_hardening(
 ) -> Table:
     """Return the hardening in a file.
 
-    Raises
-    ------
-    FileError
-        If columns or units are not known, or the values are no hardening curve.
+    FileError if columns or units are not known, or the values are no hardening curve.
     """
     table = read_number_table(path)
     (strain_at, strain_unit), (stress_at, stress_unit) = _columns(table, Path(path))

@@ -75,20 +75,10 @@ def keys_of(
     like: object = None,
     also: Mapping[str, str] | None = None,
 ) -> dict[str, Key]:
-    """Return the keys that are arguments of a constructor.
+    """Return the keys that are arguments of a constructor, a class or function; some only, or all.
 
-    Parameters
-    ----------
-    owner : callable
-        A class or function whose arguments have options.
-    *only : str
-        Names of the keys; all by default.
-    renamed : mapping from parameter to key, optional
-    defaults : mapping from key to value, optional
-        Defaults of the file that differ.
-    like : object, optional
-        Something made by the constructor, whose attributes are the defaults.
-    also : mapping from key to its second name, optional
+    The file may have other names than the parameters (``renamed``), second names (``also``), and
+    other defaults: ``defaults`` by key, or the attributes of something ``like`` it that was made.
     """
     found = {}
     for parameter, (kind, option, default) in declared(owner).items():
@@ -151,13 +141,7 @@ class Section:
         return self.of.constructor(**self.arguments(), **more)
 
     def made(self) -> Any:
-        """Return what the section describes.
-
-        Raises
-        ------
-        ValueError
-            If the values do not fit together.
-        """
+        """Return what the section describes; ValueError if the values do not fit together."""
         return self.called() if self.of.make is None else self.of.make(self)
 
 

@@ -55,11 +55,6 @@ def found(words: Sequence[str]) -> list[Table]:
     A word may be part of a key's name, section, unit, meaning or type. If the words are in a
     table's own title, kind or description, all its keys are returned.
 
-    Raises
-    ------
-    ValueError
-        If no key matches, with the most similar name.
-
     Examples
     --------
     >>> [(table.title, name) for table in found(["young"]) for name in table.keys]

@@ -53,6 +53,7 @@ _LAW = own_key(
     unset="elastic; plastic with a yield stress",
 )
 _THROUGH = keys_of(Orthotropic, "shear_through", "shear_through_across")
+_COWPER_SYMONDS = "rate", "exponent"
 _LAYER = {
     **keys_of(Elastic, "young"),
     **keys_of(Orthotropic, "poisson"),
@@ -70,12 +71,7 @@ _LAYER = {
     **_optional(read_hardening, "no table", hardening_file="path"),
     **keys_of(Plastic, "r_values"),
     **_optional(Plastic, "0", kinematic_modulus="kinematic"),
-    **_optional(
-        CowperSymonds,
-        "no effect",
-        cowper_symonds_rate="rate",
-        cowper_symonds_exponent="exponent",
-    ),
+    **_optional(CowperSymonds, "no effect", **{f"cowper_symonds_{n}": n for n in _COWPER_SYMONDS}),
     **_optional(JohnsonCook, "no effect", johnson_cook_rate="rate", johnson_cook_factor="factor"),
     **keys_of(Orthotropic, "angle_deg"),
 }
@@ -87,10 +83,7 @@ def _owned(*owners: Constructor) -> tuple[str, ...]:
 
 HARDENINGS = tuple(_owned(law) for law in (Voce, Swift, Table, read_hardening))
 """Keys that go together, one group a material."""
-PLASTIC = (
-    *(n for group in HARDENINGS for n in group),
-    *_owned(Plastic, CowperSymonds, JohnsonCook),
-)
+PLASTIC = (*sum(HARDENINGS, ()), *_owned(Plastic, CowperSymonds, JohnsonCook))
 """Keys of a material that yields."""
 _FILM = {
     "machine_direction": own_key(
@@ -148,13 +141,7 @@ LAMINATE = Kind(
 
 
 def material_of(keys: Section) -> Material:
-    """Return the material that a layer's keys describe.
-
-    Raises
-    ------
-    KeyProblems
-        If keys contradict each other or have impossible values.
-    """
+    """Return the material that a layer's keys describe; KeyProblems if they cannot go together."""
     given = {name for name in PLASTIC if getattr(keys, name) is not None}
     hardened = [group for group in HARDENINGS if given & set(group)]
     law = keys.law or ("plastic" if hardened else "elastic")
@@ -218,9 +205,8 @@ def _moduli(keys: Section, law: Constructor) -> Elastic | Orthotropic:
     names = {"young_along" if law is Orthotropic else "young": "young"}
     shared = [name for name in declared(law) if name in keys.values and name not in names]
     values = {name: getattr(keys, name) for name in shared}
-    made: Elastic | Orthotropic = _made_with(
-        law, names, **dict.fromkeys(names, keys.young), **values
-    )
+    values |= dict.fromkeys(names, keys.young)
+    made: Elastic | Orthotropic = _made_with(law, names, **values)
     return made
 
 
@@ -233,18 +219,13 @@ def _hardening(keys: Section, group: tuple[str, ...]) -> Hardening:
 
 
 def _rate(keys: Section) -> RateFactor | None:
-    names = [
-        name for name, key in keys.of.keys.items() if key.owner in (CowperSymonds, JohnsonCook)
-    ]
-    laws = {keys.of.keys[name].owner for name in names if getattr(keys, name) is not None}
-    if len(laws) > 1:
+    groups = [_owned(law) for law in (CowperSymonds, JohnsonCook)]
+    given = [group for group in groups if any(getattr(keys, name) is not None for name in group)]
+    if len(given) > 1:
         raise ValueError("cowper_symonds_rate and johnson_cook_rate must not both be given")
-    if not laws:
-        return None
-    (law,) = laws
-    made: RateFactor = _made_of(
-        keys, law, tuple(name for name in names if keys.of.keys[name].owner is law)
-    )
+    made: RateFactor | None = None
+    if given:
+        made = _made_of(keys, _LAYER[given[0][0]].owner, given[0])
     return made
 
 
@@ -312,8 +293,7 @@ def with_presets(source: Source) -> Source:
     table = source.values.get("material")
     if not isinstance(table, dict):
         return source
-    filled = filled_in(table)
-    return replace(source, values={**source.values, "material": filled})
+    return replace(source, values={**source.values, "material": filled_in(table)})
 
 
 def filled_in(table: dict[str, Any]) -> dict[str, Any]:
@@ -324,10 +304,8 @@ def filled_in(table: dict[str, Any]) -> dict[str, Any]:
         keys = {**_fitting(preset, table), **table}
     layers = keys.get("layers")
     if isinstance(layers, list):
-        keys = {
-            **keys,
-            "layers": [filled_in(one) if isinstance(one, dict) else one for one in layers],
-        }
+        filled = [filled_in(one) if isinstance(one, dict) else one for one in layers]
+        keys = {**keys, "layers": filled}
     return keys
 
 

@@ -23,19 +23,6 @@ if TYPE_CHECKING:
 class Model:
     """Content of a model file; created by :func:`read_model`.
 
-    Attributes
-    ----------
-    head : Section
-        The keys before the first section.
-    sections : dict of str to Section
-        Sections that occur once, by title; all of them.
-    lists : dict of str to tuple of Section
-        ``supports`` and ``loads``.
-    recorded : dict of str to str
-        SHA-256 of files that the model reads, as stored in a ``used.toml``.
-    source : Source
-        Places of the values in the file, for messages.
-
     Examples
     --------
     >>> from shellcut import read_model
@@ -45,10 +32,15 @@ class Model:
     """
 
     head: Section
+    """The keys before the first section."""
     sections: Mapping[str, Section]
+    """Sections that occur once, by title; all of them."""
     lists: Mapping[str, tuple[Section, ...]]
+    """``supports`` and ``loads``."""
     recorded: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
+    """SHA-256 of files that the model reads, as stored in a ``used.toml``."""
     source: Source = field(default_factory=Source.empty, compare=False, repr=False)
+    """Places of the values in the file, for messages."""
 
     @property
     def name(self) -> str:

@@ -15,20 +15,11 @@ _LONGEST_PLACE = 80  # characters of a setting in a message
 
 
 def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
-    """Return a source with keys replaced.
-
-    Raises
-    ------
-    ModelFileError
-        If a key is in no section, or in several.
-    """
+    """Return a source with keys replaced; each must be in one section, else a ModelFileError."""
     if not overrides:
         return source
     source = named_material(source)
-    values = {
-        title: dict(table) if isinstance(table, dict) else table
-        for title, table in source.values.items()
-    }
+    values = dict(source.values)
     settings: dict[KeyPath, str] = {}
     problems = []
     # The model first: it determines the available keys. Then the film, which replaces others.
@@ -73,11 +64,7 @@ def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) ->
         if kind.sign and key in (kind.sign, kind.keys[kind.sign].also):
             known = {name for other in kinds for name in other.names()}
             foreign = known - set(kind.names()) | {"kind"}
-            return {
-                name: value
-                for name, value in table.items()
-                if name in others or name not in foreign
-            }
+            return {n: v for n, v in table.items() if n in others or n not in foreign}
     return table
 
 
@@ -95,13 +82,12 @@ def _path_of(name: str, model: str) -> KeyPath:
             hint = guess(title, layout) or listed(layout)
             raise ValueError(f"there is no section [{title}]{hint}")
         return (title, rest)
-    owners = [
-        title for title, kinds in layout.items() if any(name in kind.names() for kind in kinds)
-    ]
+    names = {title: [n for kind in kinds for n in kind.names()] for title, kinds in layout.items()}
+    owners = [title for title, known in names.items() if name in known]
     if len(owners) == 1:
         return (owners[0], name)
     if owners:
         candidates = ", ".join(f"{owner}.{name}" for owner in owners)
         raise ValueError(f"several sections have this key: write one of {candidates}")
-    everything = {known for kinds in layout.values() for kind in kinds for known in kind.names()}
-    raise ValueError(f"no section has this key{guess(name, sorted(everything | set(HEAD.keys)))}")
+    everything = {*HEAD.keys, *(n for known in names.values() for n in known)}
+    raise ValueError(f"no section has this key{guess(name, sorted(everything))}")

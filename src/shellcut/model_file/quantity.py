@@ -25,18 +25,9 @@ WITHIN_A_DOUBLE = "that a computer's number can hold, up to 1.8e308"
 def quantity(text: str, unit: str) -> float:
     """Return the number given by a text, in ``unit``; a bare number is already in it.
 
-    Parameters
-    ----------
-    text : str
-        Number and unit; units are multiplied with ``*`` or a blank and divided with ``/``; powers
-        are written ``m^2`` or ``m2``.
-    unit : str
-        The required unit; empty for a pure number.
-
-    Raises
-    ------
-    ValueError
-        If the text is not a number with a known unit, or has another dimension.
+    Units are multiplied with ``*`` or a blank and divided with ``/``; powers are written ``m^2`` or
+    ``m2``. Raises ValueError if the text is not a number with a known unit, or has another
+    dimension.
 
     Examples
     --------

@@ -66,22 +66,13 @@ def read_model(
 def model_of_text(text: str, name: str) -> Model:
     """Return the model of a text from :func:`.writer.model_text`, whose paths are absolute.
 
-    Raises
-    ------
-    ModelFileError
-        Lists every problem; ``name`` stands for the file.
+    ``name`` stands for the file in a ModelFileError.
     """
     return _Reading(parse(text, name, Path.cwd())).model()
 
 
 def read_section(source: Source, kind: Kind, title: str) -> Section:
-    """Return a section of another file than a model.
-
-    Raises
-    ------
-    ModelFileError
-        Lists every problem.
-    """
+    """Return a section of another file than a model; ModelFileError lists every problem."""
     reading = _Reading(source)
     section = reading.section((kind,), reading.table(title), (title,), "")
     reading.raise_if_wrong()
@@ -90,17 +81,9 @@ def read_section(source: Source, kind: Kind, title: str) -> Section:
 
 
 class ModelVariants:
-    """One model file, read with many overrides.
+    """One model file, read with many overrides; those given here hold in all variants.
 
-    Parameters
-    ----------
-    name_or_path, overrides
-        As of :func:`read_model`; the overrides of all variants.
-
-    Raises
-    ------
-    ModelFileError
-        If the file cannot be read, or an override has no key.
+    ModelFileError if the file cannot be read, or an override has no key.
     """
 
     def __init__(
@@ -156,11 +139,9 @@ def preset_film(name: str, **keys: object) -> ShellMaterial:
 def shipped_models() -> dict[str, str]:
     """Return the text of each model file that comes with the package, by name."""
     folder = files("shellcut.models")
-    return {
-        entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
-        for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
-        if entry.name.endswith(".toml")
-    }
+    entries = sorted(folder.iterdir(), key=lambda entry: entry.name)
+    found = [entry for entry in entries if entry.name.endswith(".toml")]
+    return {one.name.removesuffix(".toml"): one.read_text(encoding="utf-8") for one in found}
 
 
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
@@ -257,13 +238,10 @@ class _Reading:
 
     def unknown_section(self, title: str, model: str) -> None:
         known = [*SECTIONS[model], *LISTS[model]]
+        said = f"unknown section [{title}]{guess(title, known) or listed(known)}"
         if title in LISTS["free"]:
-            self.say(
-                (title,),
-                f'[[{title}]] belongs to model = "free"; the {model} holds its film by itself',
-            )
-        else:
-            self.say((title,), f"unknown section [{title}]{guess(title, known) or listed(known)}")
+            said = f'[[{title}]] belongs to model = "free"; the {model} holds its film by itself'
+        self.say((title,), said)
 
     def section(
         self, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
@@ -383,8 +361,7 @@ def _line(problem: Problem) -> int:
 
 
 def _named_key(made: Section, path: KeyPath, reason: str) -> KeyPath:
-    words = re.findall(r"\w+", reason)
-    for word in words:
+    for word in re.findall(r"\w+", reason):
         for name, key in made.of.keys.items():
             if word in (name, key.parameter):
                 return (*path, name)

@@ -214,8 +214,8 @@ TABLE = Kind(
 )
 
 
-def _way(doc: str, builder: Constructor, names: tuple[str, ...], constructor: Any = None) -> Kind:
-    return Kind(doc, keys_of(builder, *names), constructor, name="straight", spread=True)
+def _way(doc: str, builder: Constructor, names: tuple[str, ...], constructor: Any = None) -> Kinds:
+    return (Kind(doc, keys_of(builder, *names), constructor, name="straight", spread=True),)
 
 
 # --- cracks, contact, step, output ---------------------------------------------------------------
@@ -235,17 +235,10 @@ DAMPING = Kind(
     ),
     spread=True,
 )
+_COUNTS = {"n_row": "rows", "n_frame": "frames", "n_snapshot": "snapshots"}
 OUTPUT = Kind(
     "Output of a run; see also the flags of ``shellcut run``.",
-    keys_of(
-        RunOptions,
-        renamed={
-            "n_row": "rows",
-            "n_frame": "frames",
-            "n_snapshot": "snapshots",
-            "checkpoint_every": "checkpoint_every_s",
-        },
-    ),
+    keys_of(RunOptions, renamed=_COUNTS | {"checkpoint_every": "checkpoint_every_s"}),
     RunOptions,
 )
 
@@ -302,12 +295,10 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
     ),
     "guillotine": _layout(
         (STRIP, FILM_FILE.with_keys(keys_of(guillotine, "clamp", "notch"))),
-        (
-            _way(
-                "Along the strip, with a ramp over the first 0.1 ms.",
-                guillotine,
-                ("speed", "slice_ratio", "travel"),
-            ),
+        _way(
+            "Along the strip, with a ramp over the first 0.1 ms.",
+            guillotine,
+            ("speed", "slice_ratio", "travel"),
         ),
         (STRIP_BLADE, TOOL_FILE),
     ),
@@ -334,7 +325,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
                 spread=True,
             ),
         ),
-        (_way("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),),
+        _way("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),
         film=HOMOGENEOUS.with_keys(thickness=THICKNESS),
         law=_law(TEAR_LAW),
         contact=None,
@@ -351,13 +342,11 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
                 spread=True,
             ),
         ),
-        (
-            _way(
-                "Along the strip, with a ramp over the first ms.",
-                oscillating,
-                ("speed", "travel"),
-                way_of,
-            ),
+        _way(
+            "Along the strip, with a ramp over the first ms.",
+            oscillating,
+            ("speed", "travel"),
+            way_of,
         ),
         (BAR,),
         film=HOMOGENEOUS.with_keys(**BAR_FILM),

@@ -69,13 +69,7 @@ class Source:
 
 
 def parse(text: str, name: str, folder: Path) -> Source:
-    """Return values and lines of a TOML text.
-
-    Raises
-    ------
-    ModelFileError
-        If it is not valid TOML.
-    """
+    """Return values and lines of a TOML text; ModelFileError if it is not valid TOML."""
     try:
         values = _loaded(text)
     except ValueError as error:  # from TOML, or from Python for a number of thousands of digits

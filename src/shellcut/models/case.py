@@ -31,13 +31,7 @@ Notch: TypeAlias = Annotated[
 
 
 def check_length(simulation: Simulation, duration: float) -> None:
-    """Refuse a run of absurdly many steps, a sign of a wrong number in the model.
-
-    Raises
-    ------
-    ValueError
-        With the reason for the small step.
-    """
+    """Refuse a run of absurdly many steps, a sign of a wrong number in the model."""
     steps = duration / simulation.dt
     if not steps <= _MOST_STEPS:
         raise ValueError(

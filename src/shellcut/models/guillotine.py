@@ -194,10 +194,7 @@ def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
 def _lane_of(blade: Tool, film: Mesh) -> float:
     """Return the y on which a blade goes through the film z = 0 [mm]; 0 for a tool without edges.
 
-    Raises
-    ------
-    ValueError
-        If it goes past the film.
+    Raises ValueError if it goes past the film.
     """
     low, high = film.nodes[:, 1].min(), film.nodes[:, 1].max()
     ends = blade.vertices[blade.edges]

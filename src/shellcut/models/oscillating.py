@@ -63,22 +63,10 @@ _CLEARANCE, _RAMP = 0.02, 1e-3  # of the bar before the film [mm], of its speed 
 
 
 def banded_strip(length: float, width: float, size: float, band: float) -> Mesh:
-    """Return a strip from x = 0, its quads fine within ``band`` of its middle line.
+    """Return a strip from x = 0, its quads fine within ``band`` of its middle line; all in mm.
 
-    Outside, rows grow broader. Nodes inside are moved at random, the same at every call.
-
-    Parameters
-    ----------
-    length, width : float, [mm]
-    size : float
-        Edge length of the quads in the band [mm].
-    band : float
-        Half the breadth of the band [mm].
-
-    Returns
-    -------
-    Mesh
-        With the node sets of :func:`rectangle`.
+    Outside, rows grow broader. Nodes inside are moved at random, the same at every call. Node sets
+    are those of :func:`rectangle`.
     """
     if not 0.0 < size < band < 0.5 * width:
         raise ValueError(

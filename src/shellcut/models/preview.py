@@ -116,22 +116,7 @@ def preview(
 
 
 def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
-    """Draw the valid parts of a model that cannot run; return a list of them, one per line.
-
-    Parameters
-    ----------
-    parts : ModelParts
-        With a film or a tool.
-    path : path-like
-        Picture to write.
-
-    Raises
-    ------
-    ImportError
-        If Matplotlib is not installed.
-    ValueError
-        If there is neither film nor tool.
-    """
+    """Draw the valid film and tool of a model that cannot run; return a list, one part a line."""
     if parts.mesh is None and parts.tool is None:
         raise ValueError("there is neither film nor tool to draw")
     title = "the valid parts of a refused model"

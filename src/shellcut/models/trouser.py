@@ -57,15 +57,10 @@ class _Pull:
 
 
 def trouser_strip(length: float, width: float, size: float) -> Mesh:
-    """Return a strip from x = 0 with the node sets ``up``, ``down`` and ``tail``.
+    """Return a strip from x = 0 [mm] with the node sets ``up``, ``down`` and ``tail``.
 
     ``up`` and ``down`` are the ends of the legs, y > 0 and y < 0 at x = 0; ``tail`` is the other
     end.
-
-    Parameters
-    ----------
-    length, width, size : float
-        Of the strip and of its quads [mm].
     """
     mesh = rectangle(length, width, size=size)
     start, y = mesh.node_set("left"), mesh.nodes[:, 1]

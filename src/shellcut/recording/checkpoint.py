@@ -191,12 +191,7 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
 
 @contextmanager
 def content_of(path: Path) -> Iterator[None]:
-    """Say of whatever the content of a checkpoint raises that another program wrote it.
-
-    Raises
-    ------
-    CheckpointError
-    """
+    """Say of whatever the content of a checkpoint raises that another program wrote it."""
     try:
         yield
     except CheckpointError:

@@ -36,12 +36,8 @@ class CrackEnds(NamedTuple):
         n, f = sim.state.node, sim.state.flank
         tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
         if sim.cracks is not None:
-            free = sim.cracks
-            tips, place, t = (
-                free.tips,
-                free.at_tips(sim.mesh.nodes),
-                free.at_tips(sim.mesh.directors),
-            )
+            tips, at_tips = sim.cracks.tips, sim.cracks.at_tips
+            place, t = at_tips(sim.mesh.nodes), at_tips(sim.mesh.directors)
         size = np.sqrt(sim.shell.area)
         # Those at the tips have not parted.
         n_tip, parted = len(place), np.flatnonzero(n.real[f.node[: f.count]])
@@ -51,18 +47,13 @@ class CrackEnds(NamedTuple):
         film = film[~np.isin(film, f.node[: f.count])]
         origin = n.origin[film]
         nodes = np.union1d(rim, film[np.bincount(origin)[origin] > 1])
+        of_nodes = local_edge_length(n.contact_area[nodes])
         return cls(
             place,
             unit(t),
             lambda i: tips[i].heading,
             np.concatenate([n.X[nodes], n.X[flanks], place]),
-            np.concatenate(
-                [
-                    local_edge_length(n.contact_area[nodes]),
-                    size[f.row[parted]],
-                    np.full(n_tip, np.median(size)),
-                ]
-            ),
+            np.concatenate([of_nodes, size[f.row[parted]], np.full(n_tip, np.median(size))]),
             np.concatenate([np.full(nodes.size + flanks.size, -1), np.arange(n_tip)]),
         )
 

@@ -78,14 +78,7 @@ class _EdgeLength:
 
 
 class CutFront:
-    """Measure the cuts of a tool's edges, if any; results are kept until a cable changes.
-
-    Parameters
-    ----------
-    sim : Simulation
-    until : float
-        End of the run [s].
-    """
+    """Measure the cuts of a tool's edges, if any; results are kept until a cable changes."""
 
     def __init__(self, sim: Simulation, until: float) -> None:
         tool = sim.tool if sim.tool is not None and sim.tool.n_edge else None
@@ -174,9 +167,8 @@ class CutFront:
             way = radius * np.mod(each(math.atan2, a, radius - b), 2.0 * np.pi)
             beside = np.abs(np.hypot(a, radius - b) - radius)
         size = ends.size[others]
-        through = np.abs(
-            product(gap, np.cross(first, second))
-        )  # the far side of a tube is no obstacle
+        # the far side of a tube is no obstacle
+        through = np.abs(product(gap, np.cross(first, second)))
         met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))
 

@@ -17,20 +17,10 @@ if TYPE_CHECKING:
 def history_row(
     sim: Simulation, resistance: AnyResistance, front: CutFront, *, unfelt: float
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield name, unit and value of every column.
+    """Yield name, unit and value of every column: time, coordinate and plotted figure first.
 
-    Time, the coordinate and the plotted figure come first.
-
-    Parameters
-    ----------
-    sim : Simulation
-        Between two steps.
-    resistance : Resistance or SupportPull
-        To the motion of its tool or supports.
-    front : CutFront
-        Front of its cuts.
-    unfelt : float
-        Penetration between nodes, which nodal contact misses, when last measured [mm].
+    ``unfelt`` is the penetration between nodes, which nodal contact misses, when last measured
+    [mm].
     """
     s, r = sim.state, resistance
     yield "time", "s", s.time

@@ -8,7 +8,6 @@ interrupted run can resume: it drops the output after the checkpoint and writes 
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import logging
 import os
@@ -32,6 +31,7 @@ from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
+from shellcut.view import Look, can_draw, draw_scene
 from shellcut.view.progress import Progress
 
 from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
@@ -135,17 +135,13 @@ class Recorder:
         self._sim = sim
         self._front = CutFront(sim, until)
         self._until = until
-        self._can_draw = _matplotlib_is_there()
+        self._can_draw = can_draw()
         self._draws_curves = chosen.curves and self._can_draw
         # One stress scale for all pictures: from 0 to the strength. Without a law the maximum is
         # not known beforehand, so each picture has its own scale.
         self._strength = None if sim.law is None else sim.law.strength
-        self._schedule = Schedule.at_start(
-            until=until,
-            n_row=chosen.n_row,
-            n_frame=chosen.n_frame,
-            n_snapshot=chosen.n_snapshot,
-        )
+        counts = {name: getattr(chosen, name) for name in ("n_row", "n_frame", "n_snapshot")}
+        self._schedule = Schedule.at_start(until=until, **counts)
         if chosen.resume and not (self.folder / CHECKPOINT).exists():
             raise FileNotFoundError(
                 f"{self.folder} has no {CHECKPOINT} to resume from; run it from the beginning"
@@ -155,9 +151,8 @@ class Recorder:
         self._status_step = -1  # step of the last status line
         self._progress = self._make_progress(chosen.log) if chosen.progress else None
         self._unfelt = UnfeltPenetration(sim)
-        self._checkpoint_every = (
-            np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
-        )
+        every = chosen.checkpoint_every
+        self._checkpoint_every = np.inf if every is None else every
         self._checkpoint_failed = False
         self._started = self._looked = time.perf_counter()
         self._saved = self._started if chosen.resume else -np.inf
@@ -257,8 +252,11 @@ class Recorder:
             self._files.give_up()
 
     def _end_records(self) -> None:
-        if not self._sim.between_steps:
-            self._settle_quietly()
+        if not self._sim.between_steps:  # the error of the failed step is the one to be raised
+            try:
+                self._files.frames.settle()
+            except ValueError as problem:
+                _log.warning("the last frame before the end could not be made: %s", problem)
         if not self._has_failed():
             self._files.look()
         # A run that failed within a step, or lost a frame, resumes from its last checkpoint.
@@ -270,13 +268,6 @@ class Recorder:
     def _has_failed(self) -> bool:
         frame_failed = self._files.frames.failed and self._sim.between_steps
         return self._record_failed or self._files.lost or frame_failed
-
-    def _settle_quietly(self) -> None:
-        """Wait for a pending frame; log its error, since the failed step's error is raised."""
-        try:
-            self._files.frames.settle()
-        except ValueError as problem:
-            _log.warning("the last frame before the end could not be made: %s", problem)
 
     # ------------------------------------------------------------------ restart
 
@@ -392,8 +383,6 @@ class Recorder:
     def _draw(self, frame: Frame) -> None:
         if not self._can_draw:
             return
-        from shellcut.view import Look, draw_scene
-
         began = time.perf_counter()
         path = self._files.new_picture(self._schedule.n_picture)
         look = Look(low=0.0, high=self._strength)
@@ -424,7 +413,3 @@ class Recorder:
         if self._draws_curves and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()
-
-
-def _matplotlib_is_there() -> bool:
-    return importlib.util.find_spec("matplotlib") is not None

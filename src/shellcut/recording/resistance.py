@@ -62,12 +62,7 @@ _Triple = Sequence[float]
 class Resistance:
     """Compute the resistance from the wrench on the tool.
 
-    Parameters
-    ----------
-    motion : Motion
-        Motion of the tool.
-    until : float
-        End of the run [s]: the motion's axis or line is searched up to there.
+    Axis or line of the motion is searched up to ``until`` [s].
 
     Attributes
     ----------
@@ -108,16 +103,10 @@ class Resistance:
         return self._motion.coordinate(time) * self.coordinate_scale
 
     def of(self, wrench: Floats, origin: Floats, time: float) -> list[float]:
-        """Return the figures for one wrench, in the order of ``columns``.
+        """Return the figures for one wrench on the tool at a time [s], in the order of ``columns``.
 
-        Parameters
-        ----------
-        wrench : ndarray, shape (6,)
-            Force [N] and moment about ``origin`` [N·mm] on the tool.
-        origin : ndarray, shape (3,)
-            Point of the moment: the present position of the body's origin [mm].
-        time : float
-            Present time [s].
+        The wrench is force [N] and moment [N·mm] about the present position of the body's origin
+        [mm].
         """
         # Plain floats: NumPy takes ten times as long for six numbers.
         *force, mx, my, mz = wrench.tolist()
@@ -164,24 +153,9 @@ class Resistance:
 
 
 class SupportPull:
-    """Way of the supports, and the force that moves them.
+    """Way of the supports of a film without a tool, and the force that moves them.
 
-    Parameters
-    ----------
-    sim : Simulation
-        Without a tool, with a support that moves.
-    until : float
-        End of the run [s].
-
-    Attributes
-    ----------
-    columns, meaning, coordinate_name, coordinate_unit
-        As in :class:`Resistance`.
-
-    Raises
-    ------
-    ValueError
-        If no support moves.
+    Its attributes are those of :class:`Resistance`; ValueError if no support moves.
     """
 
     def __init__(self, sim: Simulation, until: float) -> None:
@@ -229,13 +203,7 @@ AnyResistance: TypeAlias = Resistance | SupportPull
 
 
 def resistance_of(sim: Simulation, until: float) -> AnyResistance:
-    """Return the resistance that a run up to ``until`` [s] measures.
-
-    Raises
-    ------
-    ValueError
-        If neither a tool nor a support moves.
-    """
+    """Return the resistance that a run up to ``until`` [s] measures; something must move."""
     if sim.motion is not None:
         return Resistance(sim.motion, until)
     return SupportPull(sim, until)

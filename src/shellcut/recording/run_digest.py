@@ -15,14 +15,8 @@ def run_digest(saved: Mapping[str, Any], history: Mapping[str, Floats]) -> str:
     """Return the SHA-256 of the tables of a state and of a history.
 
     In the order of their names; of each its name, shape and numbers, as little-endian doubles or
-    64-bit integers, or its texts. All that is not a number counts as the same.
-
-    Parameters
-    ----------
-    saved : mapping
-        :meth:`Simulation.saved`, numbers, texts and arrays, nested by name.
-    history : mapping of ndarray, shape (n_row,)
-        The columns of the history.
+    64-bit integers, or its texts. All that is not a number counts as the same. The state is that of
+    :meth:`Simulation.saved`.
     """
     digest = hashlib.sha256()
     for name, rows in _tables("", {"history": history, "run": saved}):

@@ -31,29 +31,10 @@ class RunFiles:
     """Hold the folder of a run and its growing files.
 
     Open the files with :meth:`begin` or :meth:`resume`; close them with :meth:`close` and free the
-    folder with :meth:`release`.
-
-    Parameters
-    ----------
-    folder : path
-        The folder; created if missing.
-    name : str
-        Stem of the result file's name.
-    curve : str
-        Quantity plotted over the run, like ``"torque"``.
-    columns : sequence of (name, unit)
-        Columns of the history.
-    also : sequence of str
-        Names of further files that belong to the run.
-
-    Raises
-    ------
-    ValueError
-        If the name is not a file name without folder.
-    FolderInUse
-        If another run writes in the folder.
-    OSError
-        If the folder cannot be created or written.
+    folder with :meth:`release`. A folder that is missing is created; one in which another run
+    writes is refused. ``curve`` is the quantity plotted over the run, like ``"torque"``,
+    ``columns`` are names and units of the history, ``also`` names further files that belong to the
+    run.
     """
 
     history: HistoryWriter
@@ -78,15 +59,7 @@ class RunFiles:
         self._is_new = False
 
     def begin(self, *, n_snapshot: int, replace: bool) -> None:
-        """Remove the previous run, if allowed, and create new files.
-
-        Raises
-        ------
-        FileExistsError
-            As :meth:`TakenFolder.begin`.
-        OSError
-            If a file cannot be written.
-        """
+        """Remove the previous run, if allowed, and create new files; see `TakenFolder.begin`."""
         always, later = self._planned(n_snapshot)
         self._taken.begin(always, later, replace=replace)
         try:
@@ -99,21 +72,7 @@ class RunFiles:
     def resume(self, *, row_time: float, frame_time: float, n_picture: int) -> None:
         """Reopen the files of the run in the folder and drop everything after its checkpoint.
 
-        Parameters
-        ----------
-        row_time, frame_time : float
-            Times of the last row and the last frame before the checkpoint [s].
-        n_picture : int
-            Number of pictures before the checkpoint.
-
-        Raises
-        ------
-        FileNotFoundError
-            If a file is missing.
-        ValueError
-            If a file belongs to another run.
-        OSError
-            If a file cannot be written.
+        Before it came the last row and the last frame, at these times [s], and so many pictures.
         """
         growing = (self.folder / HISTORY, result_file(self.folder, self._name))
         gone = [str(file) for file in growing if not file.exists()]
@@ -140,14 +99,7 @@ class RunFiles:
     def look(self) -> None:
         """Check that the files are still in the folder.
 
-        Raises
-        ------
-        FolderLost
-            If they are not: further output would be lost.
-        FolderInUse
-            If another run uses the folder now.
-        OSError
-            If a frame could not be written.
+        Raises FolderLost if they are not: further output would be lost.
         """
         self.frames.check()
         self.lost = True

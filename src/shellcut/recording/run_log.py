@@ -16,10 +16,7 @@ from shellcut.results.verdict import LOGGER as VERDICT
 class RunLog:
     """Lines about a run; kept until its folder exists, then written to a file and flushed.
 
-    Parameters
-    ----------
-    shown : bool
-        Whether the lines are printed, too.
+    They are printed, too, if they are to be ``shown``.
     """
 
     def __init__(self, *, shown: bool = True) -> None:

@@ -54,22 +54,8 @@ def run_summary(
     """Return the figures by name; counts are integers, reasons are texts.
 
     Figures that are not finite (a film that blew up) are left out: JSON cannot express them.
-
-    Parameters
-    ----------
-    sim : Simulation
-        At its end.
-    resistance : Resistance or SupportPull
-        To the motion of its tool or supports.
-    history : mapping of ndarray, shape (n_row,)
-        Its history.
-    end : mapping of str to float or None
-        The columns of the history at its end, by default its last row: the state of a run that
-        broke off within a step means nothing.
-    stepping, drawing : float
-        Wall time without and for the pictures [s].
-    unfelt : Unfelt
-        Largest penetration that no contact feels.
+    ``end`` are the columns of the history at its end, by default its last row: the state of a run
+    that broke off within a step means nothing. Wall times [s] are without and for the pictures.
     """
     s, r = sim.state, resistance
     figures = {
@@ -80,8 +66,13 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         **_of_the_tool(sim, unfelt),
-        **_of_self_contact(sim),
-        **_of_pieces(sim),
+    }
+    if sim.self_contact is not None:
+        figures["self_contact_deepest_mm"] = sim.self_contact.deepest
+        figures["n_self_contact_looked"] = sim.self_contact.n_looked
+    if sim.cracks is not None:
+        figures["n_loose"] = Pieces.of(s).n_loose
+    figures |= {
         "added_inertia_factor": sim.shell.added_inertia_factor,
         "n_imperfection": sim.imperfection.number,
         "imperfection_mm": sim.imperfection.amplitude,
@@ -142,33 +133,8 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
     return figures
 
 
-def _of_self_contact(sim: Simulation) -> dict[str, float]:
-    """Return the figures of the film's contact with itself, none without it."""
-    if sim.self_contact is None:
-        return {}
-    return {
-        "self_contact_deepest_mm": sim.self_contact.deepest,
-        "n_self_contact_looked": sim.self_contact.n_looked,
-    }
-
-
-def _of_pieces(sim: Simulation) -> dict[str, float]:
-    """Return how many pieces of the film are loose; nothing without cracks."""
-    if sim.cracks is None:
-        return {}
-    return {"n_loose": Pieces.of(sim.state).n_loose}
-
-
 def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
-    """Return the figures that are finite, by name, up to the present step.
-
-    Parameters
-    ----------
-    sim : Simulation
-        At its end.
-    sweep : Sweep or None
-        Path of the cutting edges.
-    """
+    """Return the figures that are finite, by name, up to the present step."""
     s = sim.state
     sides = sim.mesh.edge_lengths()
     figures: dict[str, float] = {"edge_length_mm": float(np.median(sides))}

@@ -10,7 +10,7 @@ from __future__ import annotations
 import signal
 import threading
 from collections.abc import Callable
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -21,12 +21,8 @@ class Interruption:
 
     The first signal puts the previous handlers back, so a second one usually ends the process at
     once. Ignored signals stay ignored; outside the main thread, where Python handles no signals,
-    nothing is held back.
-
-    Parameters
-    ----------
-    asked : callable, optional
-        Called when the first signal comes, between two bytecodes of whatever runs then.
+    nothing is held back. ``asked`` is called when the first one comes, between two bytecodes of
+    whatever runs then.
 
     Examples
     --------
@@ -71,12 +67,7 @@ class Interruption:
                     signal.signal(one, self._note)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._restore_handlers()
 
     def _note(self, number: int, _: FrameType | None) -> None:

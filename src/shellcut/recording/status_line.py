@@ -28,19 +28,7 @@ _SAID = 1e-4
 def start_lines(
     sim: Simulation, resistance: AnyResistance, until: float, sweep: Sweep | None = None
 ) -> Iterator[str]:
-    """Yield lines on film, tool, time step and estimated run time.
-
-    Parameters
-    ----------
-    sim : Simulation
-        Before its first step.
-    resistance : Resistance or SupportPull
-        To the motion of its tool or supports.
-    until : float
-        End of the run [s].
-    sweep : Sweep, optional
-        Path of the cutting edges, to report the cuts.
-    """
+    """Yield lines on film, tool, cuts, time step and estimated run time up to ``until`` [s]."""
     mesh, tool = sim.mesh, sim.tool
     edges = mesh.edge_lengths()
     unit, per = shown("mm")
@@ -71,14 +59,7 @@ def start_lines(
 def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str:
     """Return a status line: coordinate, resistance, energies, balance, crack and cables.
 
-    Parameters
-    ----------
-    sim : Simulation
-        After a complete step.
-    resistance : Resistance or SupportPull
-        To the motion of its tool or supports.
-    share : float
-        Completed part of the run, 0 to 1.
+    ``share`` is the completed part of the run, 0 to 1.
     """
     r, s, ledger = resistance, sim.state, sim.ledger
     (figure, unit), (of_energy, per) = r.columns[0], shown("N*mm")

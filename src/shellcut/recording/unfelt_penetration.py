@@ -26,13 +26,7 @@ class Unfelt(NamedTuple):
 
 
 class UnfeltPenetration:
-    """Measures what is unfelt in a run.
-
-    Parameters
-    ----------
-    sim : Simulation
-        The run; without a tool nothing is unfelt.
-    """
+    """Measures what is unfelt in a run; without a tool nothing is."""
 
     def __init__(self, sim: Simulation) -> None:
         self._sim = sim

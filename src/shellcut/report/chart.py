@@ -40,14 +40,8 @@ class Axis:
 def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
     """Return a figure of curves that a reader switches, reads and looks at closely.
 
-    Parameters
-    ----------
-    diagram : Diagram
-        Its abscissae ascend, two or more. Curves with the same name are switched together.
-    described : str
-        Text for screen readers.
-    height : float
-        Of the figure [pixel].
+    The diagram's abscissae ascend, two or more; curves with the same name are switched together.
+    The text is for screen readers, the height in pixels.
     """
     diagram = diagram.shown()
     x, curves = np.asarray(diagram.x, float), diagram.curves
@@ -101,22 +95,11 @@ def panel(
     ground: Mapping[str, Any] | None = None,
     crosses: tuple[Floats, Floats] | None = None,
 ) -> str:
-    """Return a small figure of points.
+    """Return a small figure of points that say something when pointed at.
 
-    Parameters
-    ----------
-    x, y : Axis
-        Of n points.
-    said : sequence of str
-        What pointing at each says.
-    colors : sequence of str or ndarray, optional
-        A colour for each point, or with a ground a value on its scale.
-    lines : sequence of (ndarray, ndarray, str)
-        Places and styles of curves behind the points.
-    ground : mapping, optional
-        A contour trace of plotly.js behind the points.
-    crosses : tuple of ndarray, optional
-        Places of runs without a figure.
+    There may be a colour for each point, or with a ``ground``, a contour trace of plotly.js behind
+    them, a value on its scale; lines behind the points, by their places and style; and crosses
+    where runs have no figure.
     """
     every = slice(None, None, -(-len(said) // MOST_POINTS) or 1)
     marker: dict[str, Any] = {"size": 8, "line": {"width": 1, "color": "#ffffffb0"}}
@@ -125,12 +108,11 @@ def panel(
     elif ground is None:
         marker["color"] = list(colors)[every]
     else:
-        contours = ground["contours"]
-        limits = {"cmin": contours["start"], "cmax": contours["end"]}
         marker |= {
             "color": _rounded(np.asarray(colors)[every], 5),
             "colorscale": "Viridis",
-            **limits,
+            "cmin": ground["contours"]["start"],
+            "cmax": ground["contours"]["end"],
         }
     traces: list[dict[str, Any]] = [dict(ground)] if ground else []
     traces += [

@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats
+from shellcut.arrays import Bools
 from shellcut.results.comparison_table import rows_of, scope_of
 from shellcut.results.energy_account import account
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
@@ -108,13 +108,9 @@ def _chart(
     unit = pretty(diagram.unit)
     ends = [(curve.name, np.asarray(curve.values)[-1]) for curve in diagram.curves[-3:]]
     last = ", ".join(f"{name} {end:.4g} {unit}" for name, end in ends)
-    curves = [
-        c if c.x is not None else replace(c, values=_finite(np.asarray(c.values)[rows][ahead]))
-        for c in diagram.curves
-    ]
+    curves = []
+    for c in diagram.curves:
+        finite = np.nan_to_num(c.values, posinf=0.0, neginf=0.0)
+        curves.append(replace(c, values=finite[rows][ahead]) if c.x is None else c)
     shown = replace(diagram, x=x[ahead], curves=curves)
     return chart(shown, f"Curve: {of}; at the end {last}.", height)
-
-
-def _finite(values: Floats) -> Floats:
-    return np.nan_to_num(values, posinf=0.0, neginf=0.0)

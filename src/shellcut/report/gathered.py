@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Bools, Floats
@@ -20,6 +19,7 @@ from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_e
 from shellcut.results.history import read_history
 from shellcut.results.run_figures import run_figures
 from shellcut.results.run_results import Results, read
+from shellcut.scene_page.page import spread
 
 T = TypeVar("T")
 
@@ -28,33 +28,22 @@ _SIGNS = (HISTORY, SUMMARY, USED)
 
 @dataclass
 class Gathered:
-    """Everything readable in a run's folder.
-
-    Attributes
-    ----------
-    folder : Path
-    name : str
-        Name of the run, otherwise of the folder.
-    results : Results or None
-        None if the result file is missing or broken.
-    history, units : dict
-        As in :class:`Results`, empty if there are no results.
-    model : str
-        Text of ``used.toml``, empty if there is none.
-    problems : list of str
-        Missing data, in sentences for the reader.
-    measured : Comparison or None
-        The run compared with a measured curve.
-    """
+    """Everything readable in a run's folder."""
 
     folder: Path
     name: str
+    """Name of the run, otherwise of the folder."""
     results: Results | None = None
+    """None if the result file is missing or broken."""
     history: dict[str, Floats] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
+    """As in :class:`Results`, empty if there are no results."""
     model: str = ""
+    """Text of ``used.toml``, empty if there is none."""
     problems: list[str] = field(default_factory=list)
+    """Missing data, in sentences for the reader."""
     measured: Comparison | None = None
+    """The run compared with a measured curve."""
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -113,19 +102,11 @@ class Gathered:
         """Return up to ``n`` frames spread evenly over the run, including the last one."""
         if self.results is None or not self.results.n_frame:
             return []
-        last = self.results.n_frame - 1
-        wanted = np.unique(np.linspace(0, last, min(n, last + 1)).round().astype(int))
-        return [self.results.frame(int(k)) for k in wanted]
+        return [self.results.frame(k) for k in spread(self.results.n_frame, n)]
 
 
 def gather(folder: Path) -> Gathered:
-    """Read everything in the folder.
-
-    Raises
-    ------
-    FileNotFoundError
-        If nothing in the folder belongs to a run.
-    """
+    """Read everything in the folder."""
     there = folder.is_dir() and (
         any((folder / sign).exists() for sign in _SIGNS) or any(folder.glob("*.vtkhdf"))
     )

@@ -19,18 +19,11 @@ def page_of(
     script: str = "",
     last: str = "",
 ) -> str:
-    """Return a self-contained HTML page.
+    """Return a self-contained HTML page with a body.
 
-    Parameters
-    ----------
-    title, heading, lead : str
-        Texts, escaped here.
-    body : str
-        HTML. Charts in it bring plotly.js onto the page.
-    style, script : str
-        Further CSS and JavaScript, after those of all reports.
-    last : str
-        HTML at the end of the page: scripts in elements of their own.
+    Title, heading and lead are escaped here. Charts in the body bring plotly.js onto the page.
+    ``style`` and ``script`` come after those of all reports, ``last`` at the end of the page:
+    scripts in elements of their own.
     """
     charts = [f"/*\n{_part('plotly/LICENSE')}*/", _part("plotly/plotly.min.js"), _part("charts.js")]
     return string.Template(_part("page.html")).substitute(

@@ -169,7 +169,7 @@ class Comparison:
             "steady_range": self.steady_range,
             "n_point": len(self.x),
             "figures": {
-                name: {"value": value if np.isfinite(value) else None, "unit": unit}
+                name: {"value": finite(value), "unit": unit}
                 for name, (value, unit) in figures.items()
             },
             "notes": list(self.notes),
@@ -210,6 +210,15 @@ class Comparison:
         lower = Diagram(self.x, gap, *x_axis, "difference", self.y_unit)
         draw_curves(path, [upper, lower], size=(9.0, 6.0))
         return path
+
+
+def finite(value: Any) -> Any:
+    """Return what JSON can express: numbers that are not finite as None, in dicts and lists too."""
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {key: finite(one) for key, one in value.items()}
+    return [finite(one) for one in value] if isinstance(value, list) else value
 
 
 def compare(

@@ -34,7 +34,7 @@ gently curved in the reference.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,26 +46,6 @@ from shellcut.frame import Frame, is_corner
 from shellcut.mesh.loops import within
 from shellcut.mesh.quad_geometry import quad_vectors
 from shellcut.numerics.connected_parts import connected_parts
-
-UNITS = {
-    "crack_length": "mm",
-    "n_crack": "-",
-    "slit_width_mean": "mm",
-    "slit_width_largest": "mm",
-    "n_bridge": "-",
-    "bridge_width": "mm",
-    "bridge_width_least": "mm",
-    "n_flap": "-",
-    "flap_angle_largest": "deg",
-    "flap_angle_steepest": "deg",
-    "cut_share": "-",
-    "cutout_area": "mm^2",
-    "cutout_angle": "deg",
-    "n_piece": "-",
-    "n_loose": "-",
-    "loose_area": "mm^2",
-}
-"""Names and units of :meth:`CutQuality.figures`."""
 
 # Smallest area of a flap, relative to the square of the hinge's length: less is round-off.
 _LEAST_FLAP = 1e-6
@@ -135,26 +115,29 @@ class CutQuality:
 
     def figures(self) -> dict[str, float]:
         """Return the figures by the names of :data:`UNITS`; 0 if a quantity does not exist."""
-        loose = [piece.area for piece in self.pieces if piece.loose]
-        widths = [bridge.width for bridge in self.bridges]
-        return {
-            "crack_length": self.crack_length,
-            "n_crack": len(self.cracks),
-            "slit_width_mean": self.slit_width_mean,
-            "slit_width_largest": float(self.slit_width.max(initial=0.0)),
-            "n_bridge": len(widths),
-            "bridge_width": sum(widths),
-            "bridge_width_least": min(widths, default=0.0),
-            "n_flap": len(self.flaps),
-            "flap_angle_largest": max((flap.angle for flap in self.flaps), default=0.0),
-            "flap_angle_steepest": max((flap.steepest for flap in self.flaps), default=0.0),
-            "cut_share": self.cut_share,
-            "cutout_area": self.cutout.area if self.cutout else 0.0,
-            "cutout_angle": self.cutout.angle if self.cutout else 0.0,
-            "n_piece": len(self.pieces),
-            "n_loose": len(loose),
-            "loose_area": sum(loose),
-        }
+        return {name: figure(self) for name, (_, figure) in _FIGURES.items()}
+
+
+_FIGURES: dict[str, tuple[str, Callable[[CutQuality], float]]] = {
+    "crack_length": ("mm", lambda q: q.crack_length),
+    "n_crack": ("-", lambda q: len(q.cracks)),
+    "slit_width_mean": ("mm", lambda q: q.slit_width_mean),
+    "slit_width_largest": ("mm", lambda q: float(q.slit_width.max(initial=0.0))),
+    "n_bridge": ("-", lambda q: len(q.bridges)),
+    "bridge_width": ("mm", lambda q: sum(one.width for one in q.bridges)),
+    "bridge_width_least": ("mm", lambda q: min((one.width for one in q.bridges), default=0.0)),
+    "n_flap": ("-", lambda q: len(q.flaps)),
+    "flap_angle_largest": ("deg", lambda q: max((one.angle for one in q.flaps), default=0.0)),
+    "flap_angle_steepest": ("deg", lambda q: max((one.steepest for one in q.flaps), default=0.0)),
+    "cut_share": ("-", lambda q: q.cut_share),
+    "cutout_area": ("mm^2", lambda q: q.cutout.area if q.cutout else 0.0),
+    "cutout_angle": ("deg", lambda q: q.cutout.angle if q.cutout else 0.0),
+    "n_piece": ("-", lambda q: len(q.pieces)),
+    "n_loose": ("-", lambda q: sum(piece.loose for piece in q.pieces)),
+    "loose_area": ("mm^2", lambda q: sum(piece.area for piece in q.pieces if piece.loose)),
+}
+UNITS = {name: unit for name, (unit, _) in _FIGURES.items()}
+"""Names and units of :meth:`CutQuality.figures`."""
 
 
 def cut_quality(frame: Frame) -> CutQuality:

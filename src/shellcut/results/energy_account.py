@@ -126,11 +126,6 @@ def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
 
     Empty where nothing was put in. Shares that round to 0.0 % are left out.
 
-    Parameters
-    ----------
-    figures : mapping
-        Of ``summary.json``, see :func:`energy_figures`.
-
     Examples
     --------
     >>> figures = {"tool_work_Nmm": 8.0, "cables_Nmm": 6.0, "damping_Nmm": 1.0}

@@ -210,15 +210,7 @@ class ErrorBars:
 
 
 def read_error_bars(path: Path) -> ErrorBars:
-    """Read what :meth:`ErrorBars.write` has written.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is another file.
-    """
+    """Read what :meth:`ErrorBars.write` has written; ValueError if it is another file."""
     try:
         kept: dict[str, Any] = json.loads(read_regular(path))
         runs = tuple(Run(**one) for one in kept["runs"])
@@ -233,14 +225,8 @@ def error_bar(
 ) -> ErrorBar:
     """Return a figure with its error bar from the companion runs, the model as given first.
 
-    Parameters
-    ----------
-    figure : str
-    runs : sequence of Run
-    values : sequence of float or None
-        The figure in each run; None where a run has none. The first one must have it.
-    edge : float
-        Length of the edges of the model as given [mm].
+    The first of its values must be there, others may be None; ``edge`` is the length of the edges
+    of the model as given [mm].
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
     meshes = sorted((r.size, v) for r, v in others if r.part == MESH)

@@ -44,16 +44,10 @@ def digest_of_arrays(arrays: Mapping[str, Any]) -> int:
 
 
 def digest_of_row(description: str, numbers: Iterable[float], places: Iterable[int]) -> int:
-    """Return the digest of a frame's row.
+    """Return the digest of a frame's row, of its :func:`described` names and units.
 
-    Parameters
-    ----------
-    description : str
-        Names and units from :func:`described`.
-    numbers : iterable of float
-        Time, the series in the order of their names, pose.
-    places : iterable of int
-        Counts, then the values of :data:`PLACES` and :data:`SIZES`.
+    The numbers are time, the series in the order of their names, pose; the places are the counts,
+    then the values of :data:`PLACES` and :data:`SIZES`.
     """
     crc = zlib.crc32(description.encode())
     crc = zlib.crc32(np.array([*numbers], "<f8").tobytes(), crc)
@@ -69,14 +63,9 @@ def described(attributes: Mapping[str, Any], series_names: Iterable[str]) -> str
 
 
 def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
-    """Return the digests of the rows of the first frames of a file, as they read now.
+    """Return the digests of the first frames' rows, one or more, as they read now.
 
-    Parameters
-    ----------
-    root, beside : h5py.Group
-        VTK's group and the library's own.
-    n_frame : int
-        One or more.
+    ``root`` and ``beside`` are VTK's group of the file and the library's own.
     """
     steps, series = root["Steps"], root["FieldData"]
     description = described(beside.attrs, series)
@@ -90,9 +79,8 @@ def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
     numbers = [rows(steps["Values"]), *(rows(series[name]) for name in sorted(series))]
     table = np.concatenate([*numbers, rows(beside["pose"])], axis=1)
     where = np.concatenate(places, axis=1)
-    return [
-        digest_of_row(description, table[k].tolist(), where[k].tolist()) for k in range(n_frame)
-    ]
+    rows_of_both = zip(table.tolist(), where.tolist(), strict=True)
+    return [digest_of_row(description, *row) for row in rows_of_both]
 
 
 def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:

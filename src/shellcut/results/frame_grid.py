@@ -172,15 +172,8 @@ def grid_of(frame: Frame) -> FrameGrid:
             frame.edge_points.reshape(-1, 3),
         )
     )
-    return FrameGrid(
-        n,
-        points,
-        connectivity,
-        types,
-        sizes,
-        _point_arrays(frame, n),
-        _cell_arrays(frame, n),
-    )
+    arrays = _point_arrays(frame, n), _cell_arrays(frame, n)
+    return FrameGrid(n, points, connectivity, types, sizes, *arrays)
 
 
 def frame_of(
@@ -191,18 +184,9 @@ def frame_of(
     arrays: Mapping[str, Any],
     **others: Any,
 ) -> Frame:
-    """Return the frame of a grid.
+    """Return the frame of a grid, from what :class:`FrameGrid` holds and all its arrays by name.
 
-    Parameters
-    ----------
-    counts : Counts
-        As written.
-    points, connectivity, sizes : ndarray
-        As in :class:`FrameGrid`.
-    arrays : mapping of str to ndarray
-        Arrays on points and cells by name.
-    **others
-        Fields of :class:`Frame` that a grid lacks: time, coordinate, scalars, pose.
+    ``others`` are the fields of :class:`Frame` that a grid lacks: time, coordinate, scalars, pose.
     """
     n = counts
     nodes, cable_ends, vertices, edge_ends = np.split(np.asarray(points, float), n.points[:-1])

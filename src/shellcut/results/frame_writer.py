@@ -16,12 +16,7 @@ from .vtkhdf import VtkHdfWriter
 
 
 class FrameOutput:
-    """Write frames to a result file, which it closes.
-
-    Parameters
-    ----------
-    file : VtkHdfWriter
-    """
+    """Write frames to a result file, which it closes."""
 
     def __init__(self, file: VtkHdfWriter) -> None:
         self._file = file
@@ -46,13 +41,7 @@ class FrameOutput:
                 raise
 
     def sync(self) -> None:
-        """Settle, and wait until the result file is on the disk.
-
-        Raises
-        ------
-        OSError
-            If that fails.
-        """
+        """Settle, and wait until the result file is on the disk; OSError if that fails."""
         self.settle()
         self._file.sync()
 

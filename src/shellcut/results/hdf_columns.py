@@ -2,10 +2,9 @@
 
 A *packed* column is compressed chunk by chunk. Every block of rows starts a new chunk there, and a
 written chunk is never touched again, so killing a run at any moment cannot damage an earlier block
-(with shared chunks it did; now 138 kills at random left 138 intact files). HDF5 stores a checksum
-beside each chunk, so every reader refuses a damaged one. Unpacked columns have no checksum: their
-chunks are rewritten with every row, and a kill in the middle of that would lose the earlier rows
-too.
+(138 kills at random left 138 intact files). HDF5 stores a checksum beside each chunk, so every
+reader refuses a damaged one. Unpacked columns have no checksum: their chunks are rewritten with
+every row, and a kill in the middle of that would lose the earlier rows too.
 """
 
 from __future__ import annotations
@@ -41,13 +40,7 @@ class _Column:
 
 
 class Columns:
-    """The columns of one group, by name; a name may be a path with "/".
-
-    Parameters
-    ----------
-    root : h5py.Group
-        Group of the columns; existing ones are used.
-    """
+    """The columns of one group, by name; a name may be a path with "/"."""
 
     def __init__(self, root: Any) -> None:
         self._root = root

@@ -135,13 +135,7 @@ def read_measured_curve(
 def curve_of_columns(
     table: NumberTable, columns: list[int], units: Sequence[str] = ("", "")
 ) -> MeasuredCurve:
-    """Return the curve of two columns, given by index; empty units are those of the headings.
-
-    Raises
-    ------
-    FileError
-        Lists unknown units and lines that are not numbers.
-    """
+    """Return the curve of two columns, given by index; empty units are those of the headings."""
     path, problems = table.path, []
     notes = []
     taken = []

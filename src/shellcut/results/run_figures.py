@@ -28,15 +28,8 @@ def run_figures(
 ) -> dict[str, float | str]:
     """Return the figures by their names in ``summary.json``; those not finite are left out.
 
-    Parameters
-    ----------
-    history : mapping of ndarray, shape (n_row,)
-    coordinate, resistance : (str, str)
-        Name and unit.
-    end : mapping of str to float, optional
-        The history's columns at the end of the run, by default its last row.
-    splits : iterable of SplitRecord
-        In order.
+    Coordinate and resistance are name and unit; ``end`` has the history's columns at the end of the
+    run, by default its last row.
     """
     end = end or {name: float(column[-1]) for name, column in history.items()}
     x, x_unit = coordinate

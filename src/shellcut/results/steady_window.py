@@ -39,12 +39,8 @@ from shellcut.arrays import Bools, Floats, Ints
 
 from .energy_account import CABLES, STORED, driving_work, is_pulled
 
-CUT_LENGTH, PROCESS_ZONE, UNCUT_AHEAD, TO_SPARE = (
-    "cut_length_edge_",
-    "process_zone_edge_",
-    "uncut_ahead_edge_",
-    "to_spare_edge_",
-)
+CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
+UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
 """Start of the column names, before the number of the edge; all in mm."""
 
 INTEGRAL = "_integral"
@@ -101,13 +97,6 @@ def steady_figures(
     These are the window, the mean of the resistance (and of the axial force), the work of cables
     and of tool or supports per radian or millimetre, and the share of the latter that has gone into
     the energy that the film stores; or ``no_window``, why there is none.
-
-    Parameters
-    ----------
-    history, coordinate
-        As in :func:`steady_window`.
-    resistance : (str, str)
-        Name and unit of the resistance.
     """
     window = steady_window(history, coordinate)
     if not window:
@@ -140,14 +129,9 @@ def steady_figures(
 
 
 def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyWindow:
-    """Return the steady window of a run.
+    """Return the steady window of a run, also of one in progress, or a killed one.
 
-    Parameters
-    ----------
-    history : mapping of ndarray, shape (n_row,)
-        Columns of the history; also of a run in progress, or a killed one.
-    coordinate : (str, str)
-        Name and unit of the coordinate.
+    It follows from the columns of the history, and name and unit of the coordinate.
     """
     if is_pulled(history):
         return _torn(history, coordinate)

@@ -160,10 +160,7 @@ def unit_of(key: str) -> str:
 def figure_name(name: str, figures: Mapping[str, Any]) -> str:
     """Return the full name of a figure that may be given without its unit.
 
-    Raises
-    ------
-    ValueError
-        If no figure that is a number has this name.
+    Raises ValueError if no figure that is a number has this name.
 
     Examples
     --------

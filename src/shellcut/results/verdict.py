@@ -72,12 +72,8 @@ Figures = Mapping[str, Any]
 def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
     """Return a sentence for every figure that bears on trust in the results, doubts first.
 
-    Parameters
-    ----------
-    figures : mapping
-        Figures of ``summary.json``; missing ones are skipped.
-    doubts : iterable of str
-        Doubts about the model before the run.
+    The figures are those of ``summary.json``; missing ones are skipped. The doubts are about the
+    model before the run.
 
     Examples
     --------

@@ -55,20 +55,9 @@ class VtkHdfWriter:
     Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
     killed or the disk is full.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file, usually ``*.vtkhdf``.
-    until : float, optional
-        Appends to the file of an interrupted run: frames later than this are dropped [s], and an
-        unfinished one. Without it a file that is there is replaced.
-
-    Raises
-    ------
-    ValueError
-        If the file to append to was not written by this class.
-    OSError
-        If the file cannot be opened or written.
+    With ``until`` frames are appended to the file of an interrupted run, which this class has
+    written: frames later than this are dropped [s], and an unfinished one. Without it a file that
+    is there is replaced.
     """
 
     def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
@@ -113,14 +102,9 @@ class VtkHdfWriter:
     def append(self, frame: Frame) -> None:
         """Write one frame and flush it.
 
-        Raises
-        ------
-        ValueError
-            If the frame's scalars differ from those of the first frame, or its time is not later
-            than that of the last frame.
-        OSError
-            If the disk is full, or the file cannot be written for another reason: the earlier
-            frames stay in the file, and no more can be added.
+        Its scalars are those of the first frame, its time is later than that of the last one. After
+        an OSError, as of a full disk, the earlier frames stay in the file, and no more can be
+        added.
         """
         self._target.check()
         if frame.time <= self._last_time:
@@ -162,13 +146,7 @@ class VtkHdfWriter:
         self._last_time = frame.time
 
     def sync(self) -> None:
-        """Wait until all frames are on the disk.
-
-        Raises
-        ------
-        OSError
-            If that fails.
-        """
+        """Wait until all frames are on the disk."""
         self._target.sync()
 
     def close(self) -> None:

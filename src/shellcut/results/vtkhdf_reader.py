@@ -44,20 +44,8 @@ class ResultFileError(ValueError):
 class VtkHdfReader:
     """Read the frames of a file, also of a killed run or one still writing it.
 
-    It reads the file as it is now; later frames are not seen.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the file does not exist.
-    ResultFileError
-        If it was not written by :class:`VtkHdfWriter`, or its times, figures or poses have
-        changed since.
+    It reads the file as it is now; later frames are not seen. Raises ResultFileError if it was not
+    written by :class:`VtkHdfWriter`, or its times, figures or poses have changed since.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -78,29 +66,15 @@ class VtkHdfReader:
     def frame(self, k: int) -> Frame:
         """Return frame ``k``, counted from 0, or backwards from -1 at the end.
 
-        The values are those written: points in single precision, other floating-point arrays
-        of 12 bits, ``reference`` (points minus displacement) accordingly, scalars exact.
-
-        Raises
-        ------
-        IndexError
-            If there is no such frame.
-        ResultFileError
-            If its values have changed since it was written.
+        The values are those written: points in single precision, other floating-point arrays of 12
+        bits, ``reference`` (points minus displacement) accordingly, scalars exact. Raises
+        ResultFileError if they have changed since.
         """
         k = self._index(k)
         return self._settled(lambda file: self._read_frame(file, k))
 
     def pose(self, k: int) -> Pose | None:
-        """Return rotation (3, 3) and translation (3,) [mm] of the tool at frame ``k``, exact.
-
-        None if the frame has no tool.
-
-        Raises
-        ------
-        IndexError
-            If there is no such frame.
-        """
+        """Return the exact pose of the tool at frame ``k``, None if the frame has no tool."""
         k = self._index(k)
 
         def read(file: Any) -> tuple[Any, Any]:
@@ -124,7 +98,10 @@ class VtkHdfReader:
                 time.sleep(_TICK_S)
                 before = self.path.stat()
             is_recent = time.time() - before.st_mtime < _HELD_UP_S
-            source = self._image() if is_recent and before.st_size < _LARGEST_IMAGE else None
+            source = None
+            if is_recent and before.st_size < _LARGEST_IMAGE:
+                with self.path.open("rb") as opened:
+                    source = io.BytesIO(opened.read(_LARGEST_IMAGE))
             taken = self.path.stat()
             failed: Exception | None = None
             try:
@@ -145,10 +122,6 @@ class VtkHdfReader:
                     ) from failed
                 return value
         raise ResultFileError(f"{self.path} is being written continuously; read it again later")
-
-    def _image(self) -> io.BytesIO:
-        with self.path.open("rb") as file:
-            return io.BytesIO(file.read(_LARGEST_IMAGE))
 
     def _read_steps(self, file: Any) -> None:
         if not is_ours(file):
@@ -189,18 +162,15 @@ class VtkHdfReader:
         point, n_point = steps["PointOffsets"][k], counts.points[-1]
         cell, n_cell = steps["CellOffsets"][k, 0], counts.cells[-1]
         data = steps["CellDataOffsets/part"][k]
+        on_points, on_cells = root["PointData"], root["CellData"]
+        of_material = filter(is_history, on_cells)
         # Older files lack the fields added later.
-        on_points = {
-            name: root["PointData"][name] for name in POINT_ARRAYS if name in root["PointData"]
+        arrays = {n: rows(on_points[n], point, n_point) for n in POINT_ARRAYS if n in on_points}
+        arrays |= {
+            n: rows(on_cells[n], data, n_cell)
+            for n in (*CELL_ARRAYS, *of_material)
+            if n in on_cells
         }
-        of_material = filter(is_history, root["CellData"])
-        on_cells = {
-            name: root["CellData"][name]
-            for name in (*CELL_ARRAYS, *of_material)
-            if name in root["CellData"]
-        }
-        arrays = {name: rows(column, point, n_point) for name, column in on_points.items()}
-        arrays |= {name: rows(column, data, n_cell) for name, column in on_cells.items()}
         points = rows(root["Points"], point, n_point)
         connectivity = rows(root["Connectivity"], first_id, int(n_id))
         cells = {

@@ -119,13 +119,7 @@ def view_html(
 
 
 def packed_scene(results: Results, frames: int | None, room: int, look: Look = _LOOK) -> Scene:
-    """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be.
-
-    Raises
-    ------
-    ValueError
-        As in :func:`view_html`.
-    """
+    """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be."""
     if frames is not None and frames < 1:
         raise ValueError(f"a page must have at least one frame, got frames={frames}")
     if not results.n_frame:

@@ -54,12 +54,9 @@ class PackedTable:
 
 
 def pack_ids(tables: Sequence[Ints]) -> PackedTable:
-    """Pack integers from 0 on, exactly.
+    """Pack integers from 0 on, exactly; one table, shape (n_row, n_column), for each frame.
 
-    Parameters
-    ----------
-    tables : sequence of ndarray, shape (n_row, n_column)
-        One for each frame. A table of fewer columns than the others repeats its last one.
+    A table of fewer columns than the others repeats its last one.
     """
     columns = max(table.shape[1] for table in tables)
     largest = max((int(table.max()) for table in tables if table.size), default=0)
@@ -74,13 +71,7 @@ def pack_ids(tables: Sequence[Ints]) -> PackedTable:
 
 
 def pack_numbers(tables: Sequence[Floats]) -> PackedTable:
-    """Pack numbers in 65,536 steps over the range of their column: exact to half a step.
-
-    Parameters
-    ----------
-    tables : sequence of ndarray, shape (n_row, n_column)
-        One for each frame.
-    """
+    """Pack numbers in 65,536 steps over the range of their column: exact to half a step."""
     filled = [table for table in tables if len(table)] or [np.zeros((1, tables[0].shape[1]))]
     low = np.min([table.min(axis=0) for table in filled], axis=0).astype(float)
     high = np.max([table.max(axis=0) for table in filled], axis=0).astype(float)

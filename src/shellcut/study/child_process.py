@@ -69,7 +69,6 @@ class _Child:
             if line.rstrip().endswith(_FROM_HERE):
                 break
 
-    @property
     def lives(self) -> bool:
         return self._process.poll() is None
 
@@ -101,15 +100,9 @@ _of_thread = threading.local()
 
 
 def run_in_child(task: Task) -> Outcome:
-    """Do a run as :func:`run_one` does, in the child of this thread, a new one if it has none.
-
-    Raises
-    ------
-    ChildDied
-        If it died meanwhile.
-    """
+    """Do a run as :func:`run_one` does, in the child of this thread, a new one if it has none."""
     child: _Child | None = getattr(_of_thread, "child", None)
-    if child is None or not child.lives:
+    if child is None or not child.lives():
         child = _of_thread.child = _Child()
     return child.run(task)
 

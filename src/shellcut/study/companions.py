@@ -57,23 +57,19 @@ def companions_of(
         shape = int("tool" in model.sections and model.sections["tool"].kind != "bar")
     for k in (shape + 1, shape + 2):
         runs[Run(f"shape {k}", CHANCE, 1.0)] = {"imperfection": k}
-    given = {key: _value(model, key) for keys in runs.values() for key in keys}
+    places = {key: key.rpartition(".") for keys in runs.values() for key in keys}
+    given: dict[str, object] = {
+        key: (model.sections[title] if title else model.head).values[name]
+        for key, (title, _, name) in places.items()
+    }
     given["imperfection"] = shape
     return {run: {**given, **keys} for run, keys in runs.items()}, missing
-
-
-def _value(model: Model, key: str) -> Any:
-    title, _, name = key.rpartition(".")
-    return (model.sections[title] if title else model.head).values[name]
 
 
 def _meshes(model: Model, finer: float) -> dict[str, tuple[float, Settings]]:
     """Return edge length over that of the model and keys, of a coarser and a finer mesh.
 
-    Raises
-    ------
-    ValueError
-        Why there is neither.
+    Raises ValueError with the reason if there is neither.
     """
     film = model.sections["membrane"]
     if film.kind == "opening":
@@ -138,13 +134,7 @@ def _scaled(n: int, factor: float) -> int:
 
 
 def _slower(model: Model, times: float) -> Settings:
-    """Return the keys of a slower motion.
-
-    Raises
-    ------
-    ValueError
-        Why there is none.
-    """
+    """Return the keys of a slower motion. Raises ValueError with the reason if there is none."""
     limit, v = model.head.quasi_static, model.sections["motion"].values
     # A limit of the energy goes with the square of the speed, whatever moves.
     paced = {} if limit is None else {"quasi_static": limit / times**2}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 from shellcut.files.file_list import claim, folder_named
 from shellcut.model_file import read_model
 from shellcut.results.error_bars import ERROR_BARS, PICTURE, ErrorBars, error_bar
-from shellcut.view import draw_curves
+from shellcut.view import can_draw, draw_curves
 
 from .companions import companions_of
 from .engines import engine_of
@@ -95,7 +94,7 @@ def converge(
     bars = tuple(error_bar(n, runs, [one.figures.get(n) for one in each], edge) for n in chosen)
     found = ErrorBars(plan.runs[0].key, runs, bars, missing)
     found.write(folder / ERROR_BARS)
-    if importlib.util.find_spec("matplotlib") is not None:
+    if can_draw():
         size = 7.0, 0.6 + 2.6 * len(bars)
         draw_curves(folder / PICTURE, [found.diagram(bar) for bar in bars], size=size)
     return found

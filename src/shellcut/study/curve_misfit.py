@@ -82,24 +82,12 @@ def window_of(folder: Path, figures: Mapping[str, Any], curve: FitCurve) -> floa
 def compared(
     folder: Path, curve: FitCurve, window: float, points: Floats | None = None
 ) -> Comparison:
-    """Compare a run with its measured curve, both averaged over the window.
+    """Compare the run in a folder with its measured curve, both averaged over windows of a width.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the run.
-    curve : FitCurve
-    window : float
-        Width of the averages.
-    points : ndarray, optional
-        Coordinates at which to compare: those of an earlier comparison. By default those at which
-        both windows lie within their curves, a hundredth of the range away from the ends: where a
-        run ends depends on the length of its steps.
-
-    Raises
-    ------
-    ValueError
-        If columns, units or ranges do not fit, or the run does not reach all ``points``.
+    The coordinates are ``points`` of an earlier comparison, which the run must reach; by default
+    those at which both windows lie within their curves, a hundredth of the range away from the
+    ends: where a run ends depends on the length of its steps. Raises ValueError if columns, units
+    or ranges do not fit.
     """
     found = compare(
         folder,

@@ -31,32 +31,22 @@ MOST_DEATHS = 3
 
 @dataclass(frozen=True)
 class Engine:
-    """Carries out tasks.
-
-    Attributes
-    ----------
-    executor : Executor
-        Or what behaves alike. Its workers must see the folder of the study. It is not shut down.
-    work : callable
-        Does a task there.
-    jobs : int
-        Runs at a time, as far as it is known; sets the threads of each and the time left.
-    ahead : int or None
-        Tasks given out at a time; None for all: workers that come later then have some, too.
-    """
+    """Carries out tasks."""
 
     executor: Executor
+    """Or what behaves alike. Its workers must see the folder of the study. It is not shut down."""
     work: Callable[[Task], Outcome]
+    """Does a task there."""
     jobs: int
+    """Runs at a time, as far as it is known; sets the threads of each and the time left."""
     ahead: int | None
+    """Tasks given out at a time; None for all: workers that come later then have some, too."""
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome.
 
-        Raises
-        ------
-        ConnectionError
-            If the executor gives up its tasks, as Dask does when its scheduler is lost.
+        Raises ConnectionError if the executor gives up its tasks, as Dask does when its scheduler
+        is lost.
         """
         rest, given = iter(tasks), dict[Future[Outcome], Task]()
         ended: SimpleQueue[Future[Outcome]] = SimpleQueue()
@@ -114,15 +104,7 @@ def _failed(error: BaseException) -> Outcome:
 
 
 def engine_of(executor: Any) -> Engine:
-    """Return an engine for a number of processes (one a core), an executor, or a Dask client.
-
-    Raises
-    ------
-    TypeError
-        If it is none of these.
-    ValueError
-        If the number is below one.
-    """
+    """Return an engine for a number of processes (one a core), an executor, or a Dask client."""
     if executor is None:
         executor = available_cores()
     if isinstance(executor, int) and not isinstance(executor, bool):

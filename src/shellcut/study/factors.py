@@ -23,24 +23,16 @@ _BETWEEN_KEYS, _BETWEEN_VALUES = ",", ":"
 
 @dataclass(frozen=True)
 class Factor:
-    """A key, or several keys, with several values.
-
-    Attributes
-    ----------
-    keys : tuple of str
-        As of ``--set``: section and key, or the key alone. Of several the values go together.
-    values : tuple
-        The values, as in a model file; of several keys a tuple each; empty for a range.
-    ends : tuple of float or None
-        Least and largest value of a range.
-    unit : str
-        Written after the numbers of a range; empty for that of the key.
-    """
+    """A key, or several keys, with several values."""
 
     keys: tuple[str, ...]
+    """As of ``--set``: section and key, or the key alone. Of several the values go together."""
     values: tuple[Any, ...] = ()
+    """The values, as in a model file; of several keys a tuple each; empty for a range."""
     ends: tuple[float, float] | None = None
+    """Least and largest value of a range."""
     unit: str = ""
+    """Written after the numbers of a range; empty for that of the key."""
 
     @property
     def name(self) -> str:
@@ -83,12 +75,6 @@ def factor(name: str, given: object) -> Factor:
     ``1 mm : 2 mm`` are ranges. A list is taken as it is. The values of several keys, ``a, b``, are
     ``40:12, 60:20``, or a list of lists.
 
-    Raises
-    ------
-    ValueError
-        If there is no value, a range does not go up, no file fits a pattern, or the values of
-        several keys are not one for each.
-
     Examples
     --------
     >>> factor("motion.pitch", "12, 20").values, factor("motion.pitch", "12:20").ends
@@ -103,7 +89,10 @@ def factor(name: str, given: object) -> Factor:
         values = _groups(name, len(keys), given)
     elif isinstance(given, str):
         if (found := _RANGE.fullmatch(given)) and (ends := _numbers(found[1], found[2])):
-            return _range(name, *ends)
+            low, high, unit = ends
+            if not low < high:
+                raise ValueError(f"{name}: a range must go up, low:high, got {low:g}:{high:g}")
+            return Factor((name,), ends=(low, high), unit=unit)
         values = [one for part in _parts(given, ",") for one in _files(name, parse_value(part))]
     elif isinstance(given, Sequence):
         values = list(given)
@@ -120,10 +109,7 @@ def factor(name: str, given: object) -> Factor:
 def factors_of(given: Mapping[str, object]) -> tuple[list[Factor], dict[str, object]]:
     """Return the factors, and the keys that have one value only and are settings.
 
-    Raises
-    ------
-    ValueError
-        With all that is wrong.
+    Raises ValueError with all that is wrong.
     """
     factors: list[Factor] = []
     settings: dict[str, object] = {}
@@ -170,12 +156,6 @@ def _numbers(first: str, last: str) -> tuple[float, float, str] | None:
     if not a or not b or (a[2] and a[2] != b[2]):
         return None
     return float(a[1]), float(b[1]), b[2]
-
-
-def _range(key: str, low: float, high: float, unit: str) -> Factor:
-    if not low < high:
-        raise ValueError(f"{key}: a range must go up, low:high, got {low:g}:{high:g}")
-    return Factor((key,), ends=(low, high), unit=unit)
 
 
 def _parts(text: str, between: str) -> list[str]:

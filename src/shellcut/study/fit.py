@@ -16,7 +16,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import closing
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -25,8 +24,7 @@ import scipy
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
-from shellcut.files.file_list import claim, folder_named
-from shellcut.files.folder_lock import FolderLock
+from shellcut.files.file_list import folder_named
 from shellcut.model_file.reader import ModelVariants
 
 from .curve_misfit import FitCurve
@@ -34,8 +32,7 @@ from .engines import engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
 from .fit_runs import FitRuns, OutOfRuns
 from .free_parameters import FreeParameters
-from .one_run import STOP
-from .study import FEW_FILES
+from .study import FEW_FILES, taken
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -142,11 +139,8 @@ def fit(
     least = len(parameters.varied) + 2
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
-    engine = engine_of(executor)
-    folder = folder_named(out)
-    folder.mkdir(parents=True, exist_ok=True)
-    with closing(FolderLock(folder)):
-        claim(folder, [FIT, PICTURE, STOP])
+    engine, folder = engine_of(executor), folder_named(out)
+    with taken(folder, [FIT, PICTURE]):
         runs = FitRuns(variants, parameters, tuple(curves), folder, engine, search.max_runs, say)
         runs.begin()
         try:
@@ -154,7 +148,9 @@ def fit(
             ended = "the parameters no longer change"
         except OutOfRuns:
             ended = f"max_runs, {search.max_runs}, are used up"
-        found = result_of(runs, _slopes_at_best(runs), ended)
+        # For the intervals, whatever runs that takes.
+        slopes = runs.slopes(runs.best(), _STEP, beyond=True)
+        found = result_of(runs, slopes, ended)
         found.write(folder)
     return found
 
@@ -207,8 +203,3 @@ def _globally(runs: FitRuns) -> None:
         if nearest < _STEP:  # the basin is found; a surface would creep to its bottom
             _locally(runs, runs.best())
             return
-
-
-def _slopes_at_best(runs: FitRuns) -> Floats:
-    """Return the derivatives at the best run, for the intervals, whatever runs that takes."""
-    return runs.slopes(runs.best(), _STEP, beyond=True)

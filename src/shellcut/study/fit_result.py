@@ -13,7 +13,6 @@ determine the parameters of *this* model, not whether the model is right.
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -24,8 +23,8 @@ import scipy
 
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
-from shellcut.results.comparison import Comparison
-from shellcut.view import Curve, Diagram, draw_curves
+from shellcut.results.comparison import Comparison, finite
+from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .curve_misfit import independent_points, residuals
 from .fit_runs import FitRuns
@@ -41,57 +40,38 @@ _WIDE = 1.5
 
 @dataclass(frozen=True)
 class FittedValue:
-    """A fitted parameter.
-
-    Attributes
-    ----------
-    key, unit : str
-    start, value : float
-        In the unit.
-    low, high : float
-        Ends of the 95 % interval; nan for one that follows from the others.
-    """
+    """A fitted parameter."""
 
     key: str
     unit: str
     start: float
     value: float
+    """In the unit."""
     low: float
     high: float
+    """Ends of the 95 % interval; nan for one that follows from the others."""
 
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
-    """What a fit has found.
-
-    Attributes
-    ----------
-    values : tuple of FittedValue
-    rms, rms_at_start : float
-        Root mean square difference over the measured peak, now and at the start.
-    correlation : ndarray, shape (n, n)
-        Of the varied parameters.
-    n_run : int
-        Runs it rests on.
-    notes : tuple of str
-        How far the data tell the parameters, in words.
-    comparisons : list of Comparison
-        The curves at the best parameters.
-    at_start : list of Comparison
-        The same at the start.
-    settings : tuple of mapping
-        Keys that the experiment of each curve had otherwise.
-    """
+    """What a fit has found."""
 
     values: tuple[FittedValue, ...]
     rms: float
     rms_at_start: float
+    """Root mean square difference over the measured peak, now and at the start."""
     correlation: Floats
+    """Of the varied parameters, shape (n, n)."""
     n_run: int
+    """Runs it rests on."""
     notes: tuple[str, ...]
+    """How far the data tell the parameters, in words."""
     comparisons: list[Comparison]
+    """The curves at the best parameters."""
     at_start: list[Comparison]
+    """The same at the start."""
     settings: tuple[Mapping[str, object], ...]
+    """Keys that the experiment of each curve had otherwise."""
 
     def __str__(self) -> str:
         """Return a small table and the notes."""
@@ -124,8 +104,8 @@ class FitResult:
                 for one, settings in zip(self.comparisons, self.settings, strict=True)
             ],
         }
-        write_text(folder / FIT, _json(figures))
-        if importlib.util.find_spec("matplotlib") is not None:
+        write_text(folder / FIT, json.dumps(finite(figures), indent=1))
+        if can_draw():
             diagrams = []
             for now, before, settings in zip(
                 self.comparisons, self.at_start, self.settings, strict=True
@@ -144,17 +124,7 @@ class FitResult:
 
 
 def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
-    """Return the result at the best set of parameters.
-
-    Parameters
-    ----------
-    runs : FitRuns
-        All runs.
-    slopes : ndarray, shape (n_point, n_varied)
-        Derivatives of the residuals there.
-    ended : str
-        Why the fit ended.
-    """
+    """Return the result of all runs, with the derivatives of the residuals and why they ended."""
     best = runs.best()
     missed, comparisons = runs.at(best)
     start, at_start = runs.at(np.zeros(best.size))
@@ -224,18 +194,3 @@ def _judged(
     if runs.failures:
         notes.append(f"{len(runs.failures)} sets of values could not be run: {runs.failures[0]}")
     return notes
-
-
-def _json(figures: dict[str, object]) -> str:
-    """Return JSON text, numbers that are not finite as null."""
-
-    def finite(value: object) -> object:
-        if isinstance(value, float) and not np.isfinite(value):
-            return None
-        if isinstance(value, dict):
-            return {key: finite(one) for key, one in value.items()}
-        if isinstance(value, list):
-            return [finite(one) for one in value]
-        return value
-
-    return json.dumps(finite(figures), indent=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,25 +23,7 @@ class OutOfRuns(Exception):
 
 
 class FitRuns:
-    """Residuals of the measured curves at sets of parameters.
-
-    Parameters
-    ----------
-    variants : ModelVariants
-        The model.
-    parameters : FreeParameters
-        What is fitted.
-    curves : tuple of FitCurve
-        What was measured.
-    folder : Path
-        Of the fit.
-    engine : Engine
-        Carries out the runs.
-    most : int
-        Runs to take at most.
-    say : callable, optional
-        Takes the lines about progress.
-    """
+    """Residuals of the measured curves at sets of parameters, from ``most`` runs in a folder."""
 
     def __init__(
         self,
@@ -57,9 +39,10 @@ class FitRuns:
         self._variants, self._folder, self._engine = variants, folder, engine
         self._most, self._say = most, say
         # Curves of the same settings share a run.
-        several = {_text(curve.settings): dict(curve.settings) for curve in curves}
+        texts = [repr(sorted(curve.settings.items())) for curve in curves]
+        several = {text: dict(curve.settings) for text, curve in zip(texts, curves, strict=True)}
         self._settings = list(several.values())
-        self._run_of = [list(several).index(_text(curve.settings)) for curve in curves]
+        self._run_of = [list(several).index(text) for text in texts]
         # Of each curve; every run is compared at the points of the first one.
         self._windows: list[float] = []
         self._points: list[Floats] = []
@@ -75,15 +58,7 @@ class FitRuns:
         return (self._most - self.n_run) // len(self._settings)
 
     def begin(self) -> None:
-        """Run at the start, which sets the windows of the curves.
-
-        Raises
-        ------
-        RuntimeError
-            If that run fails.
-        ValueError
-            If a measured curve does not fit its run.
-        """
+        """Run at the start, which sets the windows of the curves."""
         start = np.zeros(len(self.parameters.varied))
         (done,) = self._run([self.parameters.values(start.tolist())])
         for outcome, _ in done:
@@ -109,10 +84,7 @@ class FitRuns:
     def several(self, points: Sequence[Floats], *, beyond: bool = False) -> list[Floats]:
         """Return the residuals at several sets, whose runs go to the engine together.
 
-        Raises
-        ------
-        OutOfRuns
-            If there are not as many runs left, unless ``beyond`` says not to mind.
+        Raises OutOfRuns if there are not as many runs left, unless ``beyond`` says not to mind.
         """
         new = [p for p in {_key(p): p for p in points}.values() if _key(p) not in self._known]
         if new and not beyond and self.left < len(new):
@@ -137,11 +109,8 @@ class FitRuns:
             away = step if logs[k] + step <= high[k] or logs[k] - step < low[k] else -step
             points.append(logs + away * np.eye(logs.size)[k])
         here, *there = self.several([logs, *points], beyond=beyond)
-        columns = [
-            (far - here) / (point[k] - logs[k])
-            for k, (far, point) in enumerate(zip(there, points, strict=True))
-        ]
-        return np.column_stack(columns)
+        each = enumerate(zip(there, points, strict=True))
+        return np.column_stack([(far - here) / (p[k] - logs[k]) for k, (far, p) in each])
 
     def tried(self) -> tuple[Floats, Floats]:
         """Return all sets of parameters tried, and their residuals, a row each."""
@@ -191,7 +160,3 @@ class FitRuns:
 
 def _key(logs: Floats) -> tuple[float, ...]:
     return tuple(float(f"{log:.9g}") for log in logs)
-
-
-def _text(settings: Mapping[str, object]) -> str:
-    return repr(sorted(settings.items()))

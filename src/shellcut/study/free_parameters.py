@@ -30,43 +30,23 @@ _DIGITS = 7
 
 @dataclass(frozen=True)
 class Free:
-    """A free parameter.
-
-    Attributes
-    ----------
-    key : str
-        Section and key.
-    start, low, high : float
-        Value of the model, and bounds, in the unit of the key.
-    unit : str
-        Of the key, for messages.
-    """
+    """A free parameter."""
 
     key: str
+    """Section and key."""
     start: float
     low: float
     high: float
+    """Value of the model, and bounds, in the unit of the key."""
     unit: str = ""
+    """Of the key, for messages."""
 
 
 class FreeParameters:
-    """The free parameters of a fit.
+    """The free parameters of a fit, by section and key, some with bounds.
 
-    Parameters
-    ----------
-    variants : ModelVariants
-        The model.
-    keys : sequence of str
-        Section and key of each.
-    bounds : mapping from str to (float, float)
-        Of some keys.
-    keep_energy : bool
-        Whether the last key follows from the law's fracture energy.
-
-    Raises
-    ------
-    ValueError
-        With all that is wrong with keys and bounds.
+    With ``keep_energy`` the last key follows from the law's fracture energy. Raises ValueError with
+    all that is wrong with keys and bounds.
     """
 
     def __init__(
@@ -109,10 +89,7 @@ class FreeParameters:
     def values(self, logs: Sequence[float]) -> dict[str, float]:
         """Return the values of all free keys.
 
-        Raises
-        ------
-        ValueError
-            If no value of the last key keeps the energy.
+        Raises ValueError if no value of the last key keeps the energy.
         """
         values = {
             free.key: _rounded(free.start * math.exp(log))

@@ -47,45 +47,29 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs: texts and paths only, so that it goes to any machine.
-
-    Attributes
-    ----------
-    number : int
-        Of the run in the study.
-    key : str
-        Hash of its inputs.
-    folder : str
-        Of the run; the worker must see the same file system.
-    model : str
-        Text of the model file with every default filled in.
-    """
+    """What a worker needs: texts and paths only, so that it goes to any machine."""
 
     number: int
+    """Of the run in the study."""
     key: str
+    """Hash of its inputs."""
     folder: str
+    """Of the run; the worker must see the same file system."""
     model: str
+    """Text of the model file with every default filled in."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended.
-
-    Attributes
-    ----------
-    status : {"done", "failed", "stopped"}
-    reason : str
-        Of a failure, in one line.
-    figures : mapping from str to number or text
-        Of ``summary.json``.
-    seconds : float
-        That this call took [s]; 0 for a run that was found done.
-    """
+    """How a run ended."""
 
     status: Status
     reason: str = ""
+    """Of a failure, in one line."""
     figures: Mapping[str, Any] = field(default_factory=dict)
+    """Of ``summary.json``."""
     seconds: float = 0.0
+    """That this call took [s]; 0 for a run that was found done."""
 
 
 def run_one(task: Task) -> Outcome:

@@ -8,33 +8,30 @@ finds those done by the hashes of their inputs, and goes on where it was ended.
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.files.file_list import claim, folder_named
-from shellcut.files.folder_lock import FolderLock
+from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
 from shellcut.model_file.reader import ModelVariants
 from shellcut.results.cut_quality import cut_quality
 from shellcut.results.run_results import read
 from shellcut.results.summary_figures import figure_name, label_of, unit_of, with_unit
-from shellcut.view.curves import Curve, Diagram, draw_curves
+from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .engines import engine_of
 from .factors import Factor, factors_of
-from .one_run import STOP, Outcome
+from .one_run import Outcome
 from .plan import PlannedRun
-from .study import FEW_FILES, run_values
+from .study import FEW_FILES, run_values, taken
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -48,27 +45,18 @@ _LIMIT = re.compile(r"\s*(\w+)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
 
 @dataclass(frozen=True)
 class Trial:
-    """A set of values and what its run gave.
-
-    Attributes
-    ----------
-    values : mapping from str to value
-        By key; those of the model are empty.
-    folder : str
-        Of the run.
-    figure : float or None
-        What is sought; None if the run failed.
-    missed : float
-        How far it is beyond the limits, in their units, together; 0 within all.
-    reason : str
-        Why it failed.
-    """
+    """A set of values and what its run gave."""
 
     values: Mapping[str, object]
+    """By key; those of the model are empty."""
     folder: str
+    """Of the run."""
     figure: float | None = None
+    """What is sought; None if the run failed."""
     missed: float = 0.0
+    """How far it is beyond the limits, in their units, together; 0 within all."""
     reason: str = ""
+    """Why it failed."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +126,7 @@ class Optimum:
     def write(self, folder: Path) -> None:
         """Write ``optimum.json`` and, with Matplotlib, ``optimum.png``."""
         write_text(folder / OPTIMUM, json.dumps(asdict(self), indent=1, default=str) + "\n")
-        if importlib.util.find_spec("matplotlib") is not None:
+        if can_draw():
             draw_curves(folder / PICTURE, [self.diagram()], size=(8.0, 4.5))
 
     def diagram(self) -> Diagram:
@@ -232,7 +220,6 @@ def optimise(
         for value in factor.probes():
             variants.read(factor.settings(value), try_out=False)
     engine, folder = engine_of(executor), folder_named(out)
-    folder.mkdir(parents=True, exist_ok=True)
     study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=0))
     sign, wanted, trials = (1 if minimise else -1), minimise or maximise, list[Trial]()
 
@@ -241,8 +228,7 @@ def optimise(
         done = run_values(these, several, folder, engine, say)
         return [_trial(one, outcome, folder, wanted, limits) for one, outcome in done]
 
-    with closing(FolderLock(folder)):
-        claim(folder, [OPTIMUM, PICTURE, STOP])
+    with taken(folder, [OPTIMUM, PICTURE]):
         trials += run([{}], {})
         if trials[0].figure is None:
             raise RuntimeError(f"the model as given must run: {trials[0].reason}")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,21 +34,14 @@ _VERSION = version("shellcut")
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A run of a study.
-
-    Attributes
-    ----------
-    number : int
-        In the design, from 0.
-    values : mapping from str to value
-        Of the factors.
-    key : str
-        Hash of all inputs, of the files too, and of shellcut's version; names the folder.
-    """
+    """A run of a study."""
 
     number: int
+    """In the design, from 0."""
     values: Mapping[str, object]
+    """Of the factors."""
     key: str
+    """Hash of all inputs, of the files too, and of shellcut's version; names the folder."""
 
     def folder(self, study: Path) -> Path:
         """Return the folder of the run."""
@@ -56,38 +50,24 @@ class PlannedRun:
 
 @dataclass(frozen=True)
 class Definition:
-    """What a study is.
-
-    Attributes
-    ----------
-    model : str
-        Model file, or name of a shipped model.
-    factors, settings : mapping
-        As of :func:`shellcut.sweep`.
-    design : Design
-        Which values go together.
-    figures : tuple of str
-        That the report shows; its own choice if empty.
-    """
+    """What a study is."""
 
     model: str
+    """Model file, or name of a shipped model."""
     factors: Mapping[str, object]
     settings: Mapping[str, object] = field(default_factory=dict)
+    """As of :func:`shellcut.sweep`."""
     design: Design = field(default_factory=Design)
+    """Which values go together."""
     figures: tuple[str, ...] = ()
+    """That the report shows; its own choice if empty."""
 
     def plan(self, settings: Mapping[str, object] | None = None) -> Plan:
         """Return the runs, with further settings; nothing is built or written.
 
         Every value of a list and both ends of a range are tried with the first values of the
-        others. What fails only in other combinations fails in its run.
-
-        Raises
-        ------
-        ModelFileError
-            With every problem of the file and of the values.
-        ValueError
-            If factors and design do not fit together.
+        others. What fails only in other combinations fails in its run. Raises ModelFileError with
+        every problem of the file and of the values.
         """
         factors, single = factors_of(self.factors)
         whole = replace(self, settings={**self.settings, **(settings or {}), **single})
@@ -100,24 +80,16 @@ class Definition:
 
 @dataclass(frozen=True)
 class Plan:
-    """All runs of a study.
-
-    Attributes
-    ----------
-    variants : ModelVariants
-        The model, to be read with the values of a run.
-    runs : tuple of PlannedRun
-        In the order of the design.
-    factors : tuple of Factor
-        Keys that differ from run to run, alone or together.
-    definition : Definition
-        Of the study, with the settings of all runs.
-    """
+    """All runs of a study."""
 
     variants: ModelVariants
+    """The model, to be read with the values of a run."""
     runs: tuple[PlannedRun, ...]
+    """In the order of the design."""
     factors: tuple[Factor, ...] = ()
+    """Keys that differ from run to run, alone or together."""
     definition: Definition = Definition("", {})
+    """Of the study, with the settings of all runs."""
 
     def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
         """Return the model of a run, with its share of the cores if several run at a time.
@@ -134,16 +106,10 @@ class Plan:
 def planned_runs(
     variants: ModelVariants, combined: Sequence[Mapping[str, object]]
 ) -> Iterator[PlannedRun]:
-    """Yield a run for each set of values.
-
-    Raises
-    ------
-    ModelFileError
-        If a value cannot be read.
-    """
-    digests = _Digests()
+    """Yield a run for each set of values."""
+    digest = cache(digest_of)
     for number, values in enumerate(combined):
-        yield PlannedRun(number, values, _key(variants.read(values, try_out=False), digests))
+        yield PlannedRun(number, values, _key(variants.read(values, try_out=False), digest))
 
 
 def _try_values(
@@ -153,8 +119,7 @@ def _try_values(
     first = dict(combined[0])
     problems: dict[Problem, None] = {}
     each = [first | factor.settings(value) for factor in factors for value in factor.probes()]
-    tried = [first, *(values for values in each if values != first)]
-    for values in tried:
+    for values in (first, *(values for values in each if values != first)):
         try:
             variants.read(values)
         except ModelFileError as error:
@@ -163,15 +128,7 @@ def _try_values(
         raise ModelFileError(list(problems))
 
 
-class _Digests(dict[str, str]):
-    """Digests of files, each computed once."""
-
-    def __missing__(self, path: str) -> str:
-        self[path] = digest_of(path)
-        return self[path]
-
-
-def _key(model: Model, digests: Mapping[str, str]) -> str:
+def _key(model: Model, digest: Callable[[str], str]) -> str:
     """Return the hash of all that makes the results what they are."""
     head = {name: value for name, value in model.head.values.items() if name not in _NO_INPUT}
     inputs = {
@@ -181,7 +138,7 @@ def _key(model: Model, digests: Mapping[str, str]) -> str:
         # The means of a curve are those of its rows; the other outputs change no figure.
         "rows": model.sections["output"].rows,
         "lists": {t: [_of(s) for s in several] for t, several in model.lists.items()},
-        "files": {path: digests[path] for path in model.files()},
+        "files": {path: digest(path) for path in model.files()},
     }
     text = json.dumps(inputs, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
@@ -191,13 +148,3 @@ def _of(section: Section) -> list[object]:
     tables = {name for name, key in section.of.keys.items() if key.tables is not None}
     values = section.values.items()
     return [section.kind, {n: [_of(one) for one in v] if n in tables else v for n, v in values}]
-
-
-def repeated(runs: Sequence[PlannedRun]) -> Iterator[tuple[PlannedRun, PlannedRun]]:
-    """Yield the runs whose inputs are those of an earlier one, with that."""
-    seen: dict[str, PlannedRun] = {}
-    for run in runs:
-        if run.key in seen:
-            yield run, seen[run.key]
-        else:
-            seen[run.key] = run

@@ -18,24 +18,12 @@ _SHOWN = ("torque_plateau_Nmm", "force_plateau_N", "torque_peak_Nmm", "force_pea
 
 
 class StudyProgress:
-    """Says when a run ends.
-
-    Parameters
-    ----------
-    plan : Plan
-        The study.
-    n_done : int
-        Runs that were found done.
-    jobs : int
-        Runs at a time.
-    say : callable, optional
-        Takes a line; standard error by default.
-    """
+    """Says when a run ends; ``say`` takes a line, which goes to standard error by default."""
 
     def __init__(
         self, plan: Plan, n_done: int, jobs: int, say: Callable[[str], None] | None
     ) -> None:
-        self._plan, self._n_run, self._jobs = plan, len(plan.runs), jobs
+        self._plan, self._n_run = plan, len(plan.runs)
         self._began, self._done_before = time.monotonic(), n_done
         self.say = say or _to_standard_error
         """Says a line."""
@@ -44,36 +32,24 @@ class StudyProgress:
 
     def ended(self, number: int, outcome: Outcome, n_ended: int) -> None:
         """Say how a run ended."""
-        values = ", ".join(
-            f"{key}={value}" for key, value in self._plan.runs[number].values.items()
-        )
+        inputs = self._plan.runs[number].values.items()
+        values = ", ".join(f"{key}={value}" for key, value in inputs)
+        said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
         if outcome.status == "done":
             shown = [name for name in _SHOWN if name in outcome.figures][:1]
-            said = "".join(
-                f", {name} {value}" for name, value in key_figures(outcome.figures, shown)
-            )
-            said = f"{outcome.seconds:.1f} s{said}"
-        else:
-            said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
-        left = self._n_run - n_ended
-        self.say(f"[{n_ended}/{self._n_run}] {values}: {said}{self._time_left(n_ended, left)}")
-
-    def _time_left(self, n_ended: int, left: int) -> str:
-        new = n_ended - self._done_before
-        if left <= 0 or new <= 0:
-            return ""
-        seconds = (time.monotonic() - self._began) / new * left
-        return f"; {duration(seconds)} left"
+            figures = key_figures(outcome.figures, shown)
+            said = f"{outcome.seconds:.1f} s" + "".join(f", {name} {v}" for name, v in figures)
+        left, new = self._n_run - n_ended, n_ended - self._done_before
+        if left > 0 and new > 0:
+            said += f"; {duration((time.monotonic() - self._began) / new * left)} left"
+        self.say(f"[{n_ended}/{self._n_run}] {values}: {said}")
 
     def end(self, outcomes: Mapping[int, Outcome]) -> None:
         """Say how the study ended."""
-        counts = {
-            status: sum(one.status == status for one in outcomes.values())
-            for status in ("done", "failed", "stopped")
-        }
-        said = ", ".join(f"{n} {status}" for status, n in counts.items() if n)
-        took = duration(time.monotonic() - self._began)
-        self.say(f"{said}, in {took}")
+        ended = [one.status for one in outcomes.values()]
+        counts = ((ended.count(status), status) for status in ("done", "failed", "stopped"))
+        said = ", ".join(f"{n} {status}" for n, status in counts if n)
+        self.say(f"{said}, in {duration(time.monotonic() - self._began)}")
 
 
 def _to_standard_error(line: str) -> None:

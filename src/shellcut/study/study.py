@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from shellcut.recording.signals import Interruption
 from .design import Design
 from .engines import Engine, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import Definition, Plan, PlannedRun, planned_runs, repeated
+from .plan import Definition, Plan, PlannedRun, planned_runs
 from .progress import StudyProgress
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
@@ -156,9 +156,7 @@ def run_study(
     planned: Plan, folder: Path, engine: Engine, say: Callable[[str], None] | None = None
 ) -> StudyResults:
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with closing(FolderLock(folder)):
-        claim(folder, [STUDY, TABLE, STOP])
+    with taken(folder, [STUDY, TABLE]):
         write_study(folder / STUDY, planned)
         found = done_before(planned, folder)
         progress = StudyProgress(planned, len(found), engine.jobs, say)
@@ -170,6 +168,15 @@ def run_study(
         carry_out(planned, folder, engine, found, progress, keep)
         progress.end(found)
     return StudyResults(folder, planned, found)
+
+
+@contextmanager
+def taken(folder: Path, files: Sequence[str]) -> Iterator[None]:
+    """Lock the folder of a study, and claim the files that it writes there; see :func:`sweep`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with closing(FolderLock(folder)):
+        claim(folder, [*files, STOP])
+        yield
 
 
 def run_values(
@@ -192,11 +199,8 @@ def run_values(
 
 def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
     """Return the outcomes of the runs that are done in a folder, by their numbers."""
-    found = {}
-    for run in planned.runs:
-        if outcome := outcome_in(run.folder(folder), run.key):
-            found[run.number] = outcome
-    return found
+    each = ((run.number, outcome_in(run.folder(folder), run.key)) for run in planned.runs)
+    return {number: outcome for number, outcome in each if outcome}
 
 
 def carry_out(
@@ -212,11 +216,10 @@ def carry_out(
     Calls ``keep`` now and then, and at the end. The first Ctrl-C or SIGTERM stops all runs at their
     next step, with a checkpoint, and acts when they have stopped.
     """
-    twins: dict[int, list[PlannedRun]] = {}
-    for run, first in repeated(planned.runs):
-        twins.setdefault(first.number, []).append(run)
-    again = {run.number for several in twins.values() for run in several}
-    open_ = [run for run in planned.runs if run.number not in found and run.number not in again]
+    alike: dict[str, list[PlannedRun]] = {}  # runs of the same inputs, of which the first is run
+    for run in planned.runs:
+        alike.setdefault(run.key, []).append(run)
+    open_ = [first for first, *_ in alike.values() if first.number not in found]
     if not open_:
         return
     if engine.jobs > 1:
@@ -231,8 +234,7 @@ def carry_out(
     written = time.monotonic()
     with Interruption(stop) as interruption:
         for task, outcome in engine.outcomes(_tasks(planned, open_, folder, engine.jobs)):
-            for number in (task.number, *(run.number for run in twins.get(task.number, ()))):
-                found[number] = outcome
+            found |= {run.number: outcome for run in alike[task.key]}
             progress.ended(task.number, outcome, len(found))
             if time.monotonic() - written > _TABLE_EVERY:
                 keep()

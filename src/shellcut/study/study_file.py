@@ -52,15 +52,7 @@ def is_study(path: str | os.PathLike[str]) -> bool:
 
 
 def read_study(path: str | os.PathLike[str]) -> Definition:
-    """Read a study file.
-
-    Raises
-    ------
-    ModelFileError
-        With all that is wrong with the file itself.
-    OSError
-        If it cannot be read.
-    """
+    """Read a study file; ModelFileError tells all that is wrong with the file itself."""
     text = read_regular(Path(path), _LARGEST).decode("utf-8-sig")
     source = parse(text, str(path), Path(path).resolve().parent)
     values, problems = source.values, []
@@ -84,14 +76,10 @@ def read_study(path: str | os.PathLike[str]) -> Definition:
             problems += wrong.problems
     if problems:
         raise ModelFileError(problems)
-    model = _beside(source.folder, values["model"])
+    beside = source.folder / values["model"]
+    model = str(beside) if beside.is_file() else values["model"]
     figures = tuple(str(name) for name in values.get("figures", ()))
     return Definition(model, values["factors"], values.get("set", {}), design, figures)
-
-
-def _beside(folder: Path, model: str) -> str:
-    there = folder / model
-    return str(there) if there.is_file() else model
 
 
 def study_schema() -> dict[str, Any]:

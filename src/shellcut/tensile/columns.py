@@ -104,21 +104,9 @@ def specimen_columns(
 ) -> list[tuple[Column, Column]]:
     """Return the columns of strain (or extension) and stress (or force) that belong together.
 
-    Parameters
-    ----------
-    table : NumberTable
-    columns : str or sequence of str and int, optional
-        Columns to use, by heading or number from 1; by default those that names and units tell.
-    units : str or sequence of str, optional
-        Units of these columns, or of strain and stress, or of all columns of the table; empty
-        ones are those of the headings.
-
-    Raises
-    ------
-    FileError
-        If columns are not there, have no unit, compete, or have no partner.
-    ValueError
-        If units are not known.
+    Columns are given by heading or number from 1; by default those are taken that names and units
+    tell. Units are of these columns, or of strain and stress, or of all columns of the table; empty
+    ones are those of the headings.
     """
     found = _with_units(table, _chosen(table, columns), columns is not None, units)
     if columns is not None:

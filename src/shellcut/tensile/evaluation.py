@@ -15,6 +15,7 @@ import numpy as np
 from shellcut.files.file_list import claim
 from shellcut.files.whole_file import write_text
 from shellcut.formats.errors import FileError
+from shellcut.results.comparison import finite
 from shellcut.view.curves import PALETTE, Curve, Diagram, draw_curves
 
 from .columns import Choice
@@ -109,7 +110,7 @@ class TensileTest:
                 "n_specimen": len(one.figures),
                 "gauge_length": one.gauge_length,
                 "specimens": [each.specimen.name for each in one.figures],
-                **{key: _plain(asdict(spread)) for key, spread in spreads.items()},
+                **{key: finite(asdict(spread)) for key, spread in spreads.items()},
                 "law": None if law is None else {key: getattr(law, key) for key in _LAW},
             }
         return {"offset": self.offset, "directions": found, "sentences": self.sentences()}
@@ -290,7 +291,3 @@ def _listed(paths: Paths) -> list[Path]:
     if isinstance(paths, str | os.PathLike):
         return [Path(paths)]
     return [Path(path) for path in paths]
-
-
-def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in values.items()}

@@ -87,14 +87,7 @@ class Figures:
 
 
 def figures_of(specimen: Specimen, offset: float = 0.002) -> Figures:
-    """Return the figures of a curve.
-
-    Parameters
-    ----------
-    specimen : Specimen
-    offset : float
-        Plastic strain at which the film yields [-].
-    """
+    """Return the figures of a curve; the film yields at a plastic strain of ``offset`` [-]."""
     said: list[str] = []
     strain, stress = specimen.strain, specimen.stress
     peak = _peak(stress)

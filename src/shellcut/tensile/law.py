@@ -37,15 +37,9 @@ def falling_curve(figures: Sequence[Figures], gauge_length: float) -> tuple[Floa
 
 
 def proposed_law(opening: Floats, stress: Floats, fracture_energy: float) -> CohesiveLaw:
-    """Return the law nearest to a falling curve, with the given area.
+    """Return the law nearest to a falling curve, with the given area [N/mm].
 
-    Parameters
-    ----------
-    opening : ndarray, shape (n,), [mm]
-        From 0.
-    stress : ndarray, shape (n,), [MPa]
-        The first is the strength.
-    fracture_energy : float, [N/mm]
+    The openings [mm] begin at 0, the stresses [MPa] with the strength.
     """
     strength, end = float(stress[0]), float(opening[-1])
     area, x, y = fracture_energy / strength / end, opening / end, stress / strength

@@ -11,15 +11,7 @@ _PER_LINE = 8
 def material_section(young: float, plastic_strain: Floats, true_stress: Floats, n: int) -> str:
     """Return ``[material]`` with modulus and hardening table; what is not measured is a comment.
 
-    Parameters
-    ----------
-    young : float, [MPa]
-    plastic_strain : ndarray, shape (n_row,)
-        True, from 0, increasing.
-    true_stress : ndarray, shape (n_row,), [MPa]
-        Not decreasing.
-    n : int
-        Specimens behind it.
+    The curve is true, in MPa, from a plastic strain of 0, increasing; n specimens are behind it.
 
     Examples
     --------

@@ -79,23 +79,10 @@ def read_specimens(
     columns: Choice = None,
     units: str | Sequence[str] | None = None,
 ) -> list[Specimen]:
-    """Read all specimens of a table.
+    """Read all specimens of a table, cut in a direction, as MD.
 
-    Parameters
-    ----------
-    path : str or Path
-    piece : SpecimenSize, optional
-        Needed for columns of extension (gauge length) and force (width and thickness).
-    direction : str
-        In which the specimens were cut, as MD.
-    columns, units : optional
-        See :func:`shellcut.tensile.columns.specimen_columns`.
-
-    Raises
-    ------
-    FileError
-        Lists columns without a partner, unknown units, missing dimensions, and lines that are not
-        numbers or run back.
+    The ``piece`` is needed for columns of extension (gauge length) and force (width and thickness);
+    columns and units are those of :func:`shellcut.tensile.columns.specimen_columns`.
     """
     table = read_number_table(path)
     size = piece or SpecimenSize()

@@ -95,21 +95,12 @@ class ClosestTriangleGrid:
         Without a tool the grid has no cells: nothing is near it.
         """
         if tool is None:
-            nothing = TriangleGrid(
-                GridCells(lower=(0.0, 0.0, 0.0), size=1.0, shape=(0, 0, 0)),
-                CellLists(
-                    start=np.zeros(1, np.int64),
-                    triangle=np.zeros(0, np.int64),
-                    distance=np.zeros(0),
-                ),
-                TriangleSurface(
-                    corners=np.zeros((0, 3, 3)),
-                    flank=np.zeros(0, np.int8),
-                    planes=np.zeros((0, 4, 4)),
-                    pseudo_normals=np.zeros((0, 7, 3)),
-                ),
-            )
-            return cls(nothing, reach=0.0)
+            cells = GridCells(lower=(0.0, 0.0, 0.0), size=1.0, shape=(0, 0, 0))
+            lists = CellLists(np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0))
+            tables = (np.zeros((0, *shape)) for shape in ((3, 3), (4, 4), (7, 3)))
+            corners, planes, pseudo_normals = tables
+            surface = TriangleSurface(corners, np.zeros(0, np.int8), planes, pseudo_normals)
+            return cls(TriangleGrid(cells, lists, surface), reach=0.0)
         grid = _BUILT.get(tool)
         if grid is None:
             grid = _BUILT[tool] = cls.build(tool)
@@ -136,18 +127,10 @@ class ClosestTriangleGrid:
     def query(self, points: npt.ArrayLike, side: int = 0) -> tuple[Bools, Bools, Ints, Floats]:
         """Return :func:`signed_distance` of many points in the body frame.
 
-        Parameters
-        ----------
-        points : array_like, shape (n_point, 3), [mm]
-        side : int
-            +1: closest triangle among those with flank >= 0; -1: flank <= 0; 0: all.
-
-        Returns
-        -------
-        found, inside : ndarray of bool, shape (n_point,)
-        triangle : ndarray of int64, shape (n_point,)
-        closest : ndarray, shape (n_point, 3), [mm]
-            Closest triangle and its closest point; 0 and the query point itself if none is found.
+        Of points, (n_point, 3), [mm], whether each is found and inside, (n_point,), and the closest
+        triangle of the side and its closest point, (n_point, 3), [mm]; 0 and the point itself if
+        none is found. Side +1 is of triangles with flank >= 0, -1 of those with flank <= 0, 0 of
+        all.
         """
         x = np.array(points, dtype=np.float64, order="C", ndmin=2)
         if x.ndim != 2 or x.shape[1] != 3:

@@ -31,21 +31,14 @@ def poses_of(motion: Motion) -> Callable[[float], Pose]:
 def pose_at(motion: Motion, time: float) -> Pose:
     """Return the pose of any motion at a time [s].
 
-    Raises
-    ------
-    ValueError
-        If it is none: R no rotation, or a number that is not finite.
+    ValueError if it is none: R no rotation, or a number that is not finite.
     """
     R, r = pose = Pose.of(*motion.pose(time))
     if type(motion) in _GIVE_ROWS:
         return pose
     # Of a rotation R : R = 3; nan and infinity fail here too.
-    if not (
-        R.shape == (3, 3)
-        and r.shape == (3,)
-        and isfinite(r.sum())
-        and abs((R * R).sum() - 3.0) < _LEFT_OVER
-    ):
+    is_pose = R.shape == (3, 3) and r.shape == (3,) and isfinite(r.sum())
+    if not (is_pose and abs((R * R).sum() - 3.0) < _LEFT_OVER):
         raise ValueError(
             f"the pose of {type(motion).__name__} at {time:.6g} s must be a rotation, shape "
             f"(3, 3), and a position in mm, shape (3,), all finite, got R = {R.tolist()} and "

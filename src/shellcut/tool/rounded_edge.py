@@ -51,19 +51,9 @@ EdgeRadius: TypeAlias = Annotated[float, Option("mm", "of the cutting edges; 0: 
 
 @checked
 def with_edge_radius(tool: Tool, radius: float) -> Tool:
-    """Return a tool with all its cutting edges rounded.
+    """Return a tool with all its cutting edges rounded by a radius [mm]; 0 leaves them sharp.
 
-    Parameters
-    ----------
-    tool : Tool
-        With sharp edges.
-    radius : float
-        Of the edges [mm]; 0 leaves them sharp.
-
-    Returns
-    -------
-    Tool
-        Its cutting edges are the nose lines, ``edge_radius`` is the radius.
+    The cutting edges of the rounded tool are the nose lines, its ``edge_radius`` is the radius.
 
     Raises
     ------
@@ -98,13 +88,11 @@ def with_edge_radius(tool: Tool, radius: float) -> Tool:
         moved[zone], fits = wedge.rounded(vertices[zone], on_flank[zone])
         worst = min(worst, float(depth[zone][~fits].min(initial=1.0)))
     if worst < 1.0:
-        raise ToolError(
-            [
-                f"edge_radius = {radius:g} mm does not fit the tool: the round must lie between "
-                f"plane flanks, which is so up to about {worst * radius:.3g} mm"
-            ],
-            what="rounded tool",
+        why = (
+            f"edge_radius = {radius:g} mm does not fit the tool: the round must lie between "
+            f"plane flanks, which is so up to about {worst * radius:.3g} mm"
         )
+        raise ToolError([why], what="rounded tool")
     rounded = Tool.from_triangles(
         moved,
         triangles,
@@ -162,9 +150,8 @@ class _Wedge:
     def of(cls, tool: Tool, body: int, radius: float) -> _Wedge:
         """Collect the edges of a body."""
         rows = np.flatnonzero(tool.edge_body == body)
-        own = np.column_stack(
-            [tool.edge_normal, tool.edge_back, each(tan, _half_angles(tool))[:, None]]
-        )
+        slope = each(tan, _half_angles(tool))
+        own = np.column_stack([tool.edge_normal, tool.edge_back, slope])
         at_vertex = np.zeros((tool.n_vertex, 7))
         np.add.at(at_vertex, tool.edges.ravel(), np.repeat(own, 2, axis=0))
         count = np.bincount(tool.edges.ravel(), minlength=tool.n_vertex)
@@ -173,12 +160,7 @@ class _Wedge:
         for part in (slice(0, 3), slice(3, 6)):
             frames[..., part] = unit(frames[..., part])
         ends = tool.vertices[tool.edges[rows]]
-        return cls(
-            start=ends[:, 0],
-            vector=ends[:, 1] - ends[:, 0],
-            frames=frames,
-            radius=radius,
-        )
+        return cls(ends[:, 0], ends[:, 1] - ends[:, 0], frames, radius)
 
     def _seen(self, points: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """Return y, z, tan a, distance along the edge beyond its ends, b and k at points."""

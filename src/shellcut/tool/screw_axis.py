@@ -143,16 +143,10 @@ def _of_screw(motion: ScrewMotion) -> Axis:
 
 
 def _axis(seen: Instants) -> Axis | None:
+    direction = _kept_direction(seen.spin)
+    if direction is None:
+        return None
     turn = np.linalg.norm(seen.spin, axis=1)
-    total = seen.spin.sum(axis=0)
-    if not norm(total) > 0.0:
-        return None
-    direction = unit(total)
-    # One radian of the coordinate is one radian about the axis.
-    if np.abs(product(seen.spin, direction) - 1.0).max() > _SAME_RATE:
-        return None
-    if np.abs(np.cross(seen.spin, direction)).max() > _SAME_DIRECTION:
-        return None
     # The foot of the perpendicular from the world's origin.
     place = np.cross(seen.spin, seen.shift_at_world_origin) / (turn**2)[:, None]
     middle = place.mean(axis=0)
@@ -170,18 +164,22 @@ def _axis(seen: Instants) -> Axis | None:
 
 
 def _line(seen: Instants) -> Line | None:
-    total = seen.shift.sum(axis=0)
+    direction = _kept_direction(seen.shift)
+    # At a millimetre from the axis: less rotation than that is none for any tool that fits a film.
+    if direction is None or np.abs(seen.spin).max() > _SAME_DIRECTION:
+        return None
+    return Line(_triple(direction))
+
+
+def _kept_direction(rates: Floats) -> Floats | None:
+    """Return the direction of motion, one radian or millimetre of it per unit of the coordinate."""
+    total = rates.sum(axis=0)
     if not norm(total) > 0.0:
         return None
     direction = unit(total)
-    if np.abs(product(seen.shift, direction) - 1.0).max() > _SAME_RATE:
+    if np.abs(product(rates, direction) - 1.0).max() > _SAME_RATE:
         return None
-    if np.abs(np.cross(seen.shift, direction)).max() > _SAME_DIRECTION:
-        return None
-    # At a millimetre from the axis: less rotation than that is none for any tool that fits a film.
-    if np.abs(seen.spin).max() > _SAME_DIRECTION:
-        return None
-    return Line(_triple(direction))
+    return direction if np.abs(np.cross(rates, direction)).max() <= _SAME_DIRECTION else None
 
 
 def _unit(v: Floats) -> Vec3:

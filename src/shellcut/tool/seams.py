@@ -24,22 +24,10 @@ Edge = tuple[int, int]
 def closed_seams(
     vertices: Floats, triangles: Ints, *, merge: float, reach: float
 ) -> tuple[Floats, Ints, int]:
-    """Return the surface with vertices of either side in both sides of each seam.
+    """Return the surface with vertices of either side in both sides of each seam, and how many.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (n_vertex, 3), [mm]
-    triangles : ndarray of int, shape (n_triangle, 3)
-    merge : float, [mm]
-        Vertices closer than this become one.
-    reach : float, [mm]
-        Largest distance of a vertex from the edge into which it is put.
-
-    Returns
-    -------
-    vertices, triangles : ndarray
-    n_put : int
-        Number of vertices put into edges.
+    Vertices closer than ``merge`` become one, those farther than ``reach`` from an edge are not put
+    into it [mm].
     """
     vertices, triangles, _ = merge_vertices(vertices, triangles, None, merge)
     collapsed = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
@@ -69,10 +57,8 @@ def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
         if t in fans:
             continue
         a, b, c = np.roll(triangles[t], -corner).tolist()
-        near = tree.query_ball_point(
-            0.5 * (vertices[a] + vertices[b]),
-            0.5 * float(norm(vertices[b] - vertices[a])) + reach,
-        )
+        half = 0.5 * float(norm(vertices[b] - vertices[a]))
+        near = tree.query_ball_point(0.5 * (vertices[a] + vertices[b]), half + reach)
         between = _between(vertices, (a, b), [int(v) for v in rim[near] if v != c], reach)
         if between:
             row = [a, *between, b]

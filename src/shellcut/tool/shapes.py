@@ -120,12 +120,10 @@ def tooth_ring(
     >>> ring.n_body, ring.n_chain
     (2, 2)
     """
-    problems = [
-        *_angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg"),
-        *_ring_problems(radius, half_thickness, length, relief_deg, height),
-    ]
+    problems = _angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg")
+    problems += _ring_problems(radius, half_thickness, length, relief_deg, height)
     if problems:
-        raise ToolError(problems, what="tooth ring")
+        raise _refused(*problems)
     tooth = Tooth(
         eta=radians(edge_inclination_deg),
         slope=tan(radians(wedge_half_angle_deg)),
@@ -176,17 +174,12 @@ def _ahead_of_nose(tool: Tool, cot: float) -> float:
 
 
 def _ring_problems(
-    radius: float,
-    half_thickness: float,
-    length: float,
-    relief_deg: float,
-    height: float,
+    radius: float, half_thickness: float, length: float, relief_deg: float, height: float
 ) -> Iterator[str]:
-    if length * tan(radians(relief_deg)) >= height:
+    if (rise := length * tan(radians(relief_deg))) >= height:
         yield (
-            f"the relief rises by length * tan(relief_deg) = "
-            f"{length * tan(radians(relief_deg)):.4g} mm, above height = {height:g} mm: "
-            "shorten the tooth or lower relief_deg"
+            f"the relief rises by length * tan(relief_deg) = {rise:.4g} mm, above height = "
+            f"{height:g} mm: shorten the tooth or lower relief_deg"
         )
     if half_thickness >= radius:
         yield f"half_thickness = {half_thickness:g} must be below radius = {radius:g}"
@@ -195,20 +188,13 @@ def _ring_problems(
 def _arc_pieces(tooth: Tooth, n_teeth: int, radius: float, n_arc: int | None) -> tuple[int, float]:
     """Return the segments of each cutting edge, and the distance of the d-lines [mm].
 
-    Raises
-    ------
-    ToolError
-        If teeth overlap, or the segments are too few or too many.
+    ToolError if teeth overlap, or the segments are too few or too many.
     """
     span = (tooth.forward + tooth.length) / radius
     if span * n_teeth >= 2.0 * pi:
-        raise ToolError(
-            [
-                f"{n_teeth} teeth overlap: each takes {degrees(span):.1f} of "
-                f"{360.0 / n_teeth:.1f} degrees; use fewer or shorter teeth, a steeper edge or a "
-                "larger radius"
-            ],
-            what="tooth ring",
+        raise _refused(
+            f"{n_teeth} teeth overlap: each takes {degrees(span):.1f} of {360.0 / n_teeth:.1f} "
+            "degrees; use fewer or shorter teeth, a steeper edge or a larger radius"
         )
     farthest = EDGE_DEVIATION * tooth.half_thickness
     aimed_at = DEFAULT_DEVIATION * tooth.half_thickness
@@ -218,25 +204,22 @@ def _arc_pieces(tooth: Tooth, n_teeth: int, radius: float, n_arc: int | None) ->
         longest = LONGEST_TRIANGLE * tooth.half_thickness
         n_arc = max(ceil(tooth.forward / spacing), ceil(tooth.height / sin(tooth.eta) / longest))
     elif n_arc < least:
-        raise ToolError(
-            [
-                f"n_arc = {n_arc} leaves the cutting edge {farthest:.4g} mm or more beside the "
-                f"cylinder: use at least {least}"
-            ],
-            what="tooth ring",
+        raise _refused(
+            f"n_arc = {n_arc} leaves the cutting edge {farthest:.4g} mm or more beside the "
+            f"cylinder: use at least {least}"
         )
     # two sides, each with strips between d-lines of at most n_arc pieces
     n_triangle = 4.0 * n_teeth * n_arc * ((tooth.length + tooth.forward) / spacing + 3.0)
     if not n_triangle <= MOST_TRIANGLES:
-        raise ToolError(
-            [
-                f"{n_teeth} teeth with n_arc = {n_arc:g} would have about {n_triangle:.2g} "
-                f"triangles, {MOST_TRIANGLES:,} at most: lower n_arc, the height or the length, "
-                "enlarge the radius"
-            ],
-            what="tooth ring",
+        raise _refused(
+            f"{n_teeth} teeth with n_arc = {n_arc:g} would have about {n_triangle:.2g} triangles, "
+            f"{MOST_TRIANGLES:,} at most: lower n_arc, the height or the length, enlarge the radius"
         )
     return n_arc, spacing
+
+
+def _refused(*problems: str) -> ToolError:
+    return ToolError([*problems], what="tooth ring")
 
 
 @checked
@@ -277,10 +260,8 @@ def straight_blade(
         raise ToolError(problems, what="straight blade")
 
     slope = tan(radians(wedge_half_angle_deg))
-    if half_thickness / slope < length:
-        behind = [0.0, half_thickness / slope, length]
-    else:
-        behind = [0.0, length]
+    shoulder = half_thickness / slope
+    behind = [0.0, shoulder, length] if shoulder < length else [0.0, length]
     # section counter-clockwise seen from above: edge, plus side to the back, minus side to the edge
     section = [(-d, min(slope * d, half_thickness)) for d in behind]
     section += [(x, -y) for x, y in section[:0:-1]]
@@ -314,12 +295,11 @@ def _edge_half_angle(inclination_deg: float, half_angle_deg: float) -> float:
 
 
 def _angle_problems(inclination_deg: float, half_angle_deg: float, name: str) -> list[str]:
-    problems = []
     seen = _edge_half_angle(inclination_deg, half_angle_deg)
-    if seen > BLUNTEST_EDGE * (1.0 + 1e-12):
-        problems.append(
-            f"wedge_half_angle_deg = {half_angle_deg:g} is {seen:.1f} seen along an edge at "
-            f"{name} = {inclination_deg:g}, above {BLUNTEST_EDGE:g}: sharpen the wedge or "
-            "raise the edge"
-        )
-    return problems
+    if seen <= BLUNTEST_EDGE * (1.0 + 1e-12):
+        return []
+    return [
+        f"wedge_half_angle_deg = {half_angle_deg:g} is {seen:.1f} seen along an edge at "
+        f"{name} = {inclination_deg:g}, above {BLUNTEST_EDGE:g}: sharpen the wedge or raise the "
+        "edge"
+    ]

@@ -120,9 +120,8 @@ class Surface:
                 f"{self._at(self.vertices[pinched])}"
             )
         unsound = np.zeros(self.body.max() + 1, dtype=bool)
-        bad_edges = ~self.manifold
-        unsound[self.body[self.forward[bad_edges]]] = True
-        unsound[self.body[self.backward[bad_edges]]] = True
+        for sides in (self.forward, self.backward):
+            unsound[self.body[sides[~self.manifold]]] = True
         inverted = np.flatnonzero((self.body_volumes() < 0.0) & ~unsound)
         if inverted.size:
             teeth = ", ".join(str(b) for b in inverted)
@@ -214,11 +213,11 @@ class Surface:
         """Return +1, -1 or 0 per triangle: its side of the nearest cutting edge."""
         # a path across a cutting edge meets a seed of the other side first: no need to block it
         graph = self._over_centres(self.manifold & (np.abs(self.turn) < largest_turn))
-        to_plus = scipy.sparse.csgraph.dijkstra(
-            graph, directed=False, indices=np.unique(plus), min_only=True
-        )
-        to_minus = scipy.sparse.csgraph.dijkstra(
-            graph, directed=False, indices=np.unique(minus), min_only=True
+        to_plus, to_minus = (
+            scipy.sparse.csgraph.dijkstra(
+                graph, directed=False, indices=np.unique(side), min_only=True
+            )
+            for side in (plus, minus)
         )
         flank = np.zeros(len(self.triangles), dtype=np.int8)
         flank[np.isfinite(to_plus) & (to_plus <= to_minus)] = 1
@@ -293,14 +292,8 @@ def merge_vertices(
 ) -> tuple[Floats, Ints, Ints | None]:
     """Return vertices, triangles and edges with coinciding vertices merged.
 
-    The first of them is kept, unused ones are dropped (id -1 in edges).
-
-    Parameters
-    ----------
-    vertices : ndarray, shape (n_vertex, 3)
-    triangles, edges : ndarray of int, shape (n, 3) and (n, 2)
-    tolerance : float, optional
-        By default :data:`MERGE_TOLERANCE` of the diagonal.
+    The first of them is kept, unused ones are dropped (id -1 in edges). Those closer than the
+    tolerance coincide, by default :data:`MERGE_TOLERANCE` of the diagonal.
     """
     if tolerance is None:
         tolerance = MERGE_TOLERANCE * float(norm(np.ptp(vertices, axis=0)))

@@ -15,12 +15,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.formats.errors import counted, point_text
 from shellcut.numerics.consistent_winding import common_winding
 
-from .surface import (
-    DEGENERATE_HEIGHT,
-    Surface,
-    merge_vertices,
-    normals_and_heights,
-)
+from .surface import DEGENERATE_HEIGHT, Surface, merge_vertices, normals_and_heights
 
 _MOST_SWAPS = 50  # rounds of swaps; each leaves fewer flat triangles, more rounds mean a tangle
 
@@ -39,12 +34,8 @@ class Repaired:
 def repaired(vertices: Floats, triangles: Ints, *, tolerance: float | None = None) -> Repaired:
     """Return the repaired surface.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (n_vertex, 3), [mm]
-    triangles : ndarray of int, shape (n_triangle, 3)
-    tolerance : float, optional, [mm]
-        Vertices nearer than this become one; by default the round-off of single precision.
+    Vertices nearer than the tolerance [mm] become one; by default it is the round-off of single
+    precision.
 
     Examples
     --------
@@ -101,9 +92,8 @@ def _swap(done: Repaired, flat: Bools) -> bool:
         rows[t], rows[other] = [b, c, d], [c, a, d]
         # the other neighbours are found again in the next round
         touched |= {beside[side] for side in ((c, b), (a, c)) if side in beside}
-    done.triangles = np.array(
-        [row for t, row in enumerate(rows) if t not in removed], dtype=np.int64
-    ).reshape(-1, 3)
+    kept = [row for t, row in enumerate(rows) if t not in removed]
+    done.triangles = np.array(kept, dtype=np.int64).reshape(-1, 3)
     return bool(touched)
 
 

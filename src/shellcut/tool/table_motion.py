@@ -97,11 +97,8 @@ class TableMotion:
         object.__setattr__(self, "_start", rows)
         object.__setattr__(self, "_turns", bool(turn.max() > 0.0))
         object.__setattr__(self, "_travel", self._sum_travel())
-        for name, array in (
-            ("times", times),
-            ("translations", translations),
-            ("rotation_vectors", vectors),
-        ):
+        names = ("times", "translations", "rotation_vectors")
+        for name, array in zip(names, (times, translations, vectors), strict=True):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 

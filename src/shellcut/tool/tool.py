@@ -230,10 +230,8 @@ class Tool:
         -----
         Self-intersection of the surface is not checked.
         """
-        coordinates, ids, given = _cast(
-            vertices, triangles, edges, sharp_angle_deg, flank_angle_deg
-        )
-        coordinates, ids, given = merge_vertices(coordinates, ids, given)
+        as_given = _cast(vertices, triangles, edges, sharp_angle_deg, flank_angle_deg)
+        coordinates, ids, given = merge_vertices(*as_given)
         surface = Surface(coordinates, ids)
         problems = surface.problems()
         if given is None:
@@ -311,10 +309,8 @@ class Tool:
     def without_cutting(self, *chains: int) -> Tool:
         """Return the tool with some chains not cutting, as ordinary edges of its surface.
 
-        Parameters
-        ----------
-        *chains : int
-            Numbers of :meth:`chains`. The rest keep their order and are renumbered.
+        They are given by their numbers in :meth:`chains`; the rest keep their order and are
+        renumbered.
         """
         wrong = [c for c in chains if c not in range(self.n_chain)]
         problems = []
@@ -424,9 +420,11 @@ def _cast(
         problems.append(f"{counted(len(bad), 'vertex', 'vertices')} not finite, first id {bad[0]}")
     n_vertex = coordinates.shape[0] if coordinates.ndim else 0
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
-    given = None
-    if edges is not None:
-        given = _cast_edges(edges, n_vertex, problems)
+    given: Ints | None = None
+    if edges is not None and np.shape(edges) == (0, 2):
+        given = np.zeros((0, 2), dtype=np.int64)
+    elif edges is not None:
+        given = _cast_ids(edges, 2, "edges", "(n_edge, 2)", n_vertex, problems)
     if not 0.0 < sharp_angle_deg < 180.0:
         problems.append(f"sharp_angle_deg must be between 0 and 180, got {sharp_angle_deg}")
     if not 0.0 < flank_angle_deg < 90.0:
@@ -434,12 +432,6 @@ def _cast(
     if problems:
         raise ToolError(problems)
     return coordinates, ids, given
-
-
-def _cast_edges(edges: npt.ArrayLike, n_vertex: int, problems: list[str]) -> Ints:
-    if np.shape(edges) == (0, 2):
-        return np.zeros((0, 2), dtype=np.int64)
-    return _cast_ids(edges, 2, "edges", "(n_edge, 2)", n_vertex, problems)
 
 
 def _cast_ids(

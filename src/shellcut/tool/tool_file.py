@@ -30,11 +30,8 @@ from .tool import Tool, ToolError
 
 _log = logging.getLogger("shellcut.tool_file")
 
-READERS: dict[str, Callable[[str | Path], SurfaceFile]] = {
-    ".stl": read_stl,
-    ".obj": read_obj,
-    ".ply": read_ply,
-}
+READERS: dict[str, Callable[[str | Path], SurfaceFile]]
+READERS = {".stl": read_stl, ".obj": read_obj, ".ply": read_ply}
 """Reader of triangles by suffix of the file name; Gmsh makes those of STEP and IGES."""
 
 _WELD = 0.1

@@ -96,10 +96,10 @@ class Tooth:
 def _walls(plus_lines: list[list[int]], minus_lines: list[list[int]]) -> list[Triangle]:
     # Between the two sides: below and behind (lower ends of the d-lines, then up the last one), and
     # on top (their upper ends).
-    lower = [(p[0], m[0]) for p, m in zip(plus_lines, minus_lines, strict=True)] + list(
-        zip(plus_lines[-1][1:], minus_lines[-1][1:], strict=True)
-    )
-    upper = [(p[-1], m[-1]) for p, m in zip(plus_lines, minus_lines, strict=True)]
+    both = list(zip(plus_lines, minus_lines, strict=True))
+    lower = [(p[0], m[0]) for p, m in both]
+    lower += zip(plus_lines[-1][1:], minus_lines[-1][1:], strict=True)
+    upper = [(p[-1], m[-1]) for p, m in both]
     walls = []
     for (p, m), (p_next, m_next) in pairwise(lower):
         walls += [(p, p_next, m_next), (p, m_next, m)]

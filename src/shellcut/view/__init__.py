@@ -3,6 +3,7 @@
 May import ``frame``, ``formats`` and rows below.
 """
 
+from ._figure import can_draw
 from ._panel import edge_length, legend_of, title_parts, tool_creases
 from .crack_map import draw_crack_map
 from .curves import Curve, Diagram, draw_curves
@@ -17,6 +18,7 @@ __all__ = [
     "Diagram",
     "Look",
     "ModelView",
+    "can_draw",
     "draw_crack_map",
     "draw_curves",
     "draw_model",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 from pathlib import Path
 from typing import Any
@@ -9,14 +10,13 @@ from typing import Any
 from shellcut.files.whole_file import atomic_write
 
 
-def new_figure(size: tuple[float, float], dpi: float) -> Any:
-    """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg).
+def can_draw() -> bool:
+    """Whether Matplotlib is installed."""
+    return importlib.util.find_spec("matplotlib") is not None
 
-    Raises
-    ------
-    ImportError
-        If Matplotlib is not installed, with the command that installs it.
-    """
+
+def new_figure(size: tuple[float, float], dpi: float) -> Any:
+    """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg)."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

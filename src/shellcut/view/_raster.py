@@ -23,32 +23,22 @@ _AMBIENT, _HEAD = 0.35, 0.25  # shares of the light that come from all sides and
 _THROUGH = 0.7  # share of the lamp's light that shines through the film
 _GLEAM, _GLOSS = 0.3, 14.0  # the gleam and its exponent
 _SHADE = 0.4  # of the light that a shadow takes
-_SOFT, _NEAR = (
-    3,
-    10.0,
-)  # half the width of a shadow's rim, and how far its owner is in front [pixel]
+_SOFT = 3  # half the width of a shadow's rim [pixel]
+_NEAR = 10.0  # how far the owner of a shadow is in front [pixel]
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """An orthographic camera.
-
-    Attributes
-    ----------
-    axes : ndarray, shape (3, 3), [-]
-        Unit vectors to the right, up, and toward the viewer, as rows.
-    centre : ndarray, shape (3,), [mm]
-        The point in the middle of the picture.
-    scale : float
-        Pixels per mm.
-    shape : (int, int)
-        Height and width of the picture in pixels.
-    """
+    """An orthographic camera."""
 
     axes: Floats
+    """Unit vectors to the right, up, and toward the viewer, as rows, shape (3, 3)."""
     centre: Floats
+    """The point in the middle of the picture, shape (3,)."""
     scale: float
+    """Pixels per mm."""
     shape: tuple[int, int]
+    """Height and width of the picture in pixels."""
 
     def project(self, points: Floats) -> Floats:
         """Return pixel column, pixel row and depth [pixel], larger is nearer; shape (..., 3)."""

@@ -35,13 +35,10 @@ def plane_axes(reference: Floats) -> tuple[int, int, int]:
 
 
 def tooth_paths(frames: Sequence[Frame]) -> list[Floats]:
-    """Return where the edge of each tooth passes through the plane of a flat film.
+    """Return where each tooth's edge passes through the plane of a flat film, shape (n_frame, 3).
 
-    Returns
-    -------
-    list of ndarray, shape (n_frame, 3), [mm]
-        One per tooth, nan where it does not meet the plane; empty for a curved film, or if the
-        teeth of the frames differ.
+    Positions are nan where it does not meet the plane [mm]. There is none for a curved film, or if
+    the teeth of the frames differ.
     """
     reference = frames[0].reference
     across = plane_axes(reference)[2]

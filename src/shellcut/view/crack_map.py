@@ -144,14 +144,9 @@ def _add_splits(axes: Any, at: Floats, kind: str, k: int) -> None:
 
 
 def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
-    """Return every crack edge of the frames once, and when it opened.
+    """Return reference ends of every crack edge once, shape (n, 2, 3), [mm], and when it opened.
 
-    Returns
-    -------
-    segments : ndarray, shape (n, 2, 3)
-        Reference ends [mm].
-    opened : ndarray, shape (n,)
-        Coordinate of the first frame that has the edge open.
+    That is the coordinate of the first frame that has the edge open.
     """
     from scipy.spatial import cKDTree
 

@@ -103,16 +103,10 @@ def at_corners(field: Field, frame: Frame, smooth: bool) -> Floats:
 
 
 def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]:
-    """Return round limits of a colour scale that enclose nearly all numbers of all arrays.
+    """Return round limits of a colour scale that enclose nearly all numbers of all frames.
 
-    Few quads at a crack tip would otherwise darken the rest.
-
-    Parameters
-    ----------
-    arrays : sequence of ndarray
-        One for each frame.
-    sign : int
-        As in :class:`Field`. With 0 the scale includes zero unless the numbers lie far from it.
+    Few quads at a crack tip would otherwise darken the rest. ``sign`` is that of :class:`Field`:
+    with 0 the scale includes zero unless the numbers lie far from it.
 
     Examples
     --------

@@ -60,26 +60,14 @@ class Look:
         return part not in self.hide
 
     def field_of(self, frame: Frame) -> Field:
-        """Return what colours the film.
-
-        Raises
-        ------
-        ValueError
-            If the frame has no such field.
-        """
+        """Return what colours the film."""
         known = fields_of(frame)
         if self.field not in known:
             raise ValueError(f"field must be one of {'; '.join(known)}; got {self.field!r}")
         return known[self.field]
 
     def limits_for(self, values: Sequence[Floats], sign: int) -> tuple[float, float]:
-        """Return the ends of the colour scale of a field, ``sign`` as in :class:`Field`.
-
-        Raises
-        ------
-        ValueError
-            If the lower end is not below the upper one.
-        """
+        """Return the ends of the colour scale of a field, ``sign`` as in :class:`Field`."""
         low, high = field_limits(values, sign)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
@@ -90,12 +78,7 @@ class Look:
     def colors(self, n: int = 256) -> Floats:
         """Return the colours of the scale from its lower to its upper end, shape (n, 3), [-].
 
-        Raises
-        ------
-        ValueError
-            If there is no such colour map.
-        ImportError
-            If it takes Matplotlib, which is not installed.
+        Some maps take Matplotlib.
         """
         if self.colormap == _DEFAULT:
             stops = np.array([list(bytes.fromhex(stop)) for stop in _VIRIDIS.split()]) / 255.0

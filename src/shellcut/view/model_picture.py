@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -126,12 +127,12 @@ def draw_model(
     save(figure, path)
 
 
-def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, int]) -> None:
+def _draw_pose(axes: Any, model: ModelView, pose: int, axes_ids: tuple[int, int]) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
 
     i, j = axes_ids
     x = model.nodes[:, [i, j]]
-    add = axes.add_collection  # type: ignore[attr-defined]
+    add = axes.add_collection
     if len(model.quads):
         add(LineCollection(list(x[mesh_edges(model.quads)]), colors=_FILM_COLOR, linewidths=0.4))
     if len(model.worst):
@@ -139,9 +140,8 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
         worst.set_label(f"{len(model.worst)} quads with the shortest steps")
         add(worst)
     if len(model.held):
-        axes.plot(  # type: ignore[attr-defined]
-            *x[model.held].T, ".", ms=3, color=_HELD_COLOR, label=f"{len(model.held)} held nodes"
-        )
+        label = f"{len(model.held)} held nodes"
+        axes.plot(*x[model.held].T, ".", ms=3, color=_HELD_COLOR, label=label)
     if len(model.tool):
         tool = model.tool[pose][:, [i, j]]
         add(PolyCollection(list(tool[model.triangles]), facecolors=_TOOL_COLOR, alpha=0.25))
@@ -154,14 +154,10 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
             add(edges)
     if len(model.way):
         label = "path of the edges through the film"
-        axes.plot(  # type: ignore[attr-defined]
-            *model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label
-        )
+        axes.plot(*model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label)
     if pose == 0 and len(model.track):
         track, color = model.track[:, [i, j]], _TRACK_COLOR
-        axes.plot(  # type: ignore[attr-defined]
-            *track.T, color=color, lw=1.2, zorder=4, label="way of an end of the tool's edge"
-        )
-        axes.annotate(  # type: ignore[attr-defined]
-            "", track[-1], track[-2], arrowprops={"arrowstyle": "-|>", "color": color}, zorder=4
-        )
+        label = "way of an end of the tool's edge"
+        axes.plot(*track.T, color=color, lw=1.2, zorder=4, label=label)
+        arrow = {"arrowstyle": "-|>", "color": color}
+        axes.annotate("", track[-1], track[-2], arrowprops=arrow, zorder=4)

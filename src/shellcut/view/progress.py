@@ -13,7 +13,6 @@ import math
 import sys
 import time
 from collections.abc import Callable, Mapping
-from types import TracebackType
 from typing import Any, TextIO
 
 from shellcut.unit import with_unit
@@ -29,22 +28,10 @@ _ROUND_OFF = 1e-9
 class Progress:
     """Show progress of a run, its figures, its speed and the time left.
 
-    Parameters
-    ----------
-    label : str
-        Name of the run.
-    figure_units : mapping of str to str, optional
-        Units of the figures given to `update`, by name, e.g. ``{"angle": "deg", "imbalance":
-        "%"}``.
-    step_name : str
-        Name of the steps, in the plural.
-    stream : text stream, optional
-        Output; standard error by default. On a terminal a bar is drawn in place, elsewhere plain
-        lines are written, at most one every `LINE_INTERVAL`.
-    log : callable, optional
-        Receives every line of text shown, but not the bar.
-    clock : callable
-        Returns the time [s]; for tests.
+    Figures are shown in ``figure_units``, by name, steps by their name in the plural. The stream is
+    standard error by default: on a terminal a bar is drawn in place, elsewhere plain lines are
+    written, at most one every :data:`LINE_INTERVAL`. ``log`` receives every line of text shown, but
+    not the bar.
     """
 
     def __init__(
@@ -80,14 +67,7 @@ class Progress:
     def update(self, share: float, *, step: int, **figures: float) -> None:
         """Show the share done and the figures if a drawing is due (0.5 us otherwise).
 
-        Parameters
-        ----------
-        share : float
-            Completed part of the work, 0 to 1.
-        step : int
-            Number of steps done, for the steps per second.
-        **figures : float
-            Further figures by name.
+        The number of steps done gives the steps per second.
         """
         if not self._alive or (self._shown is not None and step == self._shown[1]):
             return
@@ -125,12 +105,7 @@ class Progress:
     def __enter__(self) -> Progress:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _guard(self, show: Callable[[], None]) -> None:
@@ -162,7 +137,8 @@ class Progress:
         ]
         if self._shown is not None and now > self._shown[0] and step > self._shown[1]:
             speed = (step - self._shown[1]) / (now - self._shown[0])
-            texts.append(f"{_speed(speed)} {self._step_name}/s")
+            how_fast = f"{speed:,.0f}" if speed >= 10.0 else f"{speed:.2g}"
+            texts.append(f"{how_fast} {self._step_name}/s")
         self._shown = now, step
         text = ", ".join(texts)
         if self._bar:
@@ -233,10 +209,6 @@ def percent(share: float) -> int:
     if not share > 0.0:  # nan too
         return 0
     return math.floor(100.0 * min(share, 1.0) + _ROUND_OFF)
-
-
-def _speed(value: float) -> str:
-    return f"{value:,.0f}" if value >= 10.0 else f"{value:.2g}"
 
 
 def duration(seconds: float) -> str:

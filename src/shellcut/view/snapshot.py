@@ -101,14 +101,8 @@ def png_of(frame: Frame, look: Look, shape: tuple[int, int]) -> bytes:
 class SnapshotSeries:
     """Snapshots of a run with one camera, one scale and one legend.
 
-    The figure is created once; each frame changes its pictures, title and circle.
-
-    Parameters
-    ----------
-    seen : sequence of Frame
-        Frames that the left camera and the legend must cover.
-    look, size, close_up
-        As in :func:`draw_scene`.
+    Left camera and legend cover all frames ``seen``. The figure is created once; each frame changes
+    its pictures, title and circle.
     """
 
     def __init__(

@@ -15,9 +15,8 @@ Source: Ko, Lee, Bathe, C&S 182 (2017) 404-418, Fig. 5. Bands: patch tests, 1e-1
 import numpy as np
 
 from harness import Check
-from shellcut import EdgeTraction, Mesh, ShellMaterial, Support
-from shellcut.loads.loads import Load, NodalMoment
-from shellcut.statics.statics import Statics
+from shellcut import EdgeTraction, Mesh, NodalMoment, ShellMaterial, Statics, Support
+from shellcut.loads.loads import Load
 
 ID, TITLE, FAST = "A01", "Patch tests and rigid motions", True
 

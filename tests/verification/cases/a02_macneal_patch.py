@@ -28,8 +28,7 @@ from cases.a01_patch_test import (
     zero,
 )
 from harness import Check
-from shellcut import ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "A02", "MacNeal-Harder patch", True
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from cases.patches import cylinder_patch, same_element
 from harness import Check
-from shellcut import Gravity, Mesh, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import Gravity, Mesh, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "A03", "Scordelis-Lo roof", True
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from cases.patches import cylinder_patch, same_element
 from harness import Check
-from shellcut import Mesh, NodalForce, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "A04", "Pinched cylinder with diaphragms", True
 

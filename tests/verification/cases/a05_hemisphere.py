@@ -14,8 +14,7 @@ import numpy as np
 from cases.patches import mapped_patch, same_element
 from cases.paths import curve
 from harness import Check
-from shellcut import Mesh, NodalForce, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "A05", "Pinched hemisphere with hole", True
 

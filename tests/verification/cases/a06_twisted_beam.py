@@ -28,8 +28,7 @@ import numpy as np
 from cases.patches import Place, mapped_patch
 from cases.paths import curve
 from harness import Check
-from shellcut import EdgeTraction, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import EdgeTraction, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "A06", "Twisted beam", True
 

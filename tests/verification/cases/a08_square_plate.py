@@ -16,8 +16,7 @@ import numpy as np
 from cases.patches import Place, mapped_patch
 from cases.paths import curve
 from harness import Check
-from shellcut import Pressure, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import Pressure, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "A08", "Square plate, uniform pressure", True
 

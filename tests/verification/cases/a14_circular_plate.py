@@ -14,9 +14,8 @@ import numpy as np
 
 from cases.paths import curve
 from harness import Check
-from shellcut import Pressure, ShellMaterial, Support
+from shellcut import Pressure, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A14", "Circular plate, uniform pressure", True
 

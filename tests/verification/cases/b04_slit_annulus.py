@@ -12,8 +12,7 @@ import numpy as np
 from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
 from harness import Check
-from shellcut import EdgeTraction, Mesh, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import EdgeTraction, Mesh, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B04", "Slit annular plate, lifted lip", False
 CURVES: dict[str, dict[str, list[float]]] = {}

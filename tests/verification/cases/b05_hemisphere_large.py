@@ -15,8 +15,7 @@ import numpy as np
 from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
 from harness import Check
-from shellcut import Mesh, NodalForce, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B05", "Pinched hemisphere with hole, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}

@@ -24,8 +24,7 @@ import numpy as np
 from cases.patches import cylinder_patch
 from cases.paths import at_factors, curve, distance_to_curve, rows_of, table_checks
 from harness import Check
-from shellcut import NodalForce, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B07", "Pinched cylinder, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}

@@ -15,8 +15,7 @@ import numpy as np
 from cases.patches import cylinder_patch
 from cases.paths import curve, distance_to_curve, rows_of, spline
 from harness import Check
-from shellcut import NodalForce, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B09", "Hinged cylindrical roof, snap-through", True
 ONE_PERCENT = "1 % of the largest deflection"

@@ -16,9 +16,8 @@ from cases.c01_clamped_circular_plate import likest, spacing
 from cases.c04_square_plate_ssss import mesh_band, observed_order
 from cases.paths import order_curve
 from harness import Check
-from shellcut import ShellMaterial, Support
+from shellcut import ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "C03", "Circular membrane, frequencies", True
 

@@ -16,8 +16,7 @@ import numpy as np
 from cases.patches import mapped_patch
 from cases.paths import order_curve
 from harness import Check
-from shellcut import Mesh, ShellMaterial, Support
-from shellcut.statics.statics import Statics
+from shellcut import Mesh, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "C04", "Square plate SSSS, frequencies", True
 

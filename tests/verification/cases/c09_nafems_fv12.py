@@ -14,9 +14,8 @@ import numpy as np
 
 from cases.c04_square_plate_ssss import mesh_band, unit
 from harness import Check
-from shellcut import ShellMaterial
+from shellcut import ShellMaterial, Statics
 from shellcut.mesh.structured import rectangle
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "C09", "NAFEMS FV12 free square plate", True
 

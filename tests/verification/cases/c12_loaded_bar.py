@@ -17,9 +17,8 @@ import numpy as np
 
 from cases.paths import curve
 from harness import Check
-from shellcut import EdgeTraction, Mesh, ShellMaterial, Simulation, Support
+from shellcut import EdgeTraction, Mesh, ShellMaterial, Simulation, Statics, Support
 from shellcut.mesh.structured import rectangle
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "C12", "Suddenly loaded bar", True
 

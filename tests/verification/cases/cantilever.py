@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 
-from shellcut import ShellMaterial, Support
+from shellcut import ShellMaterial, Statics, Support
 from shellcut.loads.loads import Load
 from shellcut.mesh.structured import rectangle
-from shellcut.statics.statics import Statics
 
 
 def cantilever(length: float, n: int, loads: Sequence[Load]) -> Statics:

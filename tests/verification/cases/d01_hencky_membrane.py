@@ -16,9 +16,8 @@ import numpy as np
 
 from cases.paths import order_curve
 from harness import Check
-from shellcut import Mesh, Pressure, ShellMaterial, Support
+from shellcut import Mesh, Pressure, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "D01", "Hencky's membrane", True
 

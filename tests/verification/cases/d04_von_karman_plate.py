@@ -18,9 +18,8 @@ import numpy as np
 from cases.d01_hencky_membrane import at_the_rim, in_the_middle, radial_stress
 from cases.paths import curve
 from harness import Check
-from shellcut import Pressure, ShellMaterial, Support
+from shellcut import Pressure, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "D04", "Von Karman's clamped circular plate", True
 

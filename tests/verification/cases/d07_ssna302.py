@@ -8,9 +8,8 @@ Confidence low to medium: beside. Von Karman's theory, rim held in its plane at 
 """
 
 from harness import Check
-from shellcut import Pressure, ShellMaterial, Support
+from shellcut import Pressure, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "D07", "code_aster SSNA302", True
 

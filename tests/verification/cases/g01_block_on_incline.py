@@ -14,10 +14,8 @@ are read from the root of the speed, which is linear in time.
 import numpy as np
 
 from harness import Check
-from shellcut import Contact, Gravity, Mesh, ShellMaterial, Simulation
+from shellcut import Contact, Gravity, Mesh, ShellMaterial, Simulation, StraightMotion, Tool
 from shellcut.mesh.structured import rectangle
-from shellcut.tool.motion import StraightMotion
-from shellcut.tool.tool import Tool
 
 ID, TITLE, FAST = "G01", "Block on an incline", True
 

@@ -17,10 +17,8 @@ Bands: mesh. The mean slope of 0.05 raises the tension by 1 %; the ball's facets
 import numpy as np
 
 from harness import Check
-from shellcut import Contact, ShellMaterial, Simulation, Support
+from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, Tool
 from shellcut.mesh.structured import disc
-from shellcut.tool.motion import StraightMotion
-from shellcut.tool.tool import Tool
 
 ID, TITLE, FAST = "G03", "Ball on a membrane", True
 

@@ -5,9 +5,10 @@ stresses from zero to A (151.2, 93.1) and on a straight line to B (257.2, 33.1),
 tau_xy. The law is that of the films, between logarithmic strain and its stress, where a path of
 small strains is exact at any size.
 
-Source: inputs of Code_Aster V6.03.015 (SSNP15); values of ../shared/METHOD2.md 9, converged. The
-return at the end of the step is of the first order in the step on the leg that turns, and one in
-all where it does not: the strains at B are extrapolated from 80 and 160 steps.
+Source: inputs of Code_Aster V6.03.015 (SSNP15); values integrated from the rate equations in small
+steps, converged. The return at the end of the step is of the first order in the step on the leg
+that turns, and one in all where it does not: the strains at B are extrapolated from 80 and 160
+steps.
 """
 
 import numpy as np

@@ -6,7 +6,7 @@ thickness are those of the closed form,
 
     r(theta) = [H + (2N - F - G - 4H) s² c²] / (F s² + G c²).
 
-Source: Hill 1948; values of ../shared/METHOD2.md 9.
+Source: Hill 1948.
 """
 
 import numpy as np

@@ -12,10 +12,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from harness import Check
-from shellcut import Support
-from shellcut.material import Elastic, Layer, MaterialPoint, Plastic, ShellMaterial, Swift
+from shellcut import Elastic, Layer, Plastic, ShellMaterial, Statics, Support, Swift
+from shellcut.material import MaterialPoint
 from shellcut.mesh.structured import rectangle
-from shellcut.statics import Statics
 
 ID, TITLE, FAST = "P04", "Considère's maximum", False
 

@@ -21,11 +21,9 @@ differ (0.017 sigma_y beside the core with nu = 0.3), so nu is that of plastic f
 import numpy as np
 
 from harness import Check
-from shellcut import Support
-from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
+from shellcut import Elastic, Layer, Linear, Plastic, ShellMaterial, Statics, Support
 from shellcut.material.plastic import HISTORY
 from shellcut.mesh.structured import rectangle
-from shellcut.statics import Statics
 
 ID, TITLE, FAST = "P05", "Bent strip, springback", False
 

@@ -6,7 +6,7 @@ membrane action hides nothing. The pressure is raised by half a per cent at a ti
 deflection is twenty times the elastic one. A clamped rim is a hinge, which the quads have at their
 Gauss points, beside the rim: that takes the limit down with the first order of the quads' size.
 
-Source: Hopkins & Wang 1954; values of ../shared/METHOD2.md 9.
+Source: Hopkins & Wang 1954.
 """
 
 import numpy as np

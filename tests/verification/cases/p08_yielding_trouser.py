@@ -20,7 +20,7 @@ the speed, so that they are so there too.
 The crack runs along a straight row of edges; tests/verification/test_trouser.py leads it through
 quads.
 
-Source: energy balance; ../shared/METHOD2.md 10. Slopes over w by fitted lines, from ``START`` on:
+Source: energy balance. Slopes over w by fitted lines, from ``START`` on:
 the crack grows by an edge at a time.
 """
 
@@ -29,8 +29,7 @@ from functools import partial
 import numpy as np
 
 from harness import Check
-from shellcut import Fracture, Simulation, Support
-from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
+from shellcut import Elastic, Fracture, Layer, Linear, Plastic, ShellMaterial, Simulation, Support
 from shellcut.models.trouser import LAW, trouser_strip
 
 ID, TITLE, FAST = "P08", "Trouser with legs that yield", False

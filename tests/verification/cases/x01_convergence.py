@@ -18,9 +18,8 @@ from cases.a08_square_plate import EDGES, POISSON, SYMMETRY, YOUNG, flat, stiffn
 from cases.patches import mapped_patch
 from cases.paths import order_curve
 from harness import Check
-from shellcut import EdgeTraction, Mesh, NodalForce, Pressure, ShellMaterial, Support
+from shellcut import EdgeTraction, Mesh, NodalForce, Pressure, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "X01", "Order of convergence", True
 

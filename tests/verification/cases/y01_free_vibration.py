@@ -16,9 +16,8 @@ from scipy.optimize import minimize_scalar
 
 from cases.paths import curve
 from harness import Check
-from shellcut import Mesh, ShellMaterial, Simulation, Stepping, Support
+from shellcut import Mesh, ShellMaterial, Simulation, Statics, Stepping, Support
 from shellcut.mesh.structured import cylinder, disc, rectangle
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y01", "Free vibration against the modes", True
 

@@ -18,9 +18,8 @@ import numpy as np
 
 from cases.paths import curve
 from harness import Check
-from shellcut import ShellMaterial, Simulation, Stepping, Support
+from shellcut import ShellMaterial, Simulation, Statics, Stepping, Support
 from shellcut.mesh.structured import rectangle
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y02", "Decay rates of alpha and beta", True
 

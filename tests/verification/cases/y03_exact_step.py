@@ -16,10 +16,9 @@ from collections.abc import Callable
 import numpy as np
 
 from harness import Check
-from shellcut import Mesh, ShellMaterial, Simulation, Stepping
+from shellcut import Mesh, ShellMaterial, Simulation, Statics, Stepping
 from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
 from shellcut.simulation.instability import UnstableStep
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y03", "Exact critical step", True
 

@@ -20,9 +20,8 @@ import numpy as np
 
 from cases.paths import curve
 from harness import Check
-from shellcut import Pressure, ShellMaterial, Simulation, Support
+from shellcut import Pressure, ShellMaterial, Simulation, Statics, Support
 from shellcut.mesh.structured import disc, rectangle
-from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y04", "Energy drift over 1e6 steps", False
 

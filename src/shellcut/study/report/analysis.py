@@ -21,29 +21,19 @@ _NOTHING = 0.0
 
 @dataclass(frozen=True)
 class Analysed:
-    """A figure of interest with what the runs say about it.
-
-    Attributes
-    ----------
-    figure : FigureOfRuns
-    rows : ndarray, shape (n_run,)
-        Runs that have the figure.
-    factors : tuple of Studied
-        Those that vary over these runs, in the order of the surface's inputs.
-    surface : Surface or None
-        With its error.
-    indices : Indices or None
-        Its sensitivities.
-    why : str
-        Why there is no surface; "" if there is one.
-    """
+    """A figure of interest with what the runs say about it."""
 
     figure: FigureOfRuns
     rows: Bools
+    """Runs that have the figure, shape (n_run,)."""
     factors: tuple[Studied, ...]
+    """Those that vary over these runs, in the order of the surface's inputs."""
     surface: Surface | None
+    """With its error."""
     indices: Indices | None
+    """Its sensitivities."""
     why: str
+    """Why there is no surface; "" if there is one."""
 
     @property
     def varies(self) -> bool:

@@ -16,21 +16,14 @@ from .studied import Studied
 
 @dataclass(frozen=True)
 class Colouring:
-    """Groups of runs by one factor.
-
-    Attributes
-    ----------
-    factor : str
-        Its name.
-    names : tuple of str
-        Of the groups, in order.
-    group : ndarray, shape (n,)
-        Of each run.
-    """
+    """Groups of runs by one factor."""
 
     factor: str
+    """Its name."""
     names: tuple[str, ...]
+    """Of the groups, in order."""
     group: Ints
+    """Of each run, shape (n,)."""
 
     def style(self, group: int) -> str:
         """Return the style of a group's lines, from the first to the last of the palette."""

@@ -60,7 +60,10 @@ def curves(study: Study) -> str:
     longest = max(found, key=lambda one: one.x[-1] - one.x[0])
     (x_name, y_name), (x_unit, y_unit) = found[0].names, found[0].units
     first = groups[0] if groups else Colouring("", ("all runs",), np.zeros(len(found), int))
-    drawn = [_curve(one, first, k) for k, one in enumerate(found)]
+    drawn = [
+        Curve(first.names[k], one.y, first.style(k), x=one.x)
+        for k, one in zip(first.group.tolist(), found, strict=True)
+    ]
     picture = chart(
         Diagram(longest.x, drawn, x_name, x_unit, y_name, y_unit),
         f"Curves: {y_name} over {x_name} of {len(found)} runs.",
@@ -73,11 +76,6 @@ def curves(study: Study) -> str:
 def _groups(study: Study, found: Sequence[_OfRun]) -> list[Colouring]:
     rows = np.array([one.row for one in found])
     return [coloured_by(factor, rows) for factor in study.factors if factor.varies]
-
-
-def _curve(one: _OfRun, by: Colouring, k: int) -> Curve:
-    group = int(by.group[k])
-    return Curve(by.names[group], one.y, by.style(group), x=one.x)
 
 
 def _chooser(groups: list[Colouring]) -> str:

@@ -34,24 +34,16 @@ _STEADY = "the steady window"
 
 @dataclass(frozen=True, kw_only=True)
 class Studied(Input):
-    """A key, or a factor, with its value in each run.
-
-    Attributes
-    ----------
-    key : str
-        As in the study file; of a factor of several keys all of them.
-    unit : str
-        As printed.
-    values : ndarray, shape (n_run,)
-        Numbers; of a list of names the place in ``names``.
-    texts : tuple of str
-        The values as they are in the table.
-    """
+    """A key, or a factor, with its value in each run."""
 
     key: str
+    """As in the study file; of a factor of several keys all of them."""
     unit: str
+    """As printed."""
     values: Floats
+    """Numbers, shape (n_run,); of a list of names the place in ``names``."""
     texts: tuple[str, ...]
+    """The values as they are in the table."""
 
     @property
     def varies(self) -> bool:
@@ -71,27 +63,7 @@ class FigureOfRuns:
 
 @dataclass(frozen=True)
 class Study:
-    """What the folder of a study holds.
-
-    Attributes
-    ----------
-    folder : Path
-    file : Definition
-    numbers, status, keys, reasons : tuple of str
-        Of each run: its number, ``done``, ``failed``, ``stopped`` or ``waits``, the name of its
-        folder, and why it failed.
-    inputs : tuple of Studied
-        Every key of the factors.
-    factors : tuple of Studied
-        What varies independently: of keys that go together the first stands for all, where its
-        numbers tell the runs apart, else the values as names.
-    figures : tuple of FigureOfRuns
-        Those of interest.
-    all_figures : mapping from str to ndarray, shape (n_run,)
-        All of the table.
-    lacking : tuple of str
-        Figures that the study asks for and no run has.
-    """
+    """What the folder of a study holds."""
 
     folder: Path
     file: Definition
@@ -99,11 +71,19 @@ class Study:
     status: tuple[str, ...]
     keys: tuple[str, ...]
     reasons: tuple[str, ...]
+    """Of each run: its number, ``done``, ``failed``, ``stopped`` or ``waits``, the name of its
+    folder, and why it failed."""
     inputs: tuple[Studied, ...]
+    """Every key of the factors."""
     factors: tuple[Studied, ...]
+    """What varies independently: of keys that go together the first stands for all, where its
+    numbers tell the runs apart, else the values as names."""
     figures: tuple[FigureOfRuns, ...]
+    """Those of interest."""
     all_figures: Mapping[str, Floats]
+    """All of the table, shape (n_run,)."""
     lacking: tuple[str, ...]
+    """Figures that the study asks for and no run has."""
 
     @property
     def done(self) -> Bools:
@@ -130,15 +110,7 @@ class Study:
 
 
 def read_folder(folder: Path) -> Study:
-    """Read a study.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no study, or no table yet.
-    ValueError
-        If the table is not one of a study, or the study file is wrong.
-    """
+    """Read a study."""
     if not (folder / STUDY).is_file():
         raise FileNotFoundError(f"{folder} must be the folder of a study, with {STUDY}")
     if not (folder / TABLE).is_file():

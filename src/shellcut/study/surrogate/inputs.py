@@ -16,20 +16,13 @@ from shellcut.arrays import Floats
 
 @dataclass(frozen=True)
 class Input:
-    """A number between two ends, or a name out of a list.
-
-    Attributes
-    ----------
-    name : str
-    ends : tuple of float
-        Least and largest value of the study, run or not; of a list (0, number of names - 1).
-    names : tuple of str
-        The names, two or more; empty for a number. A value then is a place in this list.
-    """
+    """A number between two ends, or a name out of a list."""
 
     name: str
     ends: tuple[float, float]
+    """Least and largest value of the study, run or not; of a list (0, number of names - 1)."""
     names: tuple[str, ...] = ()
+    """The names, two or more; empty for a number. A value then is a place in this list."""
 
     @property
     def n_column(self) -> int:

@@ -27,26 +27,18 @@ _EVALUATIONS = 2600
 
 @dataclass(frozen=True)
 class Indices:
-    """Sobol' indices of all inputs, in their order.
-
-    Attributes
-    ----------
-    first, total : ndarray, shape (n_input,)
-        Medians over the surfaces.
-    first_interval, total_interval : ndarray, shape (n_input, 2)
-        Within which 95 % of them lie.
-    n_point : int
-        Points of one sample of the estimate.
-    n_draw : int
-        Surfaces.
-    """
+    """Sobol' indices of all inputs, in their order."""
 
     first: Floats
     total: Floats
+    """Medians over the surfaces, shape (n_input,)."""
     first_interval: Floats
     total_interval: Floats
+    """Within which 95 % of them lie, shape (n_input, 2)."""
     n_point: int
+    """Points of one sample of the estimate."""
     n_draw: int
+    """Surfaces."""
 
 
 def sobol_indices(surface: Surface, *, seed: int = 0) -> Indices:

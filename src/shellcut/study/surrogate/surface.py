@@ -53,12 +53,7 @@ def is_constant(figure: Floats) -> bool:
 class Surface:
     """A figure as a function of the inputs, and how well it predicts.
 
-    Parameters
-    ----------
-    inputs : sequence of Input
-    values : ndarray, shape (n, n_input)
-    figure : ndarray, shape (n,)
-        What to describe; not constant, of :func:`fewest_runs` or more.
+    The figure is not constant, of :func:`fewest_runs` or more.
 
     Attributes
     ----------
