@@ -404,9 +404,10 @@ def large(file):
         (lambda file: replace_by(file, "inputs", 3.0), "another"),
         (lambda file: replace_by(file, "run", 3.0), "another"),
         (lambda file: replace_by(file, "extra", 3.0), "another"),
+        (lambda file: file.create_group("odd"), "it contains .*odd"),
         (large, "has huge of"),
     ],
-    ids=["a list", "no JSON", "a number", "run", "extra", "larger than its file"],
+    ids=["a list", "no JSON", "a number", "run", "extra", "a group more", "larger than its file"],
 )
 def test_forged_content_is_no_checkpoint(spoilt, change, said):
     with pytest.raises(CheckpointError, match=said.replace("another", "another (program|model)")):

@@ -12,6 +12,7 @@ import pytest
 from shellcut import warmup
 from shellcut.command_line import doctor, main
 from shellcut.models.warmup import MODELS
+from shellcut.numerics.kernel_cache import KernelCache
 
 
 @pytest.fixture
@@ -83,12 +84,13 @@ def test_a_compiler_that_fails(lines, monkeypatch):
 
 
 def test_the_cache_is_empty_or_closed(lines, monkeypatch, tmp_path):
-    monkeypatch.setattr(doctor, "_cache_folders", lambda: [tmp_path / "cache"])
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(KernelCache, "can_store", True)
+    monkeypatch.setattr(KernelCache, "cache_path", str(tmp_path / "cache"))
     _, said = lines()
     assert "none yet" in said["compiled code"]
-    (tmp_path / "file").write_text("")
-    for folders in ([tmp_path / "file" / "cache"], []):
-        monkeypatch.setattr(doctor, "_cache_folders", lambda found=folders: found)
+    for name, value in (("cache_path", str(tmp_path / "file" / "cache")), ("can_store", False)):
+        monkeypatch.setattr(KernelCache, name, value)
         code, said = lines()
         assert code == 0
         assert "NUMBA_CACHE_DIR" in said["compiled code"]

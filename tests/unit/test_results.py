@@ -40,23 +40,23 @@ def run(tmp_path_factory):
     case = guillotine(0.8, length=8.0, width=4.8, notch=1.6, travel=4.0)
     written = []
 
-    class Remembering(Recorder):
-        def _expose(self, sim):
-            exposure = super()._expose(sim)
-            written.append(exposure.frame())
-            return exposure
+    def append(output, frame, write=VtkHdfWriter.append):
+        written.append(frame)
+        write(output, frame)
 
-    recorder = Remembering(
-        case.simulation,
-        folder,
-        until=case.duration,
-        name="strip",
-        n_row=40,
-        n_frame=8,
-        n_snapshot=0,
-        progress=False,
-    )
-    case.simulation.run(case.duration, [recorder])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(VtkHdfWriter, "append", append)
+        recorder = Recorder(
+            case.simulation,
+            folder,
+            until=case.duration,
+            name="strip",
+            n_row=40,
+            n_frame=8,
+            n_snapshot=0,
+            progress=False,
+        )
+        case.simulation.run(case.duration, [recorder])
     return folder, written, case.simulation
 
 

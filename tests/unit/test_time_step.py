@@ -196,15 +196,15 @@ def test_a_look_within_an_interval_counts_for_what_has_lasted():
     k = state.cable.append_blank()
     state.cable.ends[k], state.cable.area[k], state.cable.m[k] = (5, 6), 0.01, (0, 1, 0)
     seen = []
-    for status in (STRAIGHT, BROKEN, BROKEN):  # it holds the film for a moment
+    for status in (STRAIGHT, BROKEN, BROKEN, BROKEN):  # it holds the film for a moment
         state.cable.status[k] = status
-        state.step += 50
+        state.step += 30
         state.revision += 1
         seen.append(step.next(state))
     assert 0.93 * first < seen[0] < 0.99 * first
-    # The interval is over after the second, but it has not been longer all the while.
-    assert seen[0] == seen[1] == seen[2]
-    state.step += 50
+    # The interval is over at the last, but it has not been longer all the while.
+    assert seen == [seen[0]] * 4
+    state.step += 100
     assert settled(step, state) == first
 
 
