@@ -210,27 +210,23 @@ class VtkHdfWriter:
 
     def _append_cells(self, grid: FrameGrid) -> dict[str, Any]:
         connectivity, types, n_point = grid.connectivity, grid.types, len(grid.points)
-        old = self._cells_written
-        if (
-            old
-            and n_point == self._cells_sizes[0]
-            and np.array_equal(types, old["Types"])
-            and np.array_equal(connectivity, old["Connectivity"])
+        cells = {"Types": types, "Connectivity": connectivity}
+        if n_point == self._cells_sizes[0] and all(
+            np.array_equal(rows, self._cells_written[name]) for name, rows in cells.items()
         ):
             return dict(self._cells_entry)
         part = self._columns.end("NumberOfPoints")
         cell = self._columns.end("Types")
         first_id = self._columns.end("Connectivity")
-        self._columns.write("NumberOfPoints", part, np.array([n_point]))
-        self._columns.write("NumberOfCells", part, np.array([len(types)]))
-        self._columns.write("NumberOfConnectivityIds", part, np.array([len(connectivity)]))
+        self._cells_sizes = [n_point, len(types), len(connectivity)]
+        for name, size in zip(SIZES, self._cells_sizes, strict=True):
+            self._columns.write(name, part, np.array([size]))
         ends = np.concatenate(([0], np.cumsum(grid.sizes)))
         self._cells_written = {
             "Types": self._columns.write("Types", cell, types),
             "Offsets": self._columns.write("Offsets", cell + part, ends),
             "Connectivity": self._columns.write("Connectivity", first_id, connectivity),
         }
-        self._cells_sizes = [n_point, len(types), len(connectivity)]
         places = part, 1, (cell,), (first_id,)
         self._cells_entry = dict(zip(_OF_CELLS, places, strict=True))
         return dict(self._cells_entry)
@@ -255,7 +251,7 @@ class VtkHdfWriter:
         self._beside.create("pose", np.float64, (12,))
         self._beside.create(DIGESTS, np.uint32, (2,))
         create = self._columns.create
-        for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
+        for name in SIZES:
             create(name, np.int64)
         # Not packed: this column cannot start on a new chunk, see above.
         create("Offsets", np.int64, blocks=True)
@@ -337,9 +333,7 @@ class VtkHdfWriter:
             }
             self._last_time = float(columns["Steps/Values"][k])
         ends = {
-            "NumberOfPoints": n_part,
-            "NumberOfCells": n_part,
-            "NumberOfConnectivityIds": n_part,
+            **dict.fromkeys(SIZES, n_part),
             "Points": n_point,
             "Types": n_cell,
             "Offsets": n_cell + n_part,
