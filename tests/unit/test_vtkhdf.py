@@ -260,6 +260,15 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     for k in (9, *range(10)):
         assert_holds(reading.frame(k), written[k])
         assert_same(VtkHdfReader(path).frame(k), written[k])
+    # Frames 2 to 4 share their cells, so the file goes on within them.
+    write(tmp_path / "whole.vtkhdf", written)
+    with h5py.File(path) as one, h5py.File(tmp_path / "whole.vtkhdf") as whole:
+
+        def compare(name, item):
+            if isinstance(item, h5py.Dataset):
+                np.testing.assert_array_equal(one[name], item, err_msg=name)
+
+        whole.visititems(compare)
 
 
 def test_dropping_everything_begins_anew(tmp_path):

@@ -31,7 +31,15 @@ import numpy as np
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 
-from .frame_digest import DIGESTS, PLACES, damaged_row, described, digest_of_arrays, digest_of_row
+from .frame_digest import (
+    DIGESTS,
+    PLACES,
+    SIZES,
+    damaged_row,
+    described,
+    digest_of_arrays,
+    digest_of_row,
+)
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
 from .hdf_columns import Columns
 
@@ -44,6 +52,7 @@ ENDED = "n_frame"
 NOT_ENDED = -1
 
 # Shared offsets are written under these names; those of the other arrays are links.
+_OF_CELLS = "PartOffsets", "NumberOfParts", "CellOffsets", "ConnectivityIdOffsets"
 _CELL_DATA_OFFSETS = "CellDataOffsets/part"
 _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
@@ -70,10 +79,9 @@ class VtkHdfWriter:
             self._target.close()
             raise
         self._series_names: tuple[str, ...] = ()
-        self._cells: tuple[Any, Any, int] | None = None  # cells of the last frame
+        self._cells_written: dict[str, Any] = {}  # cells of the last frame, as they are in the file
         self._cells_entry: dict[str, Any] = {}  # their offsets
-        self._cells_written: dict[str, Any] = {}  # as they are in the file
-        self._cells_sizes = 0, 0, 0  # numbers of points, cells and ids
+        self._cells_sizes = [0, 0, 0]  # numbers of points, cells and ids
         self._last_time = -np.inf
         self._n_frame = 0
         self._is_sound = False
@@ -180,34 +188,25 @@ class VtkHdfWriter:
 
     def _append_cells(self, grid: FrameGrid) -> dict[str, Any]:
         connectivity, types, n_point = grid.connectivity, grid.types, len(grid.points)
-        if self._cells is not None:
-            old_connectivity, old_types, old_n_point = self._cells
-            if (
-                n_point == old_n_point
-                and np.array_equal(types, old_types)
-                and np.array_equal(connectivity, old_connectivity)
-            ):
-                return dict(self._cells_entry)
+        cells = {"Types": types, "Connectivity": connectivity}
+        if n_point == self._cells_sizes[0] and all(
+            np.array_equal(rows, self._cells_written[name]) for name, rows in cells.items()
+        ):
+            return dict(self._cells_entry)
         part = self._columns.end("NumberOfPoints")
         cell = self._columns.end("Types")
         first_id = self._columns.end("Connectivity")
-        self._columns.write("NumberOfPoints", part, np.array([n_point]))
-        self._columns.write("NumberOfCells", part, np.array([len(types)]))
-        self._columns.write("NumberOfConnectivityIds", part, np.array([len(connectivity)]))
+        self._cells_sizes = [n_point, len(types), len(connectivity)]
+        for name, size in zip(SIZES, self._cells_sizes, strict=True):
+            self._columns.write(name, part, np.array([size]))
         ends = np.concatenate(([0], np.cumsum(grid.sizes)))
         self._cells_written = {
             "Types": self._columns.write("Types", cell, types),
             "Offsets": self._columns.write("Offsets", cell + part, ends),
             "Connectivity": self._columns.write("Connectivity", first_id, connectivity),
         }
-        self._cells_sizes = n_point, len(types), len(connectivity)
-        self._cells_entry = {
-            "PartOffsets": part,
-            "NumberOfParts": 1,
-            "CellOffsets": (cell,),
-            "ConnectivityIdOffsets": (first_id,),
-        }
-        self._cells = connectivity, types, n_point
+        places = part, 1, (cell,), (first_id,)
+        self._cells_entry = dict(zip(_OF_CELLS, places, strict=True))
         return dict(self._cells_entry)
 
     def _count(self, n_frame: int) -> None:
@@ -230,7 +229,7 @@ class VtkHdfWriter:
         self._beside.create("pose", np.float64, (12,))
         self._beside.create(DIGESTS, np.uint32, (2,))
         create = self._columns.create
-        for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
+        for name in SIZES:
             create(name, np.int64)
         # Not packed: this column cannot start on a new chunk, see above.
         create("Offsets", np.int64, blocks=True)
@@ -298,20 +297,21 @@ class VtkHdfWriter:
         n_part = n_point = n_cell = n_id = n_cell_row = 0
         if n_frame:
             k = n_frame - 1
-            part = int(columns["Steps/PartOffsets"][k])
-            n_part = part + 1
-            n_point = columns["Steps/PointOffsets"][k] + columns["NumberOfPoints"][part]
-            n_cell = columns["Steps/CellOffsets"][k, 0] + columns["NumberOfCells"][part]
-            n_id = (
-                columns["Steps/ConnectivityIdOffsets"][k, 0]
-                + columns["NumberOfConnectivityIds"][part]
-            )
-            n_cell_row = columns[f"Steps/{_CELL_DATA_OFFSETS}"][k] + columns["NumberOfCells"][part]
+            # The next frame may share the cells, as it does in a run that nothing interrupts.
+            self._cells_entry = {name: columns[f"Steps/{name}"][k] for name in _OF_CELLS}
+            part, _, (cell,), (first_id,) = self._cells_entry.values()
+            n_part, self._cells_sizes = part + 1, [columns[name][part] for name in SIZES]
+            n_point = columns["Steps/PointOffsets"][k] + self._cells_sizes[0]
+            n_cell, n_id = cell + self._cells_sizes[1], first_id + self._cells_sizes[2]
+            n_cell_row = columns[f"Steps/{_CELL_DATA_OFFSETS}"][k] + self._cells_sizes[1]
+            self._cells_written = {
+                "Types": columns["Types"][cell:n_cell],
+                "Offsets": columns["Offsets"][cell + part : n_cell + n_part],
+                "Connectivity": columns["Connectivity"][first_id:n_id],
+            }
             self._last_time = float(columns["Steps/Values"][k])
         ends = {
-            "NumberOfPoints": n_part,
-            "NumberOfCells": n_part,
-            "NumberOfConnectivityIds": n_part,
+            **dict.fromkeys(SIZES, n_part),
             "Points": n_point,
             "Types": n_cell,
             "Offsets": n_cell + n_part,
