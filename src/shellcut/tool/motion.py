@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
 from typing import Annotated, Protocol, TypeAlias, runtime_checkable
 
@@ -98,7 +99,6 @@ class ScrewMotion:
     _point: Vec3 = field(init=False, repr=False, compare=False)
     _lead: Vec3 = field(init=False, repr=False, compare=False)
     _screw: Floats = field(init=False, repr=False, compare=False)
-    _steady: tuple[Floats, Floats] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         axis = _unit("axis", self.axis)
@@ -110,7 +110,6 @@ class ScrewMotion:
         object.__setattr__(self, "_point", point)
         object.__setattr__(self, "_lead", (lead * advance[0], lead * advance[1], lead * advance[2]))
         object.__setattr__(self, "_screw", np.array([axis, point, self._lead]))
-        object.__setattr__(self, "_steady", self._twist_at(self.angular_speed, self.ramp))
 
     @classmethod
     @checked
@@ -161,6 +160,11 @@ class ScrewMotion:
             spin, velocity = self._steady
             return spin.copy(), velocity.copy()
         return self._twist_at(_ramped_speed(time, self.angular_speed, self.ramp), time)
+
+    @cached_property
+    def _steady(self) -> tuple[Floats, Floats]:
+        """The twist after the ramp about an axis through the origin."""
+        return self._twist_at(self.angular_speed, self.ramp)
 
     def _twist_at(self, rate: float, time: float) -> tuple[Floats, Floats]:
         a0, a1, a2 = self._axis
