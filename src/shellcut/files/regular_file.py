@@ -31,7 +31,7 @@ class NotRegularError(OSError):
 
 
 def read_regular(path: str | os.PathLike[str], most: int = _LARGEST) -> bytes:
-    """Return the content of a regular file of ``most`` bytes, by default 4 GB."""
+    """Return the content of a regular file of at most ``most`` bytes, by default 4 GB."""
     require_regular(path)
     # The file may have been replaced by a pipe meanwhile: opening it must not block.
     with open(os.open(path, os.O_RDONLY | _FLAGS), "rb") as file:
