@@ -86,9 +86,9 @@ def run(name):
     """Carry out one of the runs and return its kernels."""
     model, settings = (SHORT | WITH_OPTIONS)[name]
     with tempfile.TemporaryDirectory() as folder:
-        if model == FREE:
-            model = Path(folder) / "free.toml"
-            model.write_text(FREE)
+        if "\n" in model:  # the text of a file
+            text, model = model, Path(folder) / "free.toml"
+            model.write_text(text)
         shellcut.read_model(model, settings).build().run(Path(folder) / "out", progress=False)
     return called()
 

@@ -208,14 +208,10 @@ def add_press_forces(
     walked = clock.walked[0]
     work = stored = deepest = 0.0
     n_touching = 0
-    # Listed first: the loads of one carrier need not wait for the question of the next one.
-    asked, n_asked = np.empty(memory.row.shape[0], np.uintp), 0
     for i in range(memory.row.shape[0]):
-        asked[n_asked] = i
-        n_asked += not walked < looks.until[i]
-    for i in asked[:n_asked]:
-        row, one_side = np.uintp(memory.row[i]), True
-        lies = int(side[row])
+        if walked < looks.until[i]:
+            continue
+        row, one_side, lies = memory.row[i], True, int(side[memory.row[i]])
         if edges:
             one_side, lies = _side_of_ends(i, tables)
             if looks.within[i] and not (one_side and lies == side[row]):

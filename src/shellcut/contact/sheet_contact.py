@@ -294,8 +294,8 @@ class PointContact(SheetContact):
         )
         points, tool = contact_points(contact.tool, edge_length), contact.tool
         super().__init__("points", law, points, tool.n_tooth, _SLACK * edge_length, FilmOutline())
-        self._contact, self._list_is, self._whole = contact, -1, self._tracked
-        """The contact of nodes, and the whole rows of its list of that number."""
+        self._contact, self._list_is, self._whole = contact, (-1, -1), self._tracked
+        """The contact of nodes, and the whole rows of its list of that number, at that topology."""
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
@@ -326,8 +326,8 @@ class PointContact(SheetContact):
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         near, place = self._contact.near, pose.to_space(self.points.place)
-        if self._list_is != near.n_search:  # which is made anew after a cut, too
-            rows, self._list_is = near.rows(state), near.n_search
+        if self._list_is != (near.n_search, state.revision):
+            rows, self._list_is = near.rows(state), (near.n_search, state.revision)
             halved = state.node.halved[state.quads[rows]].any(axis=1)
             self._whole = rows[(state.quad.share[rows] >= 1.0) & ~halved]
         points = Points(np.arange(len(place)), place, np.full(len(place), -1))

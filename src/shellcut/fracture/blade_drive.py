@@ -87,15 +87,7 @@ class Driven(NamedTuple):
 
 
 class BladeDrive:
-    """Finds the tips that cutting edges drive, and where to.
-
-    Parameters
-    ----------
-    edges : CuttingEdges
-        Of the tool.
-    motion : Motion
-        Of the tool.
-    """
+    """Finds the tips that the cutting edges of a tool drive in its motion, and where to."""
 
     def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
         self.edges, self._motion, self._pose_at = edges, motion, poses_of(motion)
@@ -131,19 +123,10 @@ class BladeDrive:
 
         The next call overwrites what is returned.
 
-        Parameters
-        ----------
-        x : ndarray, shape (n_tip, 3)
-            Where the tips are [mm].
-        size : ndarray, shape (n_tip,)
-            Local edge lengths there [mm].
-        time : float
-            Now [s].
-        edge : int
-            Segment of the edge that drives them all, if it is known.
-        reach : float
-            How far beyond, in local edge lengths; negative: the earlier pose, in which the edge was
-            still so far before the tip. The present one where the edge rests or goes away from it.
+        x, size : (n_tip, 3), (n_tip,), where the tips are and local edge lengths there [mm].  time
+        : now [s].  edge : segment that drives them all, if it is known.  reach : how far beyond, in
+        edge lengths; negative: the earlier pose, in which the edge was still so far before the tip.
+        The present one where the edge rests or goes away from it.
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
@@ -171,14 +154,8 @@ class BladeDrive:
 
         One that no edge drives is led straight on.
 
-        Parameters
-        ----------
-        director, reference : ndarray, shape (n_tip, 3)
-            Unit directors at the tips, now and in the reference film.
-        heading : ndarray, shape (n_tip, 3)
-            In which direction they came, of any length.
-        size : ndarray, shape (n_tip,)
-            Local edge lengths [mm].
+        director, reference : (n_tip, 3), unit directors there, now and in the reference film.
+        heading : (n_tip, 3), in which direction they came, of any length.  size : (n_tip,), [mm].
         """
         self._direct(director, heading, reference, size, self.edges.segments, self._held)
         return self.driven

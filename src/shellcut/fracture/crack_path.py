@@ -66,14 +66,8 @@ _STRAIGHT_UP = np.zeros((1, 3))
 class CrackPath:
     """Finds where tips lie, the rows ahead of them, and the segments through these.
 
-    Parameters
-    ----------
-    topology : CutTopology
-        Which rows there are.
-    shell : MITC4Shell
-        Gives the nodes of the mesh at their corners and their sizes.
-    sides_only : bool
-        Whether cracks go along sides of the mesh only.
+    The shell gives the nodes of the mesh at the corners of rows, and their sizes.  sides_only :
+    whether cracks go along sides of the mesh only.
     """
 
     def __init__(

@@ -51,22 +51,9 @@ class Cut(NamedTuple):
 
 
 class Cuts:
-    """Cuts a film and joins the flanks by cables.
+    """Cuts a film and joins the flanks by cables, so many across each segment.
 
-    Parameters
-    ----------
-    state : State
-        Before the first cut.
-    shell : MITC4Shell
-        Of the film.
-    law : CohesiveLaw
-        Of the cables.
-    anisotropy : Anisotropy, optional
-        Of the film.
-    loads : LoadSet, optional
-        Learns which part of a quad each copy holds.
-    fibres : int
-        Cables across each segment.
+    The loads learn which part of a quad each copy holds.
     """
 
     def __init__(
@@ -95,16 +82,7 @@ class Cuts:
 
         Nodes and flank points are to be brought up to date then (:meth:`renew`).
 
-        Parameters
-        ----------
-        state : State
-            Written.
-        segment : Segment
-            Where.
-        kind : str
-            As in :class:`shellcut.state.SplitRecord`; a notch has no cables.
-        measure : float
-            Of the criterion.
+        kind, measure : as in :class:`shellcut.state.SplitRecord`; a notch has no cables.
         """
         topology, shell, length = self.topology, self._shell, _length(state, segment)
         if segment.along_side:
@@ -150,18 +128,11 @@ class Cuts:
     ) -> None:
         """Let new cables take over the forces that held the nodes that have parted.
 
-        Parameters
-        ----------
-        state : State
-            Written: how much the cables pull more or less, in the record of the cut.
-        cut : Cut
-            Along a side; the last one.
-        forces : sequence of ndarray, shape (3,)
-            What the plus side pulled the minus side with at its start and stop [N].
-        first : int
-            Of the new cables.
-        exactly : bool
-            Whether they begin with that force, whatever their law says.
+        How much they pull more or less goes into the record of the cut, the last one, along a side.
+
+        forces : (3,) each, what the plus side pulled the minus side with at start and stop [N].
+        first : of the new cables.  exactly : whether they begin with that force, whatever their law
+        says.
         """
         c, new = state.cable, slice(first, state.n_cable)
         # How much of each cable's force comes to the start and to the stop.

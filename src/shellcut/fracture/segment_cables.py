@@ -53,16 +53,8 @@ _HAIR = 1e-3
 class SegmentCables:
     """Lays cables across segments, and keeps them at their nodes.
 
-    Parameters
-    ----------
-    law : CohesiveLaw
-        Whose strength they begin with.
-    material : ShellMaterial
-        Of the film.
-    count : int
-        Fibres of a segment, evenly along it; 0: two cables at its ends.
-    anisotropy : Anisotropy, optional
-        Of the film; a cable's area is that of the film it holds times f.
+    count : fibres of a segment, evenly along it; 0: two cables at its ends.  anisotropy : of the
+    film; a cable's area is that of the film it holds times f.
     """
 
     def __init__(
@@ -85,16 +77,8 @@ class SegmentCables:
     ) -> None:
         """Lay the fibres of a new segment, which has its nodes.
 
-        Parameters
-        ----------
-        state : State
-            Written.
-        rows : sequence of int
-            To its right and left.
-        chords : sequence of (Point, Point)
-            Where it starts and stops, in the quad of each.
-        length : float
-            In the reference film [mm].
+        rows : to its right and left.  chords : where it starts and stops, in the quad of each.
+        length : in the reference film [mm].
         """
         n, f = state.node, state.flank
         # Of start and stop: the node on the minus and on the plus flank.

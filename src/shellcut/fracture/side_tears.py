@@ -92,17 +92,7 @@ class Due(NamedTuple):
 
 
 class SideTears:
-    """Finds the sides along which cracks tear.
-
-    Parameters
-    ----------
-    shell, path, trial_cut : MITC4Shell, CrackPath, TrialCut
-        The film, what lies ahead of a tip, and the nodal forces.
-    strength : float
-        sigma_F [MPa].
-    fracture : Fracture
-        How cracks run.
-    """
+    """Finds the sides along which cracks tear, by the strength sigma_F [MPa]."""
 
     def __init__(
         self,

@@ -93,16 +93,9 @@ class TipWatch:
         return [self._tips[i] for i in np.flatnonzero(near).tolist()]
 
     def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
-        """Return which tips are due, shape (n_tip,).
+        """Return which tips with film ahead are due, shape (n_tip,).
 
-        Parameters
-        ----------
-        state : State
-            Present positions.
-        tips : sequence of Tip
-            With film ahead of each.
-        others : sequence of Tip
-            That they may join besides each other.
+        others : that they may join besides each other.
         """
         if not len(tips):
             self.x, self._tips = np.zeros((0, 3)), []

@@ -94,18 +94,9 @@ class Pair(NamedTuple):
 
 
 class TrialCut:
-    """Tries cuts.
+    """Tries cuts on a topology, which is as it was when a trial is over.
 
-    Parameters
-    ----------
-    topology : CutTopology
-        As it was when a trial is over.
-    shell, loads : MITC4Shell, LoadSet
-        Give the nodal forces.
-    strength : float
-        sigma_F [MPa].
-    anisotropy : Anisotropy, optional
-        Of the film.
+    Shell and loads give the nodal forces, sigma_F [MPa] is the strength.
     """
 
     def __init__(
@@ -255,13 +246,7 @@ class _Trials(NamedTuple):
 
 
 class TrialSums:
-    """Weighs trial cuts, all that are known of one topology and one set of ends.
-
-    Parameters
-    ----------
-    trial_cut : TrialCut
-        Gives forces and masses.
-    """
+    """Weighs trial cuts, all that are known of one topology and one set of ends."""
 
     def __init__(self, trial_cut: TrialCut) -> None:
         self._trial_cut = trial_cut
@@ -270,16 +255,10 @@ class TrialSums:
     def take(
         self, trials: Sequence[tuple[int, list[Pair]]], aimed: Aimed, weighed: Weighed
     ) -> None:
-        """Take the trial cuts that are to be weighed from now on.
+        """Take the trial cuts to be weighed from now on: which of the tips, and its pairs.
 
-        Parameters
-        ----------
-        trials : sequence of (int, list of Pair)
-            Of each: which of the tips, and its pairs.
-        aimed : Aimed
-            Segments of the tips; all that have one are among the trials.
-        weighed : Weighed
-            Written by :meth:`weigh`, where a tip has a segment.
+        aimed : segments of the tips; all that have one are among the trials.  weighed : written by
+        :meth:`weigh`, where a tip has a segment.
         """
         tips, every = zip(*trials, strict=True) if trials else ((), ())
         pairs = [pair for some in every for pair in some]
