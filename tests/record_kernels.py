@@ -86,9 +86,9 @@ def run(name):
     """Carry out one of the runs and return its kernels."""
     model, settings = (SHORT | WITH_OPTIONS)[name]
     with tempfile.TemporaryDirectory() as folder:
-        if model == FREE:
+        if "\n" in model:  # the text of a file
+            (Path(folder) / "free.toml").write_text(model)
             model = Path(folder) / "free.toml"
-            model.write_text(FREE)
         shellcut.read_model(model, settings).build().run(Path(folder) / "out", progress=False)
     return called()
 
