@@ -89,9 +89,13 @@ def test_the_cache_is_empty_or_closed(lines, monkeypatch, tmp_path):
     monkeypatch.setattr(KernelCache, "cache_path", str(tmp_path / "cache"))
     _, said = lines()
     assert "none yet" in said["compiled code"]
-    for name, value in (("cache_path", str(tmp_path / "file" / "cache")), ("can_store", False)):
+    for name, value, words in (
+        ("cache_path", str(tmp_path / "file" / "cache"), "cache cannot be written (Not a"),
+        ("can_store", False, "no folder can be written"),
+    ):
         monkeypatch.setattr(KernelCache, name, value)
         code, said = lines()
+        assert words in said["compiled code"]
         assert code == 0
         assert "NUMBA_CACHE_DIR" in said["compiled code"]
 
