@@ -56,7 +56,8 @@ class StudyProgress:
         else:
             said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
         left = self._n_run - n_ended
-        self.say(f"[{n_ended}/{self._n_run}] {values}: {said}{self._time_left(n_ended, left)}")
+        run = f"[{n_ended}/{self._n_run}] {values or 'as given'}"
+        self.say(f"{run}: {said}{self._time_left(n_ended, left)}")
 
     def _time_left(self, n_ended: int, left: int) -> str:
         new = n_ended - self._done_before
