@@ -42,7 +42,7 @@ class StudyProgress:
         left, new = self._n_run - n_ended, n_ended - self._done_before
         if left > 0 and new > 0:
             said += f"; {duration((time.monotonic() - self._began) / new * left)} left"
-        self.say(f"[{n_ended}/{self._n_run}] {values}: {said}")
+        self.say(f"[{n_ended}/{self._n_run}] {values or 'as given'}: {said}")
 
     def end(self, outcomes: Mapping[int, Outcome]) -> None:
         """Say how the study ended."""
