@@ -32,7 +32,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy
+from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
@@ -162,7 +162,7 @@ class EdgeContact(PressTerm):
         kept: Any = zip((*looks[1:], *memory[1:]), (*self._looks[1:], *had[1:]), strict=True)
         for new, old in kept:
             new[to] = old[of]
-        pressed = had.force.any(axis=1)
+        pressed: Bools = np.asarray(had.force.any(axis=1))
         pressed[of] = False
         gone = np.flatnonzero(pressed)
         v = state.node.velocity_half[self.carriers.node[gone]]
