@@ -32,6 +32,11 @@ def round_bar(
     Its foremost point in the sheet is the origin. Its axis leans forward with its top, so that it
     presses the film beside its crack down.
 
+    Returns
+    -------
+    Tool
+        With one body and no cutting edge.
+
     Examples
     --------
     >>> round_bar(diameter=4.0).n_edge

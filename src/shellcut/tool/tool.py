@@ -309,8 +309,10 @@ class Tool:
     def without_cutting(self, *chains: int) -> Tool:
         """Return the tool with some chains not cutting, as ordinary edges of its surface.
 
-        They are given by their numbers in :meth:`chains`; the rest keep their order and are
-        renumbered.
+        Parameters
+        ----------
+        *chains : int
+            Numbers of :meth:`chains`. The rest keep their order and are renumbered.
         """
         wrong = [c for c in chains if c not in range(self.n_chain)]
         problems = []
