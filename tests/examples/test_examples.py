@@ -145,8 +145,9 @@ def test_tool_of_triangles(run_example, tmp_path):
     told = run_example("tool_of_triangles.py", tmp_path)
     assert "12 segments, 4.04" in told  # 2 R asin(H / 2R), as chords
     crack = float(re.search(r"crack ([\d.]+) mm", told)[1])
-    # The edge is 6.9 mm on its way, the crack begins at the notch of 1.6 mm.
-    assert crack == pytest.approx(6.9 - 1.6, abs=0.8)
+    # The edge is 6.9 mm on its way, the crack begins at the notch of 1.6 mm; the film parts up to
+    # two quads of 0.8 mm before the edge.
+    assert -0.8 < crack - (6.9 - 1.6) < 1.6
     assert figures(tmp_path / "summary.json")["n_cable_jointed"] > 4
 
 

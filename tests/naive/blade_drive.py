@@ -8,6 +8,8 @@ from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
     START,
+    STRIP_SLOPE,
+    VECTOR,
     in_the_blade,
     strip_coordinates,
 )
@@ -20,6 +22,7 @@ def nearest_edge(edges, x, size, pose):
     x : (3,), [mm].  size : local edge length there [mm].
     """
     p, nearest, found, passed = pose.to_body(x[None])[0], np.inf, -1, False
+    in_gap = []
     deepest = CUT_DEPTH * size
     for k, segment in enumerate(edges.segments):
         _, lateral, depth, owns = strip_coordinates(tuple(p), k, edges.segments, deepest)
@@ -28,10 +31,18 @@ def nearest_edge(edges, x, size, pose):
         if owns and in_the_blade(tuple(p), lateral, k, edges):
             if not passed or depth < nearest:
                 nearest, found, passed = depth, k, True
-        elif not passed and -20.0 * size < depth < 0.0 and -depth < nearest:
+        elif not passed and -20.0 * size < depth < 0.0:
             on_edge = tuple(p + (1e-6 * size - depth) * segment[BACK])
-            if strip_coordinates(on_edge, k, edges.segments, deepest)[3]:
+            along, _, _, beside = strip_coordinates(on_edge, k, edges.segments, deepest)
+            length = np.linalg.norm(segment[VECTOR])
+            if beside and -depth < nearest:
                 nearest, found = -depth, k
+            elif not beside and max(-along, along - length) <= -STRIP_SLOPE * depth:
+                pair = edges.segments[k - 1 : k + 1] if along < 0.0 else edges.segments[k : k + 2]
+                if len(pair) == 2 and np.allclose(pair[0, :2].sum(axis=0), pair[1, START]):
+                    in_gap.append(k)
+    if found < 0 and in_gap:
+        found = in_gap[0]
     return found, passed
 
 

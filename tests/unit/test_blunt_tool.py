@@ -57,7 +57,7 @@ def test_the_film_tears_ahead_of_it(pushed):
     case, _ = pushed
     s = case.simulation.state
     assert s.crack_length > 3.0
-    assert {cut.kind for cut in s.split_log} == {"notch", "criterion"}
+    assert {cut.kind for cut in s.split_log} == {"notch", "tear"}
     # In front of the bar, an edge beside it at most.
     assert max(abs(cut.reference[1]) for cut in s.split_log) < 2.0
     ahead = max(cut.reference[0] for cut in s.split_log)

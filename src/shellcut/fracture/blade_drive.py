@@ -31,6 +31,8 @@ from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
     START,
+    STRIP_SLOPE,
+    VECTOR,
     CuttingEdges,
     in_the_blade,
     segment_part,
@@ -257,6 +259,7 @@ def _nearest_edge(p: Vec3, size: float, edges: CuttingEdges) -> tuple[int, float
     """
     segments = edges.segments
     nearest, edge, off, behind, passed = np.inf, -1, 0.0, 0.0, False
+    in_gap = False
     for k in range(segments.shape[0]):
         _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size)
         if abs(lateral) > _REACH * size:
@@ -265,12 +268,27 @@ def _nearest_edge(p: Vec3, size: float, edges: CuttingEdges) -> tuple[int, float
             if not passed or depth < nearest:
                 nearest = depth
                 edge, off, behind, passed = k, lateral, depth, True
-        elif not passed and -_AHEAD * size < depth < 0.0 and -depth < nearest:
+        elif not passed and -_AHEAD * size < depth < 0.0 and (in_gap or -depth < nearest):
             # Shifted forward onto the edge, the point would lie beside this segment.
             back = segment_part(segments, k, BACK)
             on_edge = combine(1.0, p, 1e-6 * size - depth, back)
-            _, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size)
-            if beside:
-                nearest = -depth
+            along, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size)
+            if beside or (edge < 0 and _before_a_vertex(along, -depth, k, segments)):
+                nearest, in_gap = -depth, not beside
                 edge, off, behind = k, lateral, depth
     return edge, off, behind, passed
+
+
+@inline
+def _before_a_vertex(along: float, far: float, k: int, segments: Floats) -> bool:
+    """Return whether a point so far before an edge lies in the gap at the next segment's strip.
+
+    The strips before an edge that bulges forward part at its vertices.
+    """
+    v = segment_part(segments, k, VECTOR)
+    beside = max(-along, along - norm(v))
+    first = k - 1 if along < 0.0 else k
+    if beside > STRIP_SLOPE * far or first < 0 or first + 1 == segments.shape[0]:
+        return False
+    end = add(segment_part(segments, first, START), segment_part(segments, first, VECTOR))
+    return norm(sub(end, segment_part(segments, first + 1, START))) < 1e-9 * norm(v)

@@ -20,7 +20,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import NOTCH, KnownTopology, State
+from shellcut.state import NOTCH, TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -42,9 +42,6 @@ from .side_tears import Due, LargestStress, SideTears
 from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut, TrialSums
-
-TEAR = "tear"
-"""Kind of a cut by a crack that no blade drives."""
 
 _SAME_PLACE = 1e-6
 """Of the local edge length: tips that are no farther from each other are at one place."""

@@ -3,6 +3,7 @@
 Those of :func:`cut_evidence` tell whether the cut went as it should:
 
 ======================  ==========================================================================
+n_tear                  cuts by cracks that no edge drives, of which the others tell nothing
 off_path_mm             largest distance of a split from the path of the cutting edges, in the
                         reference film; the path goes on beyond its ends, where cracks lead
 n_split_off_path        splits farther from the path than a fifth of a film edge
@@ -27,7 +28,7 @@ from shellcut.arrays import Floats
 from shellcut.checks import Sweep
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.results.run_figures import run_figures
-from shellcut.state import SplitRecord
+from shellcut.state import TEAR, SplitRecord
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
@@ -140,7 +141,7 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
     figures: dict[str, float] = {"edge_length_mm": float(np.median(sides))}
     if sim.law is None:
         return figures
-    splits = s.splits
+    splits = [record for record in s.splits if record.kind != TEAR]
     if sweep is not None and len(sweep.place) and splits:
         places = np.array([record.reference for record in splits])
         off = sweep.distance(places)
@@ -149,6 +150,7 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
         on_it = off <= OFF_PATH * size[around]
         figures |= {
             "n_split": len(places),
+            "n_tear": len(s.splits) - len(places),
             "n_split_off_path": int((~on_it).sum()),
             "off_path_mm": float(off.max()),
             "path_edge_mm": float(np.median(sweep.edge_length)),

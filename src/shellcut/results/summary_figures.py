@@ -43,6 +43,7 @@ LABELS = {
     "dW_ds_N": f"work put in per mm{_STEADY}",
     "n_loose": "loose pieces at the end",
     "n_cable_created": "cables made",
+    "n_tear": "cuts by cracks that no edge drives",
     "n_cable_jointed": "cables met by the blade",
     "n_cable_broken": "cables broken",
     "n_split": "splits",

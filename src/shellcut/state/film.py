@@ -32,8 +32,8 @@ class SplitRecord:
     reference: tuple[float, float, float]
     """Reference position [mm]."""
     kind: str
-    """``"criterion"``, ``"blade"``, ``"puncture"`` or ``"tear"``, see
-    :mod:`shellcut.fracture.options`; or ``NOTCH``."""
+    """``"criterion"``, ``"blade"`` or ``"puncture"``, see :mod:`shellcut.fracture.options`; or
+    ``TEAR`` or ``NOTCH``."""
     measure: float
     """Value of the criterion; a split is due at 1."""
     force_jump: float

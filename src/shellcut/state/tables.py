@@ -46,6 +46,9 @@ NOT_MET = -1
 NOTCH = "notch"
 """Kind of the cuts that made a notch before the run."""
 
+TEAR = "tear"
+"""Kind of the cuts by a crack that no blade drives."""
+
 
 Columns: TypeAlias = Annotated[Floats, "by column"]
 """Read by lanes in kernels, of :func:`columns`."""

@@ -41,9 +41,9 @@ CUT_DEPTH = 4.0
 the tool. Nodes and cables are checked before the edge has moved by a third of an edge
 (:mod:`shellcut.checks.steps`), so this leaves room for film that is dragged along."""
 
-# Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
-# widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
-_STRIP_SLOPE = 0.2
+STRIP_SLOPE = 0.2
+"""Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
+widens by this fraction of the depth at its ends, more than the edge turns at any vertex."""
 
 # Segments that have a box together.
 _RUN = 8
@@ -113,7 +113,7 @@ def may_own(a: Vec3, b: Vec3, reach: float, deepest: float, run: int, edges: Cut
     reach : of the point beside the mid-plane, at most [mm].  deepest : of
     :func:`strip_coordinates`; the strip is wider than the segment by a part of that.
     """
-    far, near = reach + (1.0 + _STRIP_SLOPE) * deepest, True
+    far, near = reach + (1.0 + STRIP_SLOPE) * deepest, True
     for c in range(3):
         near &= min(a[c], b[c]) - far <= edges.high[run, c]
         near &= max(a[c], b[c]) + far >= edges.low[run, c]
@@ -133,7 +133,7 @@ def strip_coordinates(
     depth = dot(d, segment_part(segments, k, BACK))
     if not 0.0 <= depth < deepest:
         return 0.0, lateral, depth, False
-    v, slack = segment_part(segments, k, VECTOR), _STRIP_SLOPE * depth
+    v, slack = segment_part(segments, k, VECTOR), STRIP_SLOPE * depth
     length = norm(v)
     along = dot(d, v) / length
     return along, lateral, depth, -slack <= along <= length + slack
