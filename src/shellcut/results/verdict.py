@@ -301,9 +301,7 @@ def _nothing_cut(figures: Figures) -> Iterator[Line]:
 def _off_path(figures: Figures) -> Iterator[Line]:
     n, off = figures.get("n_split", 0), figures.get("n_split_off_path", 0)
     if torn := figures.get("n_tear"):
-        yield Line(
-            "note", f"Cracks tore where no edge drives them: {torn:,} of {n + torn:,} splits."
-        )
+        yield Line("note", f"Cracks tore where no edge drives them: {torn:,} of {n + torn:,} cuts.")
     if not n:
         return
     far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
