@@ -155,6 +155,23 @@ def test_chords_part_whole_quads_as_the_rules_say():
     assert 200 < sum(said) < 2985
 
 
+def test_a_tip_before_a_vertex_of_a_bulging_edge_is_driven():
+    z = np.linspace(-2.0, 2.0, 5)
+    nose = np.stack([0.05 * z**2, 0.0 * z, z], axis=1)  # turns by 6 degrees at its vertices
+    backs = [nose * [0.0, 1.0, 1.0] + [3.0, side, 0.0] for side in (0.5, -0.5)]
+    triangles = [(0, 5, 10), (4, 14, 9)]
+    for a, b in ((0, 5), (5, 10), (10, 0)):
+        for k in range(4):
+            triangles += [(b + k, a + k, b + k + 1), (b + k + 1, a + k, a + k + 1)]
+    corners = np.concatenate([nose, *backs])
+    tool = sc.Tool.from_triangles(corners, triangles, edges=[(k + 1, k) for k in range(4)])
+    drive = BladeDrive(CuttingEdges.of(tool), sc.StraightMotion((-1.0, 0.0, 0.0), 1.0))
+    places = np.array([[-1.0, 0.0, h] for h in (-1.5, -1.0, 0.0, 0.3, 1.0, 2.5)])
+    found = drive.find(places, np.full(len(places), 0.5), 0.0).edge_of
+    assert (found[:-1] >= 0).all()
+    assert found[-1] < 0  # beside the end of the edge nothing drives it
+
+
 def test_list_of_near_rows_never_changes_what_is_pierced():
     """The blade goes through film that nothing cuts and whose nodes wander."""
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0

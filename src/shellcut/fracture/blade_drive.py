@@ -55,6 +55,9 @@ LEAST = 0.1
 # Below this a vector has no direction: the mid-plane lies in the sheet to within round-off.
 TANGENT = 1e-12
 
+# Of a segment: where one ends so close to the next they are of one edge; far above round-off.
+_SAME_POINT = 1e-9
+
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
 LOOK_AHEAD = (1.0, 2.0, 4.0)
 
@@ -291,4 +294,4 @@ def _before_a_vertex(along: float, far: float, k: int, segments: Floats) -> bool
     if beside > STRIP_SLOPE * far or first < 0 or first + 1 == segments.shape[0]:
         return False
     end = add(segment_part(segments, first, START), segment_part(segments, first, VECTOR))
-    return norm(sub(end, segment_part(segments, first + 1, START))) < 1e-9 * norm(v)
+    return norm(sub(end, segment_part(segments, first + 1, START))) < _SAME_POINT * norm(v)
