@@ -64,6 +64,17 @@ def angles(one: Floats, two: Floats) -> Floats:
     return each(math.atan2, norm(np.cross(one, two)), cosine)
 
 
+def off_segments(points: Floats, starts: Floats, vectors: Floats) -> tuple[Floats, Floats]:
+    """Return vectors to points from the nearest places of segments, and the shares of these.
+
+    points, starts, vectors : (..., 2 or 3), which broadcast; the shares, from 0 to 1, are (...).
+    """
+    arm, tiny = points - starts, np.finfo(float).tiny
+    squared = np.maximum(np.add.reduce(vectors * vectors, axis=-1), tiny)
+    share = np.clip(np.add.reduce(arm * vectors, axis=-1) / squared, 0.0, 1.0)
+    return arm - share[..., None] * vectors, share
+
+
 def each(function: Callable[..., float], *arrays: npt.ArrayLike) -> Floats:
     """Return a function of single numbers, of the module ``math``, for every element of arrays."""
     return np.asarray(np.frompyfunc(function, len(arrays), 1)(*arrays), float)

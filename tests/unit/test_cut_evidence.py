@@ -24,9 +24,9 @@ def cut():
     return sim, Sweep.of(sim.mesh, sim.tool, sim.motion, case.duration)
 
 
-def record(sim, place):
+def record(sim, place, kind="blade", end=(9.0, 9.0, 9.0)):
     node = int(np.argmin(np.linalg.norm(sim.mesh.nodes - place, axis=1)))
-    return SplitRecord(0.0, node, node, place, place, "blade", 1.0, 0.0)
+    return SplitRecord(0.0, node, node, place, place, end, kind, 1.0, 0.0)
 
 
 def test_splits_on_another_row_are_counted(cut):
@@ -41,6 +41,20 @@ def test_splits_on_another_row_are_counted(cut):
     assert figures["off_path_mm"] == pytest.approx(1.0, abs=0.03)
     assert figures["crack_lead_mm"] == pytest.approx(4.0, abs=0.06)
     assert figures["edge_length_mm"] == 1.0
+
+
+def test_cuts_that_go_on_from_a_tear_have_not_left_the_path(cut):
+    sim, sweep = cut
+    tear = record(sim, (4.0, 0.5, 0.0), "tear", end=(3.0, 1.5, 0.0))
+    goes_on, beside = record(sim, (3.05, 1.55, 0.0)), record(sim, (4.0, 1.0, 0.0))
+    sim.state.split_log += [tear, goes_on]
+    figures = cut_evidence(sim, sweep)
+    assert (figures["n_split"], figures["n_tear"], figures["n_split_off_path"]) == (1, 1, 0)
+    assert figures["off_path_mm"] == pytest.approx(np.hypot(0.05, 0.05))
+    sim.state.split_log.append(beside)
+    figures = cut_evidence(sim, sweep)
+    assert (figures["n_split"], figures["n_split_off_path"]) == (2, 1)
+    assert figures["off_path_mm"] == pytest.approx(np.hypot(0.25, 0.25))
 
 
 def test_where_no_edge_comes_by_nothing_is_compared(cut):

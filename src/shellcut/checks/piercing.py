@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellcut.arrays import norm, off_segments
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.material import Material
 from shellcut.material.plastic import Plastic
@@ -89,7 +90,6 @@ def _on_face(sim: Simulation, sweep: Sweep) -> bool:
     """Return whether a cutting edge first comes to the film away from its rim."""
     first, edges = np.unique(sweep.chain, return_index=True)[1], sim.mesh.edges()
     ends = sim.mesh.nodes[edges.nodes[edges.n_quad == 1]]
-    arm, side = sweep.place[first, None] - ends[:, 0], ends[:, 1] - ends[:, 0]
-    share = np.clip((arm * side).sum(axis=2) / (side * side).sum(axis=1), 0.0, 1.0)
-    off = np.linalg.norm(arm - share[..., None] * side, axis=2).min(axis=1, initial=np.inf)
+    gap, _ = off_segments(sweep.place[first, None], ends[:, 0], ends[:, 1] - ends[:, 0])
+    off = norm(gap).min(axis=1, initial=np.inf)
     return bool((off > _FROM_RIM * sweep.edge_length[first]).any())

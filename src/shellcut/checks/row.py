@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, product, unit
+from shellcut.arrays import Bools, Floats, Ints, norm, off_segments, product, unit
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.quad_geometry import corner_normals
 
@@ -38,10 +38,8 @@ class Rows:
         trace = np.cross(corner_normals(corner), sweep.normal)
         trace /= np.maximum(np.linalg.norm(trace, axis=1, keepdims=True), 1e-12)
         along = np.abs((side * trace[:, None]).sum(axis=2)) / length >= ALONG_ROW
-        arm = sweep.place[:, None] - corner
-        share = np.clip((arm * side).sum(axis=2) / length**2, 0.0, 1.0)
-        off = np.linalg.norm(arm - share[..., None] * side, axis=2)
-        off = np.where(along, off, np.inf)
+        gap, share = off_segments(sweep.place[:, None], corner, side)
+        off = np.where(along, norm(gap), np.inf)
         best = off.argmin(axis=1)
         at = np.arange(len(best))
         self.off: Floats = off[at, best] / sweep.edge_length

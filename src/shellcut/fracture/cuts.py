@@ -97,7 +97,8 @@ class Cuts:
             corners = shell.mesh_quads[segment.row].tolist()
             self._cables.follow(state, topology, *rows)
         entry, nodes = np.array(shape_functions(segment.entry)), state.quads[segment.row]
-        places = product(entry, state.node.x[nodes]), product(entry, state.node.X[nodes])
+        exit_, X = np.array(shape_functions(segment.exit)), state.node.X[nodes]
+        places = product(entry, state.node.x[nodes]), product(entry, X), product(exit_, X)
         _write_down(state, places, rows, kind, measure)
         renew_nodes(state, shell, topology, corners)
         if segment.along_side:
@@ -105,8 +106,7 @@ class Cuts:
         if kind != NOTCH:
             self._cables.lay(state, rows, chords, length)
             state.crack_length += length
-        way = np.array(shape_functions(segment.exit)) - entry
-        return Cut(rows, chords, product(way, state.node.X[nodes]) / length, length, kind)
+        return Cut(rows, chords, (places[2] - places[1]) / length, length, kind)
 
     def renew(self, state: State) -> None:
         """Bring cables and flank points to the nodes that the last cuts have made."""
@@ -179,13 +179,16 @@ def _length(state: State, segment: Segment) -> float:
 
 def _write_down(
     state: State,
-    places: tuple[Floats, Floats],
+    places: tuple[Floats, Floats, Floats],
     rows: list[int],
     kind: str,
     measure: float,
 ) -> None:
-    """Write a record of a cut; places : of its start in space and in the reference, (3,) each."""
-    place, reference = (tuple(x.tolist()) for x in places)
+    """Write a record of a cut.
+
+    places : (3,) each, of its start in space and in the reference, and of its end in the reference.
+    """
+    place, reference, end = (tuple(x.tolist()) for x in places)
     state.split_log.append(
         SplitRecord(
             time=state.time,
@@ -193,6 +196,7 @@ def _write_down(
             twin=-1,
             place=place,
             reference=reference,
+            end=end,
             kind=kind,
             measure=measure,
             force_jump=0.0,

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, norm, product
+from shellcut.arrays import Bools, Floats, Ints, norm, off_segments, product
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
@@ -119,9 +119,8 @@ class FilmEdges:
         last = 0.0
         for _, (start, stop), way in self.way_back(place):
             length = float(norm(stop - start))
-            along = np.clip(product(X - start, stop - start) / length**2, 0.0, 1.0)
-            gap = X - start - along[:, None] * (stop - start)
-            on = np.linalg.norm(gap, axis=1) < _BESIDE * size
+            gap, along = off_segments(X, start, stop - start)
+            on = norm(gap) < _BESIDE * size
             back[on] = np.minimum(back[on], way + (along[on] - 1.0) * length)
             last = back[on].max(initial=last)
             if way - last > GAP * size:

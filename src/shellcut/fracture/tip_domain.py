@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, product
+from shellcut.arrays import Floats, Ints, norm, off_segments, product
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
@@ -121,8 +121,5 @@ def _distance(X: Floats, ends: Floats, most: float) -> Floats:
 
     ends : (n, 2, 3).
     """
-    way = ends[:, 1] - ends[:, 0]
-    gap = X[..., None, :] - ends[:, 0]
-    along = (gap * way).sum(axis=-1) / np.maximum((way * way).sum(axis=-1), np.finfo(float).tiny)
-    gap = gap - np.clip(along, 0.0, 1.0)[..., None] * way
-    return np.asarray(np.linalg.norm(gap, axis=-1).min(axis=-1, initial=most))
+    gap, _ = off_segments(X[..., None, :], ends[:, 0], ends[:, 1] - ends[:, 0])
+    return np.asarray(norm(gap).min(axis=-1, initial=most))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, product
+from shellcut.arrays import Bools, Floats, Ints, norm, off_segments, product
 from shellcut.formats.errors import point_text
 
 from .checks import MeshError
@@ -186,11 +186,7 @@ def _cross(a: Floats, b: Floats, c: Floats, d: Floats) -> Bools:
 
 def _off(p: Floats, a: Floats, b: Floats) -> Floats:
     # distance of points from sides a-b
-    along = b - a
-    length = np.maximum((along * along).sum(axis=1), 1e-300)
-    t = np.clip(((p - a) * along).sum(axis=1) / length, 0.0, 1.0)
-    away: Floats = np.linalg.norm(p - a - t[:, None] * along, axis=1)
-    return away
+    return np.asarray(norm(off_segments(p, a, b - a)[0]))
 
 
 def _distance(a: Floats, b: Floats, c: Floats, d: Floats, share: Bools) -> Floats:

@@ -5,7 +5,8 @@ Those of :func:`cut_evidence` tell whether the cut went as it should:
 ======================  ==========================================================================
 n_tear                  cuts by cracks that no edge drives, of which the others tell nothing
 off_path_mm             largest distance of a split from the path of the cutting edges, in the
-                        reference film; the path goes on beyond its ends, where cracks lead
+                        reference film; the path goes on beyond its ends, where cracks lead, and
+                        along tears, which cuts go on from
 n_split_off_path        splits farther from the path than a fifth of a film edge
 path_edge_mm            median edge of the film along that path
 bending_length_mm       over which the film bends where its tension is the strength
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm, off_segments
 from shellcut.checks import Sweep
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.results.run_figures import run_figures
@@ -142,15 +143,18 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
     if sim.law is None:
         return figures
     splits = [record for record in s.splits if record.kind != TEAR]
+    tears = [(record.reference, record.end) for record in s.splits if record.kind == TEAR]
+    if sweep is not None and len(sweep.place) and tears:
+        figures["n_tear"] = len(tears)
     if sweep is not None and len(sweep.place) and splits:
         places = np.array([record.reference for record in splits])
-        off = sweep.distance(places)
-        size = np.sqrt(sim.mesh.quad_areas())
-        around = np.array([_quad_at(sim, record) for record in splits])
-        on_it = off <= OFF_PATH * size[around]
+        size = np.sqrt(sim.mesh.quad_areas())[[_quad_at(sim, record) for record in splits]]
+        start, end = np.array(tears).reshape(-1, 2, 3).swapaxes(0, 1)
+        from_tears, _ = off_segments(places[:, None], start, end - start)
+        off = np.minimum(norm(from_tears).min(axis=1, initial=np.inf), sweep.distance(places))
+        on_it = off <= OFF_PATH * size
         figures |= {
             "n_split": len(places),
-            "n_tear": len(s.splits) - len(places),
             "n_split_off_path": int((~on_it).sum()),
             "off_path_mm": float(off.max()),
             "path_edge_mm": float(np.median(sweep.edge_length)),

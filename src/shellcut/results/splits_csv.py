@@ -23,13 +23,13 @@ _COLUMNS: dict[str, tuple[str, type]] = {
     "kind": ("-", str),
     "measure": ("-", float),
     "force_jump": ("N", float),
-    **dict.fromkeys(("x", "y", "z", "X", "Y", "Z"), ("mm", float)),
+    **dict.fromkeys(("x", "y", "z", "X", "Y", "Z", "X_end", "Y_end", "Z_end"), ("mm", float)),
     "edge": ("-", int),
     "force": ("N", float),
     "depth": ("mm", float),
     "work": ("N*mm", float),
 }
-"""Unit and type of every column; x, y, z at the split, X, Y, Z in the reference. The last four are
+"""Unit and type of every column; x, y, z in space, X, Y, Z in the reference. The last four are
 those of a puncture: cutting edge from 1, 0 for none, and :class:`~shellcut.state.SplitRecord`."""
 
 
@@ -41,7 +41,7 @@ def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
         for s in splits:
             row = (s.time, s.node, s.twin, s.kind, s.measure, s.force_jump)
             pierced = (s.edge + 1, s.force, s.depth, s.work)
-            table.writerow([*row, *s.place, *s.reference, *pierced])
+            table.writerow([*row, *s.place, *s.reference, *s.end, *pierced])
 
 
 def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:

@@ -31,6 +31,8 @@ class SplitRecord:
     """Position at the split [mm]."""
     reference: tuple[float, float, float]
     """Reference position [mm]."""
+    end: tuple[float, float, float]
+    """Reference position where the cut ends [mm]."""
     kind: str
     """``"criterion"``, ``"blade"`` or ``"puncture"``, see :mod:`shellcut.fracture.options`; or
     ``TEAR`` or ``NOTCH``."""
@@ -170,7 +172,7 @@ class State:
         a, b = saved["strain_forms"].tolist()
         self.strain_forms = a, b
         splits = {name: column.tolist() for name, column in saved["split_log"].items()}
-        for name in ("place", "reference"):
+        for name in ("place", "reference", "end"):
             splits[name] = [tuple(place) for place in splits[name]]
         splits["rows"] = [tuple(k for k in row if k != _NO_ROW) for row in splits["rows"]]
         self.split_log = [

@@ -28,7 +28,7 @@ from typing import Annotated, TypeAlias
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Bools, Floats, Ints, each, norm, unit
+from shellcut.arrays import Bools, Floats, Ints, each, norm, off_segments, unit
 
 from .tool import Tool, ToolError
 
@@ -159,10 +159,7 @@ class _Wedge:
 
     def _seen(self, points: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """Return y, z, tan a, distance along the edge beyond its ends, b and k at points."""
-        squared = np.einsum("ic,ic->i", self.vector, self.vector)
-        from_start = points[:, None] - self.start
-        share = np.clip(np.einsum("pic,ic->pi", from_start, self.vector) / squared, 0.0, 1.0)
-        gap = from_start - share[..., None] * self.vector
+        gap, share = off_segments(points[:, None], self.start, self.vector)
         k = np.argmin(np.einsum("pic,pic->pi", gap, gap), axis=1)
         rows = np.arange(len(points))
         share, gap = share[rows, k, None], gap[rows, k]
