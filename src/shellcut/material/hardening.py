@@ -122,11 +122,6 @@ class Hardening:
         above = [self.function(row, 0, float(one))[0] for one in p.ravel()]
         return self.first_yield + np.array(above).reshape(p.shape)
 
-    @property
-    def saturation(self) -> float:
-        """The largest σ_y at any strain [MPa]; inf where it grows without end."""
-        return math.inf
-
 
 # What the kernels ask a class for, and what it is.
 _ASKED = {
@@ -182,11 +177,6 @@ class Linear(Hardening):
         """σ_y(0) [MPa]."""
         return self.yield_stress
 
-    @property
-    def saturation(self) -> float:
-        """The largest σ_y at any strain [MPa]; inf where it grows without end."""
-        return math.inf if self.modulus > 0.0 else self.yield_stress
-
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""
         return [self.modulus]
@@ -233,8 +223,8 @@ class Voce(Hardening):
 
     Examples
     --------
-    >>> Voce(20.0, 10.0, 0.05).saturation
-    30.0
+    >>> Voce(20.0, 10.0, 0.05).row()
+    [10.0, 20.0, 0.0]
     """
 
     function = staticmethod(_voce)
@@ -252,11 +242,6 @@ class Voce(Hardening):
     def first_yield(self) -> float:
         """σ_y(0) [MPa]."""
         return self.yield_stress
-
-    @property
-    def saturation(self) -> float:
-        """The largest σ_y at any strain [MPa]; inf where it grows without end."""
-        return math.inf if self.modulus > 0.0 else self.yield_stress + self.gain
 
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""
@@ -317,11 +302,6 @@ class Table(Hardening):
     def first_yield(self) -> float:
         """σ_y(0) [MPa]."""
         return self.stress_at[0]
-
-    @property
-    def saturation(self) -> float:
-        """The largest σ_y at any strain [MPa]."""
-        return self.stress_at[-1]
 
     def row(self) -> list[float]:
         """Return the parameters of ``function``."""
