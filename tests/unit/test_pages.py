@@ -6,6 +6,7 @@ minutes:
     pytest -m "" -n 0 -s tests/unit/test_pages.py
 """
 
+import functools
 import os
 import re
 import shlex
@@ -13,6 +14,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path

@@ -12,6 +12,7 @@ owner lays them out once with a :class:`Holder`, and the kernel, which begins wi
 
 from __future__ import annotations
 
+import functools
 from typing import Any, TypeVar, cast
 
 import numba as nb
@@ -22,10 +23,12 @@ from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, typeof_impl, unbox
 
 from .borrowed import HeldType, without_owner
-from .jit import bound, kernel
+from .jit import kernel
 from .kernel_tables import HeldTable, check_tables
 
 T = TypeVar("T")
+
+_MEMORY: Any = nb.typeof(np.zeros(0, np.uint8))
 
 
 class Holder:
@@ -76,16 +79,18 @@ class Holder:
         kind = nb.typeof(table)
         if self._kind is None:
             check_tables([table])
-            self._kind, self._size = kind, _size_of(plain)
-            self._lay_out = bound(_lay_out, plain, np.zeros(0, np.uint8))
+            kind_of_plain = nb.typeof(plain)  # a millisecond: once
+            self._kind, self._size = kind, _size_of(kind_of_plain)
+            self._lay_out = cast("Any", _lay_out).compile((kind_of_plain, _MEMORY))
         if kind != self._kind:
             raise TypeError(f"a table was given with other types: {kind} after {self._kind}")
 
 
-def _size_of(plain: Any) -> int:
-    """Return the bytes that a table takes in a kernel [1]."""
+@functools.cache
+def _size_of(kind: Any) -> int:
+    """Return the bytes that a table of this type takes in a kernel [1]."""
     context = cpu_target.target_context
-    size: int = context.get_abi_sizeof(context.get_value_type(nb.typeof(plain)))
+    size: int = context.get_abi_sizeof(context.get_value_type(kind))
     return size
 
 
