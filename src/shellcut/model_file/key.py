@@ -7,8 +7,9 @@ another name, or give it the default of a ready model.
 
 from __future__ import annotations
 
+import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -130,7 +131,7 @@ class Section:
     def arguments(self) -> dict[str, Any]:
         """Return those values that are arguments of the constructor, and not None."""
         assert self.of.constructor is not None
-        known = inspect.signature(self.of.constructor).parameters
+        known = _parameters(self.of.constructor)
         given = {key.parameter: self.values[name] for name, key in self.of.keys.items()}
         given = {name: value for name, value in given.items() if value is not None}
         return {name: value for name, value in given.items() if name in known} | dict(self.of.fixed)
@@ -143,6 +144,12 @@ class Section:
     def made(self) -> Any:
         """Return what the section describes; ValueError if the values do not fit together."""
         return self.called() if self.of.make is None else self.of.make(self)
+
+
+@functools.cache
+def _parameters(constructor: Constructor) -> Set[str]:
+    """Return the names of a constructor's arguments."""
+    return inspect.signature(constructor).parameters.keys()
 
 
 @dataclass(eq=False, repr=False)
