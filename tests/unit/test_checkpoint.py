@@ -466,14 +466,14 @@ def test_saving_changes_nothing_and_is_repeatable(uninterrupted, tmp_path):
 
 
 @pytest.fixture
-def _listening():
+def heard_interrupts():
     # A shell starts programs in the background with Ctrl-C ignored, and a run respects that.
     former = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, former)
 
 
-@pytest.mark.usefixtures("_listening")
+@pytest.mark.usefixtures("heard_interrupts")
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
     with monkeypatch.context() as patch:
