@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from shellcut.arguments import Option, declared
 
 from .forms import FORMS, Form, form_of, written
+
+_signature = functools.cache(inspect.signature)
 
 Constructor = Callable[..., Any]
 REQUIRED = inspect.Parameter.empty
@@ -131,7 +133,7 @@ class Section:
     def arguments(self) -> dict[str, Any]:
         """Return those values that are arguments of the constructor, and not None."""
         assert self.of.constructor is not None
-        known = _parameters(self.of.constructor)
+        known = _signature(self.of.constructor).parameters
         given = {key.parameter: self.values[name] for name, key in self.of.keys.items()}
         given = {name: value for name, value in given.items() if value is not None}
         return {name: value for name, value in given.items() if name in known} | dict(self.of.fixed)
@@ -144,12 +146,6 @@ class Section:
     def made(self) -> Any:
         """Return what the section describes; ValueError if the values do not fit together."""
         return self.called() if self.of.make is None else self.of.make(self)
-
-
-@functools.cache
-def _parameters(constructor: Constructor) -> Set[str]:
-    """Return the names of a constructor's arguments."""
-    return inspect.signature(constructor).parameters.keys()
 
 
 @dataclass(eq=False, repr=False)

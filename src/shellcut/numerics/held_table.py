@@ -12,7 +12,6 @@ owner lays them out once with a :class:`Holder`, and the kernel, which begins wi
 
 from __future__ import annotations
 
-import functools
 from typing import Any, TypeVar, cast
 
 import numba as nb
@@ -27,8 +26,6 @@ from .jit import kernel
 from .kernel_tables import HeldTable, check_tables
 
 T = TypeVar("T")
-
-_MEMORY: Any = nb.typeof(np.zeros(0, np.uint8))
 
 
 class Holder:
@@ -79,19 +76,12 @@ class Holder:
         kind = nb.typeof(table)
         if self._kind is None:
             check_tables([table])
-            kind_of_plain = nb.typeof(plain)  # a millisecond: once
-            self._kind, self._size = kind, _size_of(kind_of_plain)
-            self._lay_out = cast("Any", _lay_out).compile((kind_of_plain, _MEMORY))
+            self._kind, context, laid = kind, cpu_target.target_context, nb.typeof(plain)
+            self._size = context.get_abi_sizeof(context.get_value_type(laid))
+            memory = nb.typeof(np.zeros(0, np.uint8))
+            self._lay_out = cast("Any", _lay_out).compile((laid, memory))
         if kind != self._kind:
             raise TypeError(f"a table was given with other types: {kind} after {self._kind}")
-
-
-@functools.cache
-def _size_of(kind: Any) -> int:
-    """Return the bytes that a table of this type takes in a kernel [1]."""
-    context = cpu_target.target_context
-    size: int = context.get_abi_sizeof(context.get_value_type(kind))
-    return size
 
 
 def _looks(value: Any) -> Any:

@@ -11,7 +11,9 @@ end of a run all take their parts and sums from here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import reduce
 from math import isfinite
+from operator import add
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -33,11 +35,8 @@ class Part(NamedTuple):
 
     def of(self, entries: Mapping[str, Energy]) -> Energy:
         """Return its energy; histories of older versions lack some entries."""
-        energy: Energy = 0.0 * next(iter(entries.values()))
-        for name in self.entries:
-            if name in entries:
-                energy = energy + entries[name]
-        return energy
+        zero: Energy = 0.0 * next(iter(entries.values()))
+        return reduce(add, (entries[name] for name in self.entries if name in entries), zero)
 
 
 PUT_IN = (
@@ -82,10 +81,8 @@ _SHOWN = 5e-4
 
 def total(parts: Iterable[Part], entries: Mapping[str, Energy]) -> Energy:
     """Return the sum of some parts."""
-    energy: Energy = 0.0 * next(iter(entries.values()))
-    for part in parts:
-        energy = energy + part.of(entries)
-    return energy
+    zero: Energy = 0.0 * next(iter(entries.values()))
+    return reduce(add, (part.of(entries) for part in parts), zero)
 
 
 def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
