@@ -6,7 +6,6 @@ minutes:
     pytest -m "" -n 0 -s tests/unit/test_pages.py
 """
 
-import functools
 import os
 import re
 import shlex
@@ -14,7 +13,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,16 +79,13 @@ def shell(line, folder, shorter=""):
 # ---------------------------------------------------------------------- what a user has
 
 
-@functools.cache
-def a_run_made_once():
-    folder = Path(tempfile.mkdtemp())
-    short = "--set mesh=quick --set motion.angle_deg=20 --set motion.duration=1.3e-3 --no-pictures"
-    shell(f"shellcut run opening {short} --frames 20 -o out", folder)
-    return folder / "out"
-
-
 def a_run(folder):
-    shutil.copytree(a_run_made_once(), folder / "out")
+    kept = folder.parent / "a_run"  # of the first page that reads one
+    if not kept.exists():
+        kept.mkdir()
+        short = "--set mesh=quick --set motion.angle_deg=20 --set motion.duration=1.3e-3"
+        shell(f"shellcut run opening {short} --frames 20 --no-pictures -o out", kept)
+    shutil.copytree(kept / "out", folder / "out")
 
 
 def a_stopped_run(folder):
