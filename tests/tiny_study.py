@@ -1,5 +1,7 @@
 """A study whose runs take a second each."""
 
+from shellcut.study.one_run import OUTCOME
+
 SETTINGS = {
     "membrane.length": 6,
     "membrane.width": 4,
@@ -19,3 +21,8 @@ ANGLES = {"wedge_half_angle_deg": "10,14,18,22"}
 def in_words(values):
     """Return values as the command takes them."""
     return [f"--set={key}={str(value).lower()}" for key, value in values.items()]
+
+
+def done_at(out):
+    """Return the times at which the runs of a study were done, by their files."""
+    return {path: path.stat().st_mtime_ns for path in out.rglob(OUTCOME)}

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from shellcut.models import Case
 from shellcut.models.opening import steady_work_per_radian
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -20,9 +21,13 @@ def run_example(monkeypatch, capsys):
     """Run an example as a script and return what it printed.
 
     In this process, where the kernels and Matplotlib are loaded once for all of them; the laminate
-    runs in a process of its own.
+    runs in a process of its own. The hundred frames of a run would take half of the time.
     """
     import matplotlib.pyplot as plt
+
+    whole = Case.run
+    few = {"n_frame": 10}
+    monkeypatch.setattr(Case, "run", lambda case, out, **asked: whole(case, out, **few | asked))
 
     def run(name, out, *options):
         monkeypatch.setattr(sys, "argv", [name, "--out", str(out), *options])

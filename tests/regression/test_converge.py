@@ -4,23 +4,16 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 import shellcut as sc
 from shellcut.command_line import main
 from shellcut.results.error_bars import read_error_bars
-from shellcut.study.one_run import OUTCOME
-from tiny_study import SETTINGS, in_words
+from tiny_study import SETTINGS, done_at, in_words
 
 LONG = SETTINGS | {"membrane.length": 9}
 """So long that its nodes can be moved along it only."""
-
-
-def done(out):
-    """Return the times at which the runs were done."""
-    return {path: path.stat().st_mtime_ns for path in Path(out).rglob(OUTCOME)}
 
 
 def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
@@ -37,14 +30,14 @@ def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
                 os.kill(process.pid, signal.SIGKILL)
                 break
     out = run / "converge"
-    before = done(out)
+    before = done_at(out)
     assert 2 <= len(before) < 7
     assert not (out / "error_bars.json").exists()
 
     assert main(wanted) == 0
     said, told = capsys.readouterr()
     assert f"7 runs, {len(before)} of them done before" in told
-    assert {path: time for path, time in done(out).items() if path in before} == before
+    assert {path: time for path, time in done_at(out).items() if path in before} == before
 
     found = read_error_bars(out / "error_bars.json")
     assert str(found) in said

@@ -9,7 +9,6 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 
 import pytest
 
@@ -17,7 +16,7 @@ import shellcut as sc
 from shellcut.study import child_process
 from shellcut.study.one_run import OUTCOME, STOP
 from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
-from tiny_study import ANGLES, SETTINGS, in_words
+from tiny_study import ANGLES, SETTINGS, done_at, in_words
 
 
 def study(out, executor=1, lines=None, **more):
@@ -46,11 +45,6 @@ def part(done, tmp_path):
     return without
 
 
-def begun(out):
-    """Return the times at which the runs of a study were done."""
-    return {path: path.stat().st_mtime_ns for path in Path(out).rglob(OUTCOME)}
-
-
 def test_a_study_gives_a_row_a_run(done):
     assert [row["wedge_half_angle_deg"] for row in done.rows] == [10, 14, 18, 22]
     forces = [row["force_peak_N"] for row in done.rows]
@@ -64,14 +58,14 @@ def test_a_study_gives_a_row_a_run(done):
 
 def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, part):
     out = part()
-    before, lines = begun(out), []
+    before, lines = done_at(out), []
     again = study(out, lines=lines)
-    assert begun(out) == before
+    assert done_at(out) == before
     assert lines[0].startswith("4 runs, 4 of them done before")
     assert again.table.read_bytes() == done.table.read_bytes()
     more = {"wedge_half_angle_deg": [10, 12]}
     sc.sweep("guillotine", more, out, settings=SETTINGS, executor=1, say=lines.append)
-    assert len(begun(out)) == 5
+    assert len(done_at(out)) == 5
     assert any(line.startswith("2 runs, 1 of them done before") for line in lines)
 
 
@@ -120,11 +114,11 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     if how == signal.SIGINT:
         assert "the runs under way keep their checkpoints" in rest
         assert process.returncode == 130
-    before, lines = begun(tmp_path), []
+    before, lines = done_at(tmp_path), []
     assert before
     found = study(tmp_path, lines=lines)
     assert found.table.read_bytes() == done.table.read_bytes()
-    assert {path: begun(tmp_path)[path] for path in before} == before
+    assert {path: done_at(tmp_path)[path] for path in before} == before
 
 
 def test_a_failed_run_says_why_and_is_tried_again(done, part):
@@ -167,11 +161,11 @@ def test_a_full_disk_ends_its_run_and_not_the_study(done, part, disk):
         assert first.joinpath("history.csv").exists()  # it had begun
         if disk == "of the run":
             enlarge(first, kilobytes=64_000)
-        before = begun(out)
+        before = done_at(out)
         again = sc.sweep("guillotine", ANGLES, out, **settings, say=str)
         assert again.table.read_bytes() == done.table.read_bytes()
-        assert begun(out).keys() - before.keys() == {first / OUTCOME}
-        assert {path: begun(out)[path] for path in before} == before
+        assert done_at(out).keys() - before.keys() == {first / OUTCOME}
+        assert {path: done_at(out)[path] for path in before} == before
 
 
 def test_an_interrupted_run_goes_on_from_its_checkpoint(done, tmp_path):

@@ -384,12 +384,14 @@ def spoilt(saved, tmp_path):
 )
 def test_content_that_is_another_is_told_by_name(spoilt, spoil):
     # tables that are empty at the start take whatever rows there are
-    names = [name for name, rows in leaves(cutting().saved(), "run") if np.size(rows)]
+    sim = cutting()
+    names = [name for name, rows in leaves(sim.saved(), "run") if np.size(rows)]
     for name in names[:: len(names) // 12]:
         path = spoilt(lambda file, name=name: spoil(file, name))
         told = f"{re.escape(name.replace('/', '.'))}|cannot be loaded"
         with pytest.raises(CheckpointError, match=told):
-            load_checkpoint(cutting(), path)
+            load_checkpoint(sim, path)
+    assert sim.state.step == 0
 
 
 def large(file):
@@ -464,14 +466,14 @@ def test_saving_changes_nothing_and_is_repeatable(uninterrupted, tmp_path):
 
 
 @pytest.fixture
-def _listening():
+def heard_interrupts():
     # A shell starts programs in the background with Ctrl-C ignored, and a run respects that.
     former = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, former)
 
 
-@pytest.mark.usefixtures("_listening")
+@pytest.mark.usefixtures("heard_interrupts")
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
     with monkeypatch.context() as patch:

@@ -11,7 +11,7 @@ from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.flank_points import hand_on_stiffness
-from shellcut.fracture.pierce import Begun
+from shellcut.fracture.pierce import Begun, Pierce
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
@@ -280,7 +280,7 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     sim.notch((7.0, middles[row, 1] + 0.06, 0.0), (right + 0.01, middles[row, 1] + 0.06, 0.0))
     (there,) = free.at_tips(sim.mesh.nodes)
     assert there[0] == pytest.approx(right, abs=0.1)
-    monkeypatch.setattr(free._pierce, "found", lambda *_: [Begun(row, (0.0, 0.0), 0, 1.0)])
+    monkeypatch.setattr(Pierce, "found", lambda *_: [Begun(row, (0.0, 0.0), 0, 1.0)])
     free.cut_due(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]

@@ -12,11 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from browser import CHROMIUM
 from shellcut.model_file.section_table import LISTS, SECTIONS
 
-CHROMIUM = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 KEY = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)\]")

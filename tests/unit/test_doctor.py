@@ -112,7 +112,8 @@ from record_kernels import called, listed
 import shellcut
 
 model, settings = json.loads(sys.argv[2])
-shellcut.read_model(model, settings).build().run(sys.argv[3], progress=False)
+few = {"n_row": 100, "n_frame": 10, "n_snapshot": 1, "curves": False}
+shellcut.read_model(model, settings).build().run(sys.argv[3], progress=False, **few)
 entries = {json.dumps(entry) for _, entry in called()}
 print(json.dumps(sorted(entries - listed(model))))
 """

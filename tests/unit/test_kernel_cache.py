@@ -121,25 +121,22 @@ def test_an_edit_of_what_a_kernel_calls_changes_its_result(tmp_path, version):
         assert version("of_a_version").scaled(1.0) == factor
 
 
-_PULLED_CABLE = """
+_PRESSED_SQUARE = """
 import json
 import numpy as np
-from shellcut import CohesiveLaw
-from shellcut.cables.directional_cable import _energies
-from shellcut.state.tables import NOT_MET
+from shellcut.loads.pressure import pressure_rows
 
-law = CohesiveLaw(
-    strength=18.0, plateau=12.0, opening_a=0.5, opening_p=3.0, opening_u=4.0
-).parameters()
-stored, dissipated = np.zeros(1), np.zeros(1)
-met, one = np.full(1, NOT_MET), np.ones(1)
-_energies(np.zeros(1, np.int8), met, one, one, np.zeros(1), law, law, stored, dissipated)
-hits = sum(_energies.stats.cache_hits.values())
-print(json.dumps({"energy": stored[0] + dissipated[0], "loaded": hits}))
+x = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
+corners, film, rows = np.arange(4)[None], np.zeros((1, 4, 3)), np.zeros((1, 4, 3))
+film[..., 0] = 1.0  # the integral of each shape function
+pressure_rows(x, corners, film, 0.5, rows)
+hits = sum(pressure_rows.stats.cache_hits.values())
+print(json.dumps({"force": rows[..., 2].sum(), "loaded": hits}))
 """
 
 
-ENERGY = 0.5 * (18.0 + 12.0) * 0.5 + 12.0 * 0.5
+FORCE = 0.5 * 4.0
+"""Pressure times area, N."""
 
 
 @pytest.fixture
@@ -149,39 +146,40 @@ def site(tmp_path):
 
 
 def _copy(package, site):
-    leave = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(package, site / "shellcut", ignore=leave)
+    """Copy the package; its parts are imported one by one, or each process would take a second."""
+    shutil.copytree(package, site / "shellcut", ignore=shutil.ignore_patterns("__pycache__"))
+    (site / "shellcut" / "__init__.py").write_text("")
     return site
 
 
-def pulled(site, **more):
-    """Return the energy of a pulled cable, and how many kernels were loaded, of a new process."""
+def pressed(site, **more):
+    """Return the force on a square, and how many kernels were loaded, of a new process."""
     given = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_C")}
     environment = given | {"PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"} | more
-    command = [sys.executable, "-c", _PULLED_CABLE]
+    command = [sys.executable, "-c", _PRESSED_SQUARE]
     out = subprocess.run(
         command, cwd=site, env=environment, check=True, capture_output=True, text=True
     )
     said = json.loads(out.stdout)
-    return said["energy"], said["loaded"]
+    return said["force"], said["loaded"]
 
 
 def edited(site):
-    """Double the plateau's part of the law's energy."""
-    law = site / "shellcut" / "cables" / "cohesive_law.py"
-    text = law.read_text()
-    assert text.count("area += law[PLATEAU] *") == 1
-    law.write_text(text.replace("area += law[PLATEAU] *", "area += 2.0 * law[PLATEAU] *"))
+    """Double the third component of products of vectors, of which the kernel holds a copy."""
+    vec3, third = site / "shellcut" / "numerics" / "vec3.py", "a[0] * b[1] - a[1] * b[0]"
+    text = vec3.read_text()
+    assert text.count(third) == 1
+    vec3.write_text(text.replace(third, f"2.0 * ({third})"))
 
 
 def test_an_upgraded_package_computes_by_its_own_sources(site):
-    """The cable's kernel stands in another file than the law of which it holds a copy."""
+    """The kernel stands in another file than the products of which it holds a copy."""
     cache = str(site / "cache")
-    assert pulled(site, NUMBA_CACHE_DIR=cache) == (pytest.approx(ENERGY), 0)
+    assert pressed(site, NUMBA_CACHE_DIR=cache) == (pytest.approx(FORCE), 0)
     edited(site)
-    doubled = pytest.approx(ENERGY + 12.0 * 0.5)
-    assert pulled(site, NUMBA_CACHE_DIR=cache) == (doubled, 0)
-    assert pulled(site, NUMBA_CACHE_DIR=cache) == (doubled, 1)
+    doubled = pytest.approx(2.0 * FORCE)
+    assert pressed(site, NUMBA_CACHE_DIR=cache) == (doubled, 0)
+    assert pressed(site, NUMBA_CACHE_DIR=cache) == (doubled, 1)
 
 
 # ---------------------------------------------------------------- what a release brings
@@ -202,7 +200,7 @@ def release(tmp_path_factory):
     if platform.machine() not in ("x86_64", "AMD64"):
         pytest.skip("releases bring machine code for x86-64 only")
     site = _copy(Path(shellcut.__file__).parent, tmp_path_factory.mktemp("release"))
-    pulled(site, NUMBA_CPU_NAME=level, NUMBA_CPU_FEATURES="")
+    pressed(site, NUMBA_CPU_NAME=level, NUMBA_CPU_FEATURES="")
     assert _release().gathered(site / "shellcut", level) > 0
     return site / "shellcut"
 
@@ -222,30 +220,30 @@ def _closed(site):
 
 def test_a_release_is_not_compiled(released, tmp_path):
     cache = tmp_path / "cache"
-    assert pulled(released, NUMBA_CACHE_DIR=str(cache)) == (pytest.approx(ENERGY), 1)
+    assert pressed(released, NUMBA_CACHE_DIR=str(cache)) == (pytest.approx(FORCE), 1)
     assert not list(cache.rglob("*.nb?"))
-    assert pulled(released, **_closed(released)) == (pytest.approx(ENERGY), 1)
+    assert pressed(released, **_closed(released)) == (pytest.approx(FORCE), 1)
 
 
 def test_a_kernel_runs_where_nothing_can_be_stored(site):
     nowhere = _closed(site)
-    assert [pulled(site, **nowhere) for _ in range(2)] == [(pytest.approx(ENERGY), 0)] * 2
+    assert [pressed(site, **nowhere) for _ in range(2)] == [(pytest.approx(FORCE), 0)] * 2
     assert not list(site.rglob("*.nb?"))
 
 
 def test_a_release_of_other_sources_or_processors_is_compiled_anew(released):
     cache = {"NUMBA_CACHE_DIR": str(released / "cache")}
     older = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", **cache}
-    assert pulled(released, **older) == (pytest.approx(ENERGY), 0)
+    assert pressed(released, **older) == (pytest.approx(FORCE), 0)
     edited(released)
-    doubled = pytest.approx(ENERGY + 12.0 * 0.5)
-    assert [pulled(released, **cache) for _ in range(2)] == [(doubled, 0), (doubled, 1)]
+    doubled = pytest.approx(2.0 * FORCE)
+    assert [pressed(released, **cache) for _ in range(2)] == [(doubled, 0), (doubled, 1)]
 
 
 @pytest.mark.parametrize("damage", [_cut_short, _of_other_content, _emptied])
 @pytest.mark.parametrize("kind", ["nbc", "nbi"])
 def test_a_damaged_release_is_compiled_anew(released, damage, kind):
-    (file,) = released.rglob(f"directional_cable._energies*.{kind}")
+    (file,) = released.rglob(f"pressure.pressure_rows*.{kind}")
     damage(file)
     cache = str(released / "cache")
-    assert pulled(released, NUMBA_CACHE_DIR=cache) == (pytest.approx(ENERGY), 0)
+    assert pressed(released, NUMBA_CACHE_DIR=cache) == (pytest.approx(FORCE), 0)

@@ -12,7 +12,14 @@ import sys
 import numpy as np
 import pytest
 
-from shellcut import ShellMaterial, Simulation, mesh_from_drawing, mesh_from_outline, read_model
+from shellcut import (
+    ShellMaterial,
+    Simulation,
+    mesh_from_drawing,
+    mesh_from_outline,
+    oscillating,
+    read_model,
+)
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
 from shellcut.model_file.forms import written
@@ -23,6 +30,7 @@ from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS
 from shellcut.models import Case
 from shellcut.recording.run_options import RunOptions
 from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool_shapes import round_bar
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -192,8 +200,9 @@ MIRRORS = {
     for kind in kinds
     if kind.constructor is not None
 } | {PLY: "layers"}
-# Teeth and discs are the same in nearly all of these models.
+# Tools and discs are the same in nearly all of these models.
 ONCE = {real: functools.cache(real) for real in (tooth_ring, straight_blade, opening_disc)}
+BAR_ONCE = functools.cache(round_bar)
 
 
 @pytest.fixture(scope="module")
@@ -258,6 +267,7 @@ def model_text(model, title, kind, values):
 def built(monkeypatch, files):
     """Read a text, check that it survives being written, and return all that is built of it."""
     read = []
+    monkeypatch.setattr(sys.modules[oscillating.__module__], "round_bar", BAR_ONCE)
     for kind in MIRRORS:
         if kind.constructor in ONCE:
             monkeypatch.setattr(kind, "constructor", ONCE[kind.constructor])

@@ -12,18 +12,21 @@ from shellcut import Elastic, Layer, Mesh, ShellMaterial
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.mitc4.eigenvalue_bound import bound_largest_eigenvalues
 from shellcut.mitc4.frequency import growth_rates
+from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.stretch_since import StretchSince
 
 
-def as_in_a_state(*rows):
-    """The arrays in the layout of a state's, which the kernels are compiled for."""
-    return tuple(np.asfortranarray(row) for row in rows)
+def state_of(mesh, x, t):
+    """A state of a mesh at positions and with directors."""
+    state = initial_state(mesh)
+    state.node.x[: mesh.n_node], state.node.t[: mesh.n_node] = x, t
+    return state
 
 
-def exact(shell, x, t, quads):
-    """The largest eigenvalue of every quad by LAPACK."""
-    K = shell._tangent_bounds(x, t, np.arange(len(quads)))
+def exact(shell, state):
+    """The largest eigenvalue of every quad of an elastic film by LAPACK."""
+    K = shell.tangents(state, np.arange(state.n_quad))
     mass = np.repeat(shell.mass, 3, axis=1)
     inertia = np.repeat(shell.quad_inertia(np.arange(shell.area.size)), 2, axis=1)
     scale = np.concatenate([mass, inertia], axis=1) ** -0.5
@@ -37,7 +40,7 @@ def test_an_evaluated_quad_is_bounded_within_a_five_hundredth(case, deformed):
     shell, state = cases.set_up(mesh)
     if deformed:
         cases.deform(state)
-    wanted = exact(shell, state.node.x, state.node.t, state.quads)
+    wanted = exact(shell, state)
     frequencies = shell.frequencies
     frequencies.evaluate(state.node.x, state.node.t, state.quads, np.arange(mesh.n_quad))
     # Never below, round-off apart; not more than the 0.2 % that the bound is tried above.
@@ -48,8 +51,7 @@ def test_an_evaluated_quad_is_bounded_within_a_five_hundredth(case, deformed):
 def test_all_quads_of_a_disc_at_rest():
     mesh = opening_disc("quick")
     shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
-    x, t = as_in_a_state(mesh.nodes, mesh.directors)
-    ratio = shell.frequencies.squared / exact(shell, x, t, mesh.quads)
+    ratio = shell.frequencies.squared / exact(shell, initial_state(mesh))
     # Congruent quads agree to the 1e-9 of their scalar products.
     assert ratio.min() > 1.0 - 1e-8
     assert ratio.max() < 1.002 + 1e-8
@@ -75,8 +77,8 @@ def test_bounds_hold_in_between(case, kind, amount):
             # Evaluated in a state that is deformed already, and nothing is left of the last one.
             x = mesh.nodes + 0.05 * size * rng.uniform(-1, 1, (n, 3))
             t = Rotation.from_rotvec(rng.uniform(-0.1, 0.1, (n, 3))).apply(mesh.directors.copy())
-            x, t = as_in_a_state(x, t)
-            shell.frequencies.evaluate(x, t, mesh.quads, np.arange(mesh.n_quad))
+            node = state_of(mesh, x, t).node
+            shell.frequencies.evaluate(node.x, node.t, mesh.quads, np.arange(mesh.n_quad))
             if kind == "random":
                 x = x + amount * size * rng.uniform(-1, 1, (n, 3))
             if kind == "stretched":
@@ -87,10 +89,9 @@ def test_bounds_hold_in_between(case, kind, amount):
                 t = Rotation.from_rotvec(np.outer(x[:, 0], [0, -amount / size, 0])).apply(t)
                 x = x + np.outer(0.5 * amount / size * x[:, 0] ** 2, [0, 0, 1])
             turn = Rotation.from_rotvec(rng.uniform(-2, 2, 3))  # of the whole: it changes nothing
-            x, t = as_in_a_state(turn.apply(x), turn.apply(t))
-            shell.frequencies.follow(x, t, mesh.quads)
-            wanted = exact(shell, x, t, mesh.quads)
-            growth = shell.frequencies.squared / wanted
+            state = state_of(mesh, turn.apply(x), turn.apply(t))
+            shell.frequencies.follow(state.node.x, state.node.t, mesh.quads)
+            growth = shell.frequencies.squared / exact(shell, state)
             assert growth.min() >= 1.0 - 1e-12
             if amount <= 1e-3:  # and it is no idle bound
                 assert growth.max() < 1.04
@@ -106,9 +107,9 @@ def test_bounds_hold_for_an_unsymmetric_laminate():
         n = mesh.n_node
         x = mesh.nodes + amount * rng.uniform(-1, 1, (n, 3))
         turn = Rotation.from_rotvec(amount * rng.uniform(-1, 1, (n, 3)))
-        x, t = as_in_a_state(x, turn.apply(mesh.directors.copy()))
-        shell.frequencies.follow(x, t, mesh.quads)
-        assert (shell.frequencies.squared >= exact(shell, x, t, mesh.quads)).all()
+        state = state_of(mesh, x, turn.apply(mesh.directors.copy()))
+        shell.frequencies.follow(state.node.x, state.node.t, mesh.quads)
+        assert (shell.frequencies.squared >= exact(shell, state)).all()
 
 
 def test_growth_rates_of_an_isotropic_film():
@@ -123,7 +124,7 @@ def test_evaluation_where_asked_only_and_again():
     frequencies = shell.frequencies
     cases.deform(state, stretch=0.02, tilt=0.02)
     x, t = state.node.x, state.node.t
-    wanted = exact(shell, x, t, state.quads)
+    wanted = exact(shell, state)
     for which in ([1, 4], [4, 0]):  # a quad may be evaluated again
         frequencies.follow(x, t, state.quads)
         frequencies.evaluate(x, t, state.quads, np.array(which))

@@ -93,6 +93,6 @@ def _stiffnesses(film: ShellMaterial) -> tuple[float, float]:
     coupling = np.einsum("i,ijk->jk", weight * z, laws)
     second = np.einsum("i,ijk->jk", weight * z * z, laws)
     bending = second - product(coupling, inverse(membrane), coupling)
-    tension = [1.0 / inverse(turned_moduli(membrane, angle))[0, 0] for angle in _ANGLES]
+    tension = 1.0 / inverse(np.array([turned_moduli(membrane, a) for a in _ANGLES]))[:, 0, 0]
     along = turned_moduli(bending, _ANGLES[int(np.argmax(tension))])
-    return float(max(tension)), math.sqrt(along[0, 0] * along[1, 1])
+    return float(tension.max()), math.sqrt(along[0, 0] * along[1, 1])

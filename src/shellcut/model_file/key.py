@@ -7,6 +7,7 @@ another name, or give it the default of a ready model.
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -15,6 +16,8 @@ from typing import Any
 from shellcut.arguments import Option, declared
 
 from .forms import FORMS, Form, form_of, written
+
+_signature = functools.cache(inspect.signature)
 
 Constructor = Callable[..., Any]
 REQUIRED = inspect.Parameter.empty
@@ -130,7 +133,7 @@ class Section:
     def arguments(self) -> dict[str, Any]:
         """Return those values that are arguments of the constructor, and not None."""
         assert self.of.constructor is not None
-        known = inspect.signature(self.of.constructor).parameters
+        known = _signature(self.of.constructor).parameters
         given = {key.parameter: self.values[name] for name, key in self.of.keys.items()}
         given = {name: value for name, value in given.items() if value is not None}
         return {name: value for name, value in given.items() if name in known} | dict(self.of.fixed)

@@ -11,6 +11,8 @@ from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
 
+_VERSION = version("shellcut")
+
 _HEAD = "#:schema ./shellcut.schema.json\n# sha256 of all below: "
 _COLUMN = 34
 """Column of the comments, if the value is short enough."""
@@ -19,7 +21,7 @@ _COLUMN = 34
 def model_text(model: Model) -> str:
     """Return a model as TOML text; its second line is the digest of the rest."""
     lines = [
-        f"# shellcut {version('shellcut')}, model {model.head.model}: every default filled in.",
+        f"# shellcut {_VERSION}, model {model.head.model}: every default filled in.",
         "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
         *_keys(model.head),
     ]

@@ -22,7 +22,7 @@ from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, typeof_impl, unbox
 
 from .borrowed import HeldType, without_owner
-from .jit import bound, kernel
+from .jit import kernel
 from .kernel_tables import HeldTable, check_tables
 
 T = TypeVar("T")
@@ -76,17 +76,12 @@ class Holder:
         kind = nb.typeof(table)
         if self._kind is None:
             check_tables([table])
-            self._kind, self._size = kind, _size_of(plain)
-            self._lay_out = bound(_lay_out, plain, np.zeros(0, np.uint8))
+            self._kind, context, laid = kind, cpu_target.target_context, nb.typeof(plain)
+            self._size = context.get_abi_sizeof(context.get_value_type(laid))
+            memory = nb.typeof(np.zeros(0, np.uint8))
+            self._lay_out = cast("Any", _lay_out).compile((laid, memory))
         if kind != self._kind:
             raise TypeError(f"a table was given with other types: {kind} after {self._kind}")
-
-
-def _size_of(plain: Any) -> int:
-    """Return the bytes that a table takes in a kernel [1]."""
-    context = cpu_target.target_context
-    size: int = context.get_abi_sizeof(context.get_value_type(nb.typeof(plain)))
-    return size
 
 
 def _looks(value: Any) -> Any:

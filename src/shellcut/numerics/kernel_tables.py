@@ -15,7 +15,8 @@ kernel is bound, not at each call.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import functools
+from collections.abc import Iterable
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -71,7 +72,7 @@ def _check_table(table: Any, known: dict[str, tuple[int, str]]) -> None:
     for field in table:
         if _is_table(field):
             _check_table(field, known)
-    for wanted in _wanted(type(table)):
+    for wanted in _wanted(table.__class__):
         place = f"{type(table).__name__}.{wanted.name}"
         array = getattr(table, wanted.name)
         fits = (
@@ -98,13 +99,16 @@ def _is_table(value: object) -> bool:
     return isinstance(value, tuple) and hasattr(value, "_fields")
 
 
-def _wanted(table: type) -> Iterator[_Wanted]:
-    """Yield the requirements of a table's fields that have a shape."""
+@functools.cache
+def _wanted(table: type) -> tuple[_Wanted, ...]:
+    """Return the requirements of a table's fields that have a shape; Python reads them slowly."""
+    found = []
     for name, hint in get_type_hints(table, include_extras=True).items():
         for told in getattr(hint, "__metadata__", ()):
             shape = tuple(length.strip() for length in told.strip("()").split(",") if length)
             number = _of_dtype(get_args(hint.__origin__)[-1])
-            yield _Wanted(name, None if number is Any else _generic(number), shape)
+            found.append(_Wanted(name, None if number is Any else _generic(number), shape))
+    return tuple(found)
 
 
 def _of_dtype(kind: Any) -> Any:
