@@ -8,41 +8,38 @@ from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
     START,
-    STRIP_SLOPE,
-    VECTOR,
     in_the_blade,
     strip_coordinates,
 )
 from shellcut.tool.pose_of_motion import pose_at
 
 
-def nearest_edge(edges, x, size, pose):
-    """Return which segment of the edge a point is before or has passed, -1 if none, and which.
+def nearest_edge(edges, motion, x, size, time):
+    """Return which segment of the edge a point has passed, or will meet first, -1 if none.
+
+    And whether it has passed it.
 
     x : (3,), [mm].  size : local edge length there [mm].
     """
-    p, nearest, found, passed = pose.to_body(x[None])[0], np.inf, -1, False
-    in_gap = []
-    deepest = CUT_DEPTH * size
+    pose, nearest, found, passed = pose_at(motion, time), np.inf, -1, False
+    p, deepest = pose.to_body(x[None])[0], CUT_DEPTH * size
+    spin, velocity = motion.twist(time)
+    velocity = pose.rotation.T @ (velocity + np.cross(spin, x - pose.translation))
+    spin = pose.rotation.T @ spin
     for k, segment in enumerate(edges.segments):
         _, lateral, depth, owns = strip_coordinates(tuple(p), k, edges.segments, deepest)
-        if abs(lateral) > 0.5 * size:
-            continue
-        if owns and in_the_blade(tuple(p), lateral, k, edges):
+        if owns and abs(lateral) <= 0.5 * size and in_the_blade(tuple(p), lateral, k, edges):
             if not passed or depth < nearest:
                 nearest, found, passed = depth, k, True
-        elif not passed and -20.0 * size < depth < 0.0:
-            on_edge = tuple(p + (1e-6 * size - depth) * segment[BACK])
-            along, _, _, beside = strip_coordinates(on_edge, k, edges.segments, deepest)
-            length = np.linalg.norm(segment[VECTOR])
-            if beside and -depth < nearest:
+        elif not passed and -20.0 * size < depth < 0.0 and -depth < nearest:
+            back, met = segment[BACK], p
+            if velocity @ back < 0.0:  # it comes towards the point
+                t = depth / (velocity @ back)
+                met = p - t * velocity + 0.5 * t * t * np.cross(spin, velocity)
+            met = met - ((met - segment[START]) @ back - 1e-6 * size) * back
+            _, aside, _, beside = strip_coordinates(tuple(met), k, edges.segments, deepest)
+            if beside and abs(aside) <= 0.5 * size:
                 nearest, found = -depth, k
-            elif not beside and max(-along, along - length) <= -STRIP_SLOPE * depth:
-                pair = edges.segments[k - 1 : k + 1] if along < 0.0 else edges.segments[k : k + 2]
-                if len(pair) == 2 and np.allclose(pair[0, :2].sum(axis=0), pair[1, START]):
-                    in_gap.append(k)
-    if found < 0 and in_gap:
-        found = in_gap[0]
     return found, passed
 
 

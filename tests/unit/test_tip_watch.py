@@ -36,7 +36,7 @@ class Rules:
         """Return segment and measures of a tip, None without, and from which on it is due."""
         state, motion = self.sim.state, self.sim.motion
         at, heading = crack_path.place_of(self.path, state, tip)
-        edge, passed = blade_drive.nearest_edge(self.edges, at.x, at.size, self.sim.pose)
+        edge, passed = blade_drive.nearest_edge(self.edges, motion, at.x, at.size, state.time)
         if edge < 0:
             ways, lean = [heading - (heading @ at.t) * at.t], np.zeros(3)
         else:
@@ -170,6 +170,36 @@ def test_a_tip_before_a_vertex_of_a_bulging_edge_is_driven():
     found = drive.find(places, np.full(len(places), 0.5), 0.0).edge_of
     assert (found[:-1] >= 0).all()
     assert found[-1] < 0  # beside the end of the edge nothing drives it
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0, 45.0])
+def test_an_edge_drives_the_tips_that_it_will_meet(degrees):
+    # The blade points along x and moves obliquely: what lies before its mid-plane it passes by.
+    way = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0])
+    tool = sc.tool_shapes.straight_blade(length=3.0, height=4.0)
+    drive = BladeDrive(CuttingEdges.of(tool), sc.StraightMotion(tuple(way), 1.0))
+    ahead = np.array([0.2, 0.7, 1.9])
+    places = np.concatenate([ahead[:, None] * way, ahead[:, None] * [1.0, 0.0, 0.0]])
+    found = drive.find(places, np.full(6, 0.1), 0.0).edge_of >= 0
+    assert found[:3].all()
+    assert found[3:].tolist() == (ahead * np.tan(np.radians(degrees)) <= 0.05).tolist()
+
+
+def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
+    edges = CuttingEdges.of(sc.tool_shapes.tooth_ring())
+    motion = sc.ScrewMotion(300.0, pitch=12.0)
+    drive, rng = BladeDrive(edges, motion), np.random.default_rng(3)
+    ahead, size = np.radians([2.0, 10.0, 20.0, 24.0]), 0.2
+    z = 1.0  # where the edge is 60 degrees steep: so far behind the tip of the tooth
+    angle = ahead - 1.0 / np.tan(np.radians(60.0)) / 9.4
+    circle = np.stack([9.4 * np.cos(angle), 9.4 * np.sin(angle), 0.0 * angle + z], axis=1)
+    assert (drive.find(circle, np.full(4, size), 0.0).edge_of >= 0).all()
+    radius, angle = rng.uniform(9.1, 9.7, 600), rng.uniform(-0.5, 0.5, 600)
+    places = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0, 4, 600)], 1)
+    found = drive.find(places, np.full(600, size), 0.0)
+    plain = [blade_drive.nearest_edge(edges, motion, x, size, 0.0) for x in places]
+    assert list(zip(found.edge_of.tolist(), found.passed.tolist(), strict=True)) == plain
+    assert 30 < sum(edge >= 0 for edge, _ in plain) < 500
 
 
 def test_list_of_near_rows_never_changes_what_is_pierced():

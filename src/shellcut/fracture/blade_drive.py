@@ -1,6 +1,6 @@
 """Which crack tips a cutting edge drives, and in which direction.
 
-A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
+A tip belongs to the segment of an edge that will meet it, near the mid-plane, or that has passed
 it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
 edge has passed goes on whatever the force there.
 
@@ -31,18 +31,17 @@ from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
     START,
-    STRIP_SLOPE,
-    VECTOR,
     CuttingEdges,
     in_the_blade,
     segment_part,
     strip_coordinates,
 )
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.pose import Pose, to_body, turn, turn_back
 from shellcut.tool.pose_of_motion import poses_of
 
-# How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
+# How far beside the mid-plane a tip may lie when an edge that drives it meets it, in local edge
+# lengths.
 _REACH = 0.5
 
 # How far ahead of the edge such a tip may be, likewise.
@@ -55,8 +54,8 @@ LEAST = 0.1
 # Below this a vector has no direction: the mid-plane lies in the sheet to within round-off.
 TANGENT = 1e-12
 
-# Of a segment: where one ends so close to the next they are of one edge; far above round-off.
-_SAME_POINT = 1e-9
+# Behind the edge, in local edge lengths, where a segment owns what it meets; far above round-off.
+_ON_EDGE = 1e-6
 
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
 LOOK_AHEAD = (1.0, 2.0, 4.0)
@@ -189,9 +188,11 @@ def _try_poses(
         found.seeking[i] = False
         pose = Pose(found.rotation[i], found.translation[i])
         p, depth = to_body(load(x, i), pose), 0.0
+        turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
+        velocity = add(load(found.velocity, i), turning)
         if seek:
             found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
-                p, size[i], edges
+                p, size[i], edges, turn_back(velocity, pose), turn_back(load(found.spin, i), pose)
             )
         edge = found.edge_of[i]
         if edge < 0:
@@ -203,8 +204,7 @@ def _try_poses(
         left = reach * size[i] - depth
         if not more or abs(left) <= NEAR * size[i]:
             continue
-        turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
-        speed = dot(add(load(found.velocity, i), turning), turn(k, pose))
+        speed = dot(velocity, turn(k, pose))
         if speed < 0.0:
             found.time[i] -= left / speed
             found.seeking[i] = True
@@ -253,45 +253,46 @@ def _direct(
 
 
 @inline
-def _nearest_edge(p: Vec3, size: float, edges: CuttingEdges) -> tuple[int, float, float, bool]:
+def _nearest_edge(
+    p: Vec3, size: float, edges: CuttingEdges, velocity: Vec3, spin: Vec3
+) -> tuple[int, float, float, bool]:
     """Return which segment of the edge a point is before or has passed, -1 if none.
 
     With it, how far beside its mid-plane and behind it the point lies, and whether it has passed.
 
-    p : in the body frame [mm].  size : local edge length [mm].
+    p : [mm], and velocity : of the tool there [mm/s], spin : [rad/s], all in the body frame.  size
+    : local edge length [mm].
     """
     segments = edges.segments
     nearest, edge, off, behind, passed = np.inf, -1, 0.0, 0.0, False
-    in_gap = False
     for k in range(segments.shape[0]):
         _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size)
-        if abs(lateral) > _REACH * size:
-            continue
-        if owns and in_the_blade(p, lateral, k, edges):
+        if owns and abs(lateral) <= _REACH * size and in_the_blade(p, lateral, k, edges):
             if not passed or depth < nearest:
                 nearest = depth
                 edge, off, behind, passed = k, lateral, depth, True
-        elif not passed and -_AHEAD * size < depth < 0.0 and (in_gap or -depth < nearest):
-            # Shifted forward onto the edge, the point would lie beside this segment.
+        elif not passed and -_AHEAD * size < depth < 0.0 and -depth < nearest:
             back = segment_part(segments, k, BACK)
-            on_edge = combine(1.0, p, 1e-6 * size - depth, back)
-            along, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size)
-            if beside or (edge < 0 and _before_a_vertex(along, -depth, k, segments)):
-                nearest, in_gap = -depth, not beside
+            met = _met(p, depth, back, velocity, spin)
+            met = combine(1.0, met, _ON_EDGE * size, back)
+            _, aside, _, beside = strip_coordinates(met, k, segments, CUT_DEPTH * size)
+            if beside and abs(aside) <= _REACH * size:
+                nearest = -depth
                 edge, off, behind = k, lateral, depth
     return edge, off, behind, passed
 
 
 @inline
-def _before_a_vertex(along: float, far: float, k: int, segments: Floats) -> bool:
-    """Return whether a point so far before an edge lies in the gap at the next segment's strip.
+def _met(p: Vec3, depth: float, back: Vec3, velocity: Vec3, spin: Vec3) -> Vec3:
+    """Return where in the body frame a point before an edge will be when the edge meets it.
 
-    The strips before an edge that bulges forward part at its vertices.
+    In the motion p - t v + t²/2 w x v of a body that moves on as now; one that rests or goes away
+    is taken to move along its mid-plane.
     """
-    v = segment_part(segments, k, VECTOR)
-    beside = max(-along, along - norm(v))
-    first = k - 1 if along < 0.0 else k
-    if beside > STRIP_SLOPE * far or first < 0 or first + 1 == segments.shape[0]:
-        return False
-    end = add(segment_part(segments, first, START), segment_part(segments, first, VECTOR))
-    return norm(sub(end, segment_part(segments, first + 1, START))) < _SAME_POINT * norm(v)
+    approach = -dot(velocity, back)
+    if approach > 0.0:
+        t = -depth / approach
+        p = combine(1.0, p, -t, velocity)
+        p = combine(1.0, p, 0.5 * t * t, cross(spin, velocity))
+        depth += t * approach + 0.5 * t * t * dot(cross(spin, velocity), back)
+    return combine(1.0, p, -depth, back)

@@ -85,11 +85,15 @@ class TipWatch:
         return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
     def may_tear(self, nth: int) -> list[Tip]:
-        """Return the tips to ask in the n-th check: no edge drives them, and they may be due."""
+        """Return the tips to ask in the n-th check: no edge drives them, and they may be due.
+
+        One that has no way where an edge drives it, or straight ahead, is not weighed there.
+        """
         if not self._tips:
             return []
-        enough = 1.0 if nth % _SELDOM else NEAR
-        near = (self._drive.driven.edge_of < 0) & (self.weighed.size >= enough)
+        seldom = nth % _SELDOM == 0
+        near = (self._drive.driven.edge_of < 0) & (self.weighed.size >= (NEAR if seldom else 1.0))
+        near |= seldom & (self._aimed.way[:, AHEAD] < 0)
         return [self._tips[i] for i in np.flatnonzero(near).tolist()]
 
     def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
