@@ -100,6 +100,7 @@ def test_nothing_known_is_nothing_said():
         ({"n_split": 72, "n_split_off_path": 12, "off_path_mm": 1.74}, "doubt", "12 of 72 splits"),
         ({"n_split": 67, "n_tear": 9}, "note", "no edge drives them: 9 of 76 cuts"),
         ({"n_tear": 2}, "note", "2 of 2 cuts"),
+        ({"no_window": "no cable has broken"}, "note", "no mean is given: no cable has broken."),
         ({"overshoot_rel": 0.019}, "good", "misses 1.9 %"),
         ({"overshoot_rel": 0.6}, "doubt", "does not move where it points"),
         ({"n_cable_created": 0}, "doubt", "Nothing was cut"),

@@ -205,8 +205,6 @@ def _say_end(folder: Path, log: RunLog) -> None:
         log.say(f"{label:<52} {value:>14}")
     for words, energy, share in chain(*account(summary)):
         log.say(f"{words:<52} {with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %")
-    if "no_window" in summary:
-        log.say(f"no steady window, so there is no mean: {summary['no_window']}")
     log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
     if not log.verdict:  # the run had already ended
         log.verdict += [str(Line(**line)) for line in summary.get("verdict", ())]

@@ -22,10 +22,11 @@ third of its last length on, the first third being the way in which the film tak
 tears.
 
 With a tool, the window is the longest stretch in which all of this holds for all edges. Resistance
-is a sawtooth with the node spacing, so the window is shortened to whole periods of the edge that
-is the first to meet a cable in it; it must contain two of them. An edge that has cut less than a
-tenth of the longest cut is ignored. Means are of sums over every step: the rows are written at
-steps at which cracks are looked for, and the mean of their torque is up to 0.3 % too large.
+is a sawtooth with the spacing of the cables, so the window is shortened to whole periods of the
+edge that is the first to meet a cable in it. This edge must cut half of Z in it: what is true of
+less is true of some cables, not of the cut. An edge that has cut less than a tenth of the longest
+cut is ignored. Means are of sums over every step: the rows are written at steps at which cracks are
+looked for, and the mean of their torque is up to 0.3 % too large.
 """
 
 from __future__ import annotations
@@ -53,6 +54,7 @@ _STOPPED = 3.0  # travel per millimetre of cut over the median
 _BYSTANDER = 0.1  # relative to the longest cut
 _UP_TO_SPEED = 0.95  # relative to the median speed
 _LEAST_PERIODS = 2
+_LEAST = 0.5  # cut in the window over Z
 _TORN = 1.0 / 3.0  # of the last crack length, without a tool
 _ROUND_OFF = 1e-10  # of lengths, over that of the cut
 
@@ -146,12 +148,13 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
     first, last = _longest(x, renewed & free & cutting & _up_to_speed(x, time))
     if first < 0:
         return SteadyWindow(reason=_why_none(cuts, x, unit, renewed, free))
-    within = [j[(j >= first) & (j <= last)] for j in (cut.joints for cut in cuts)]
-    joints = min(within, key=lambda joints: joints[:1].tolist() or [last + 1])
-    if len(joints) <= _LEAST_PERIODS:
+    within = [(c, c.joints[(c.joints >= first) & (c.joints <= last)]) for c in cuts]
+    cut, joints = min(within, key=lambda one: one[1][:1].tolist() or [last + 1])
+    done = float(np.ptp(cut.length[joints])) if len(joints) else 0.0
+    if len(joints) <= _LEAST_PERIODS or done < _LEAST * cut.zone - cut.short:
         return SteadyWindow(
-            reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, less than "
-            f"{_LEAST_PERIODS} spacings of the nodes along the cut"
+            reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
+            f"cutting edge {cut.edge} cuts {done:.3g} mm; its process zone is {cut.zone:.3g} mm long"
         )
     low, high = int(joints[0]), int(joints[-1])
     return SteadyWindow(float(x[low]), float(x[high]), low, high)

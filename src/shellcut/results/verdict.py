@@ -364,6 +364,8 @@ def _account(figures: Figures) -> Iterator[Line]:
 
 
 def _stored(figures: Figures) -> Iterator[Line]:
+    if why := figures.get("no_window"):
+        yield Line("note", f"No part of the cut is steady, so no mean is given: {why}.")
     if "stored_growth_rel" not in figures or not _is_of_a_tool(figures):
         return
     stored = figures["stored_growth_rel"]
