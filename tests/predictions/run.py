@@ -181,8 +181,9 @@ are made](howto/converge.md)).
 ## Not here
 
 - **Trouser tears of LDPE and PET** (Int. J. Fracture 2019,
-  [10.1007/s10704-019-00389-3](https://doi.org/10.1007/s10704-019-00389-3)): no number of the paper
-  was at hand, only its abstract: uneven bending of the legs dissipates a part that matters.
+  [10.1007/s10704-019-00389-3](https://doi.org/10.1007/s10704-019-00389-3)): left out, because no
+  number of the paper was at hand, only its abstract and introduction: uneven bending of the legs
+  dissipates a part that matters.
   Derived: a leg of breadth b that is bent evenly by F = G h/2 has at most B κ²/2 = F, B being its
   stiffness, so a strain of √(3 G/(E b)) at its surface, whatever its thickness; it yields only
   where b is below 3 E G/σ_y². That is 63 mm for `ldpe` of the [materials](materials.md) at 10 N/mm

@@ -32,7 +32,17 @@ def film(thickness):
     return sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=thickness)
 
 
-def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW, thickness=THICKNESS, speed=SPEED):
+def pulled_up(
+    size,
+    breadth,
+    notch,
+    length,
+    margin=2.0,
+    law=LAW,
+    thickness=THICKNESS,
+    speed=SPEED,
+    quasi_static=None,
+):
     """A flap of some breadth in a sheet; its end goes straight up, and along as it likes."""
     mesh = rectangle(length, breadth + 2.0 * margin, size=size)
     X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
@@ -52,6 +62,7 @@ def pulled_up(size, breadth, notch, length, margin=2.0, law=LAW, thickness=THICK
         law=law,
         fracture=sc.Fracture(path="free", check_every=20),
         damping_alpha=50.0,
+        quasi_static=quasi_static,
     )
     for side in (-0.5, 0.5):
         sim.notch((-1.0, side * breadth, 0.0), (notch, side * breadth, 0.0))
