@@ -68,8 +68,8 @@ def test_what_is_in_order_is_not_blamed(build):
 
 def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
     film = shellcut.preset_film("ldpe", yield_stress=8.0, hardening_modulus=20.0)
-    (finding,) = found(shellcut.guillotine(0.8, material=film))
-    assert finding.severity == "doubt"
+    finding, note = found(shellcut.guillotine(0.8, material=film))
+    assert (finding.severity, note.severity) == ("doubt", "note")
     assert "a crack needs 18 MPa" in finding.came
     case = shellcut.guillotine(0.8, material=film)
     shellcut.check_model(case.simulation, case.duration).say()
@@ -346,7 +346,17 @@ def of_numbers(film=FILM, law=None, tool=BLADE, **numbers):
     if numbers:
         film = sc.ShellMaterial.homogeneous(**numbers)
     law = sc.CohesiveLaw(**(law or {}))
-    return [(f.severity, str(f)) for f in check_numbers(MESH, film, law, tool)]
+    found = check_numbers(MESH, film, law, tool)
+    return [(f.severity, str(f)) for f in found if f.severity != "note"]
+
+
+def test_another_film_with_the_law_of_the_paper_is_noted():
+    pet, own = sc.preset_film("pet"), sc.CohesiveLaw(strength=90.0, plateau=60.0)
+    (note,) = [f for f in check_numbers(MESH, pet, sc.CohesiveLaw(), BLADE) if f.severity == "note"]
+    assert "18 MPa and 43.5 N/mm, and the film is another; take strength" in str(note)
+    paper = sc.ShellMaterial.homogeneous(thickness=0.05)
+    for film, law in ((pet, own), (paper, sc.CohesiveLaw())):
+        assert all(f.severity != "note" for f in check_numbers(MESH, film, law, BLADE))
 
 
 PASCAL = {"strength": 18e6, "plateau": 12e6}

@@ -134,7 +134,7 @@ def test_where_there_is_none_the_reason_is_said():
     short = X[X < 30.0]
     assert why([edge(short)], short) == (
         "it would only last from 26.7 to 30 deg, in which cutting edge 1 cuts 0.4 mm; its process "
-        "zone is 2.4 mm long"
+        "zone is 2.4 mm"
     )
     # One leaves the film before the other's zone is renewed.
     assert why([edge(X, leaves=30.0), edge(X, begins=20.0)]) == (

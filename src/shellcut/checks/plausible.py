@@ -17,7 +17,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.tool import Tool
 
-from .finding import DOUBT, REFUSE, Finding, doubt
+from .finding import DOUBT, REFUSE, Finding, doubt, note
 
 THINNEST = 1e-4
 """[mm]; capacitor films, the thinnest on the market, have 5e-4 mm."""
@@ -161,6 +161,14 @@ def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Find
             f"{LARGEST_STRAIN:g}, the range of materials and of the elastic law",
             came,
             remedy,
+        )
+    (paper,) = ShellMaterial.homogeneous().layers
+    if law == CohesiveLaw() and any(one.material != paper.material for one in material.layers):
+        yield note(
+            f"the cables have the law of the opening test's film, {law.strength:g} MPa and "
+            f"{law.fracture_energy:g} N/mm, and the film is another",
+            "take strength and openings from its tensile tests or a measured cut "
+            "(docs/materials.md)",
         )
     size = film_size(mesh)
     if law.opening_u > size:

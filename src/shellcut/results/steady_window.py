@@ -154,7 +154,7 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
     if len(joints) <= _LEAST_PERIODS or done < _LEAST * cut.zone - cut.short:
         return SteadyWindow(
             reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
-            f"cutting edge {cut.edge} cuts {done:.3g} mm; its process zone is {cut.zone:.3g} mm long"
+            f"cutting edge {cut.edge} cuts {done:.3g} mm; its process zone is {cut.zone:.3g} mm"
         )
     low, high = int(joints[0]), int(joints[-1])
     return SteadyWindow(float(x[low]), float(x[high]), low, high)
