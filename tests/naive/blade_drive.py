@@ -40,6 +40,9 @@ def nearest_edge(edges, motion, x, size, time):
             _, aside, _, beside = strip_coordinates(tuple(met), k, edges.segments, deepest)
             if beside and abs(aside) <= 0.5 * size:
                 nearest, found = -depth, k
+    if found >= 0 and not passed:
+        off, _ = beyond(edges, motion, x, size, found, time, reach=0.0)
+        found = found if abs(off) <= 0.5 * size else -1
     return found, passed
 
 

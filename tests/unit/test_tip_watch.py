@@ -129,6 +129,23 @@ def test_same_along_sides_and_where_they_are_broken(broken):
     assert any(along for _, along, _ in kinds) != broken
 
 
+def test_a_tip_that_an_edge_cannot_lead_on_is_asked_whether_it_tears():
+    # At nodes before the blade, of cracks across its way: some are led back out of what they face.
+    sim = cut_strip(mesh=jittered(3))
+    path, X = Rules(sim).path, sim.mesh.nodes
+    drive = BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
+    watch = TipWatch(path, trial_of(sim), drive)
+    near = np.flatnonzero((X[:, 0] > 0.5) & (X[:, 0] < 5.0) & (np.abs(X[:, 1]) < 0.9)).tolist()
+    ways = np.array([[0.0, sign, 0.0] for sign in (-1.0, 1.0)])
+    tips = watch.alive(sim.state, [Tip((n, n), 0.0, -1, way) for n in near for way in ways])
+    watch.due(sim.state, tips)
+    driven = drive.driven.edge_of >= 0
+    lost = {id(t) for i, t in enumerate(tips) if driven[i] and watch.segment(i) is None}
+    assert lost
+    assert {id(tip) for tip in watch.may_tear(0)} >= lost
+    assert not {id(tip) for tip in watch.may_tear(1)} & lost
+
+
 def test_chords_part_whole_quads_as_the_rules_say():
     sim, rng, said = cut_strip(mesh=jittered(3)), np.random.default_rng(8), []
     s, path = sim.state, Rules(sim).path

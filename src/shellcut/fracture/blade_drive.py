@@ -141,7 +141,7 @@ class BladeDrive:
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
         tried = x, size, self._held_edges, self._held, reach
-        count = self._try_poses(*tried, edge < 0, True)
+        count = self._try_poses(*tried, edge < 0, True, edge < 0)
         for k in range(TURNS):
             if not count:
                 break
@@ -150,7 +150,7 @@ class BladeDrive:
                     found.rotation[i], found.translation[i] = pose_at(later)
                     found.spin[i], found.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
-            count = self._try_poses(*tried, False, more)
+            count = self._try_poses(*tried, False, more, edge < 0)
         return found
 
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
@@ -174,11 +174,13 @@ def _try_poses(
     reach: float,
     seek: bool,
     more: bool,
+    judge: bool,
 ) -> int:
     """Find the edges at the poses tried, and the times to try next; return for how many tips.
 
     x : (n_tip, 3), [mm].  size : (n_tip,), [mm].  reach : see :meth:`BladeDrive.find`.  seek :
     whether the edges are to be found, at poses of now.  more : whether another time may be tried.
+    judge : whether an edge drives only tips that it meets near its mid-plane.
     """
     edges, found = borrowed(edges), borrowed(found)
     count = 0
@@ -189,26 +191,29 @@ def _try_poses(
         pose = Pose(found.rotation[i], found.translation[i])
         p, depth = to_body(load(x, i), pose), 0.0
         turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
-        velocity = add(load(found.velocity, i), turning)
+        velocity = turn_back(add(load(found.velocity, i), turning), pose)
+        spin = turn_back(load(found.spin, i), pose)
         if seek:
             found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
-                p, size[i], edges, turn_back(velocity, pose), turn_back(load(found.spin, i), pose)
+                p, size[i], edges, velocity, spin
             )
         edge = found.edge_of[i]
         if edge < 0:
             continue
-        k = segment_part(edges.segments, edge, BACK)
+        start = segment_part(edges.segments, edge, START)
+        b, k = segment_part(edges.segments, edge, NORMAL), segment_part(edges.segments, edge, BACK)
         if not seek:
-            d = sub(p, segment_part(edges.segments, edge, START))
-            found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
-        left = reach * size[i] - depth
-        if not more or abs(left) <= NEAR * size[i]:
-            continue
-        speed = dot(velocity, turn(k, pose))
-        if speed < 0.0:
+            d = sub(p, start)
+            found.off[i], depth = dot(d, b), dot(d, k)
+        left, speed = reach * size[i] - depth, dot(velocity, k)
+        if more and abs(left) > NEAR * size[i] and speed < 0.0:
             found.time[i] -= left / speed
             found.seeking[i] = True
             count += 1
+        elif judge and not found.passed[i]:
+            aside = dot(sub(_met(p, depth, k, velocity, spin), start), b)
+            if abs(aside) > _REACH * size[i]:
+                found.edge_of[i] = -1
     return count
 
 
@@ -284,7 +289,7 @@ def _nearest_edge(
 
 @inline
 def _met(p: Vec3, depth: float, back: Vec3, velocity: Vec3, spin: Vec3) -> Vec3:
-    """Return where in the body frame a point before an edge will be when the edge meets it.
+    """Return where in the body frame a point is when an edge meets it, or was when it did.
 
     In the motion p - t v + t²/2 w x v of a body that moves on as now; one that rests or goes away
     is taken to move along its mid-plane.

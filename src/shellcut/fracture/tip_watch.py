@@ -87,7 +87,8 @@ class TipWatch:
     def may_tear(self, nth: int) -> list[Tip]:
         """Return the tips to ask in the n-th check: no edge drives them, and they may be due.
 
-        One that has no way where an edge drives it, or straight ahead, is not weighed there.
+        A tip that an edge would lead back out of the film ahead, or that has none straight ahead,
+        is not weighed: it is asked now and then.
         """
         if not self._tips:
             return []
