@@ -35,14 +35,13 @@ def nearest_edge(edges, motion, x, size, time):
             back, met = segment[BACK], p
             if velocity @ back < 0.0:  # it comes towards the point
                 t = depth / (velocity @ back)
+                if t * np.linalg.norm(spin) > 0.5:
+                    continue
                 met = p - t * velocity + 0.5 * t * t * np.cross(spin, velocity)
             met = met - ((met - segment[START]) @ back - 1e-6 * size) * back
             _, aside, _, beside = strip_coordinates(tuple(met), k, edges.segments, deepest)
             if beside and abs(aside) <= 0.5 * size:
                 nearest, found = -depth, k
-    if found >= 0 and not passed:
-        off, _ = beyond(edges, motion, x, size, found, time, reach=0.0)
-        found = found if abs(off) <= 0.5 * size else -1
     return found, passed
 
 

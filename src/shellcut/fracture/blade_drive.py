@@ -54,6 +54,10 @@ LEAST = 0.1
 # Below this a vector has no direction: the mid-plane lies in the sheet to within round-off.
 TANGENT = 1e-12
 
+# How far the tool may turn until then, on whose way the places have an error of this cubed over six
+# of the radius [rad].
+_ROUND = 0.5
+
 # Behind the edge, in local edge lengths, where a segment owns what it meets; far above round-off.
 _ON_EDGE = 1e-6
 
@@ -141,7 +145,7 @@ class BladeDrive:
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
         tried = x, size, self._held_edges, self._held, reach
-        count = self._try_poses(*tried, edge < 0, True, edge < 0)
+        count = self._try_poses(*tried, edge < 0, True)
         for k in range(TURNS):
             if not count:
                 break
@@ -150,7 +154,7 @@ class BladeDrive:
                     found.rotation[i], found.translation[i] = pose_at(later)
                     found.spin[i], found.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
-            count = self._try_poses(*tried, False, more, edge < 0)
+            count = self._try_poses(*tried, False, more)
         return found
 
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
@@ -174,13 +178,11 @@ def _try_poses(
     reach: float,
     seek: bool,
     more: bool,
-    judge: bool,
 ) -> int:
     """Find the edges at the poses tried, and the times to try next; return for how many tips.
 
     x : (n_tip, 3), [mm].  size : (n_tip,), [mm].  reach : see :meth:`BladeDrive.find`.  seek :
     whether the edges are to be found, at poses of now.  more : whether another time may be tried.
-    judge : whether an edge drives only tips that it meets near its mid-plane.
     """
     edges, found = borrowed(edges), borrowed(found)
     count = 0
@@ -192,28 +194,22 @@ def _try_poses(
         p, depth = to_body(load(x, i), pose), 0.0
         turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
         velocity = turn_back(add(load(found.velocity, i), turning), pose)
-        spin = turn_back(load(found.spin, i), pose)
         if seek:
             found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
-                p, size[i], edges, velocity, spin
+                p, size[i], edges, velocity, turn_back(load(found.spin, i), pose)
             )
         edge = found.edge_of[i]
         if edge < 0:
             continue
-        start = segment_part(edges.segments, edge, START)
-        b, k = segment_part(edges.segments, edge, NORMAL), segment_part(edges.segments, edge, BACK)
+        k = segment_part(edges.segments, edge, BACK)
         if not seek:
-            d = sub(p, start)
-            found.off[i], depth = dot(d, b), dot(d, k)
+            d = sub(p, segment_part(edges.segments, edge, START))
+            found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
         left, speed = reach * size[i] - depth, dot(velocity, k)
         if more and abs(left) > NEAR * size[i] and speed < 0.0:
             found.time[i] -= left / speed
             found.seeking[i] = True
             count += 1
-        elif judge and not found.passed[i]:
-            aside = dot(sub(_met(p, depth, k, velocity, spin), start), b)
-            if abs(aside) > _REACH * size[i]:
-                found.edge_of[i] = -1
     return count
 
 
@@ -265,6 +261,8 @@ def _nearest_edge(
 
     With it, how far beside its mid-plane and behind it the point lies, and whether it has passed.
 
+    The point moves by p - t v + t²/2 w x v in the frame of a body that moves on as now.
+
     p : [mm], and velocity : of the tool there [mm/s], spin : [rad/s], all in the body frame.  size
     : local edge length [mm].
     """
@@ -278,26 +276,16 @@ def _nearest_edge(
                 edge, off, behind, passed = k, lateral, depth, True
         elif not passed and -_AHEAD * size < depth < 0.0 and -depth < nearest:
             back = segment_part(segments, k, BACK)
-            met = _met(p, depth, back, velocity, spin)
-            met = combine(1.0, met, _ON_EDGE * size, back)
+            approach = -dot(velocity, back)
+            # An edge that rests or goes away is taken to move along its mid-plane.
+            t = -depth / approach if approach > 0.0 else 0.0
+            if t * norm(spin) > _ROUND:
+                continue
+            met = combine(0.5 * t * t, cross(spin, velocity), 1.0, combine(1.0, p, -t, velocity))
+            ahead = dot(sub(met, segment_part(segments, k, START)), back)
+            met = combine(1.0, met, _ON_EDGE * size - ahead, back)
             _, aside, _, beside = strip_coordinates(met, k, segments, CUT_DEPTH * size)
             if beside and abs(aside) <= _REACH * size:
                 nearest = -depth
                 edge, off, behind = k, lateral, depth
     return edge, off, behind, passed
-
-
-@inline
-def _met(p: Vec3, depth: float, back: Vec3, velocity: Vec3, spin: Vec3) -> Vec3:
-    """Return where in the body frame a point is when an edge meets it, or was when it did.
-
-    In the motion p - t v + t²/2 w x v of a body that moves on as now; one that rests or goes away
-    is taken to move along its mid-plane.
-    """
-    approach = -dot(velocity, back)
-    if approach > 0.0:
-        t = -depth / approach
-        p = combine(1.0, p, -t, velocity)
-        p = combine(1.0, p, 0.5 * t * t, cross(spin, velocity))
-        depth += t * approach + 0.5 * t * t * dot(cross(spin, velocity), back)
-    return combine(1.0, p, -depth, back)
