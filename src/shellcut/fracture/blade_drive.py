@@ -54,9 +54,9 @@ LEAST = 0.1
 # Below this a vector has no direction: the mid-plane lies in the sheet to within round-off.
 TANGENT = 1e-12
 
-# How far the tool may turn until then, on whose way the places have an error of this cubed over six
-# of the radius [rad].
-_ROUND = 0.5
+# How far the tool may turn until the edge meets the tip [rad]. Where it does, to second order, is
+# off by a sixth of this angle cubed times the radius of the way: 0.02 of the radius.
+_MOST_TURN = 0.5
 
 # Behind the edge, in local edge lengths, where a segment owns what it meets; far above round-off.
 _ON_EDGE = 1e-6
@@ -261,10 +261,10 @@ def _nearest_edge(
 
     With it, how far beside its mid-plane and behind it the point lies, and whether it has passed.
 
-    The point moves by p - t v + t²/2 w x v in the frame of a body that moves on as now.
+    In the frame of a tool that moves on as now the point is at p - t v + t²/2 w x v after a time t.
 
-    p : [mm], and velocity : of the tool there [mm/s], spin : [rad/s], all in the body frame.  size
-    : local edge length [mm].
+    p : [mm].  size : local edge length [mm].  velocity, spin : of the tool at the point, v [mm/s]
+    and w [rad/s], in the body frame like p.
     """
     segments = edges.segments
     nearest, edge, off, behind, passed = np.inf, -1, 0.0, 0.0, False
@@ -279,7 +279,7 @@ def _nearest_edge(
             approach = -dot(velocity, back)
             # An edge that rests or goes away is taken to move along its mid-plane.
             t = -depth / approach if approach > 0.0 else 0.0
-            if t * norm(spin) > _ROUND:
+            if t * norm(spin) > _MOST_TURN:
                 continue
             met = combine(0.5 * t * t, cross(spin, velocity), 1.0, combine(1.0, p, -t, velocity))
             ahead = dot(sub(met, segment_part(segments, k, START)), back)
