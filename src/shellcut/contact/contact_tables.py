@@ -11,10 +11,11 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts, product
 from shellcut.numerics.held_table import Holder
 from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.force_term import ForceTerm
+from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
@@ -345,6 +346,16 @@ class PressTerm(ForceTerm):
         work, stored, n_touching, deepest = self.touch.sums.tolist()
         wrench = self.touch.wrench.copy()
         return PressForces(wrench, work, stored, int(n_touching), deepest)
+
+    def add_pressure(self, pose: Pose, force: Floats) -> None:
+        """Add the normal forces of the last evaluation to those on the nodes, (n_node, 3) [N].
+
+        pose : of the tool then.
+        """
+        on = np.flatnonzero(self.carriers.pressure)
+        node, weight, _, _, pressure, normal = (rows[on] for rows in self.carriers)
+        pressed = pressure[:, None] * product(normal, pose.rotation.T)
+        np.add.at(force, node, weight[:, :, None] * pressed[:, None])
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.contact_tables import PressTerm
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -62,8 +63,8 @@ class Cracks:
         Give the forces that hold a film together.
     tool, motion : Tool, Motion, optional
         Whose edges cut, and how they move.
-    points : PointContact, optional
-        By which the tool presses on whole film.
+    contact : sequence of PressTerm
+        By which the tool presses on the film.
     """
 
     def __init__(
@@ -75,7 +76,7 @@ class Cracks:
         loads: LoadSet,
         tool: Tool | None = None,
         motion: Motion | None = None,
-        points: PointContact | None = None,
+        contact: Sequence[PressTerm] = (),
     ) -> None:
         film, fibres = fracture.anisotropy, fracture.fibres
         if fibres is None:
@@ -84,7 +85,8 @@ class Cracks:
         """Carries them out."""
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every
-        self._shell = shell
+        self._shell, self._loads, self._contact = shell, loads, contact
+        self._pose = Pose.at_origin()
         self._known = KnownTopology()
         self._checked = False
         self._branching: Branching | None = None
@@ -112,6 +114,7 @@ class Cracks:
             force = fracture.puncture_force
             if force is None:
                 force = puncture_force(shell.material, law, tool.edge_radius)
+            points = next((one for one in contact if isinstance(one, PointContact)), None)
             limits, self._chain = (force, law.strength), tool.edge_chain
             self._pierce = Pierce(state, self._path, drive, shell, limits, points, self._chain)
 
@@ -131,6 +134,7 @@ class Cracks:
         """
         if state.step % self._check_every:
             return
+        self._pose = pose
         if self._pierce is None:
             self._advance_free(state, list(self.tips))
             return
@@ -162,7 +166,11 @@ class Cracks:
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
         """Return along which segment a crack would run that no blade drives."""
-        ways = self._direction.ways(state, tip, tips, alone=not tip.branch)
+        alone, held = not tip.branch, np.zeros((state.n_node, 3))
+        self._loads.add_nodal_forces(state, held)
+        for term in self._contact:
+            term.add_pressure(self._pose, held)
+        ways = self._direction.ways(state, tip, tips, alone=alone, held=held)
         found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
         if segment is None:

@@ -159,7 +159,13 @@ class FreeDirection:
         self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
     def ways(
-        self, state: State, tip: Tip, tips: Sequence[Tip] = (), *, alone: bool = True
+        self,
+        state: State,
+        tip: Tip,
+        tips: Sequence[Tip] = (),
+        *,
+        alone: bool = True,
+        held: Floats | None = None,
     ) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
@@ -174,6 +180,8 @@ class FreeDirection:
         alone : bool
             Whether what surrounds the tip is its own; near to another branch it is not, and the
             heading comes first.
+        held : ndarray, shape (n_node, 3), optional
+            Forces on nodes and flank points, see :meth:`.TipForce.of`.
         """
         if not self._known.is_of(state):
             self._ahead.clear()
@@ -193,7 +201,7 @@ class FreeDirection:
         stress = self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)
         phi = stress**2
         if ahead.force is not None or ahead.straight:
-            force = _ALONG if ahead.force is None else ahead.force.of(state, moved)
+            force = _ALONG if ahead.force is None else ahead.force.of(state, moved, held)
             released = product(_WAYS, force) / ahead.factors
             most = max(float(np.abs(released).max()), _TINY)
             if ahead.force is not None:

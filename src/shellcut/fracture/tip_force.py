@@ -14,8 +14,9 @@ out of the sheet J is the rate at which their ends part, times the force on them
 
 At rest the motion in space changes nothing: the forces that hold the nodes in the domain add to
 zero. In a film that swings they do not. Without that motion they would act over a whole mm instead
-of over a strain, and hide the energy released. Pressure and weight on the film do work in both
-motions, which is part of Pi (:mod:`shellcut.loads.sliding_loads`).
+of over a strain, and hide the energy released. What presses on the film does work in both motions,
+which is part of Pi: pressure and weight (:mod:`shellcut.loads.sliding_loads`), and a tool or forces
+on single nodes (:mod:`.point_forces`).
 
 The domain holds the process zone as far as it reaches; J then is the energy that goes into the
 cables, too: in steady tearing J = G h. The crack's own flanks slide with the film, no other edge.
@@ -44,6 +45,7 @@ from shellcut.mitc4.sliding_history import SlidingHistory
 from shellcut.mitc4.sliding_points import SlidingPoints, slid
 from shellcut.state import State
 
+from .point_forces import PointForces
 from .tip_domain import TipDomain
 
 
@@ -93,11 +95,12 @@ class TipForce:
         if rule.n_history:
             self._history = SlidingHistory.of(state, shell, self._rows, self._q, base)
         self._share = state.quad.share[self._rows]
+        # Within the domain the loads move even where all corners slide alike.
+        rows = np.flatnonzero(np.abs(q).max(axis=1) > 0.0)
+        X, T, q = X[rows], T[rows], q[rows]
+        self._points = PointForces(state, rows, X, q, base)
         self._loads: SlidingLoads | None = None
         if loads is not None and any(loads.on_film):
-            # Within the domain the loads move even where all corners slide alike.
-            rows = np.flatnonzero(np.abs(q).max(axis=1) > 0.0)
-            X, T, q = X[rows], T[rows], q[rows]
             slides, _ = slid(X, T, np.einsum("ea,ki->keai", q, base))
             whole, _ = lumped_mass(X, T, shell.material)
 
@@ -107,7 +110,7 @@ class TipForce:
 
             self._loads = SlidingLoads(state, rows, X, q, slides, mass, *loads.on_film)
 
-    def of(self, state: State, moved: Floats) -> Floats:
+    def of(self, state: State, moved: Floats, held: Floats | None = None) -> Floats:
         """Return the components of the force along the base [N], shape (2,).
 
         Parameters
@@ -116,6 +119,8 @@ class TipForce:
             Present positions.
         moved : ndarray, shape (2, 3)
             What the vectors of the base have become in space, at the tip.
+        held : ndarray, shape (n_node, 3), optional
+            Forces on nodes and flank points: of contact, and loads of single nodes [N].
         """
         nodes = state.quads[self._rows]
         x, t = state.node.x[nodes], state.node.t[nodes]
@@ -125,4 +130,6 @@ class TipForce:
         force = np.asarray(product(-changes, self._share))
         if self._loads is not None:
             force += self._loads.works(state, moved)
+        if held is not None:
+            force += self._points.works(state, held, moved)
         return force

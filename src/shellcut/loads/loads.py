@@ -178,8 +178,8 @@ class LoadSet:
         self._workers.run(self._cleared, n.count, n.force_rows)
         for dead in self._dead:
             work += self._dead_force(state, dead, float(dead.factor(now)), dead.factor(before))
+        self.add_nodal_forces(state, n.force)
         for ids, force, factor in self._nodal:
-            np.add.at(n.force, ids, factor(now) * force)
             mean = 0.5 * (factor(now) + factor(before)) * force
             work += dt * float(product(n.velocity_half[ids], mean).sum())
         if self._following:
@@ -213,9 +213,13 @@ class LoadSet:
         for dead in self._dead:
             dead.follow(state)
             every += dead.factor(state.time) * dead.force[:n]
-        for ids, force, factor in self._nodal:
-            np.add.at(every, ids, factor(state.time) * force)
+        self.add_nodal_forces(state, every)
         return float(np.abs(every).max(initial=0.0))
+
+    def add_nodal_forces(self, state: State, force: Floats) -> None:
+        """Add the forces given for single nodes to those on the nodes, (n_node, 3) [N]."""
+        for ids, one, factor in self._nodal:
+            np.add.at(force, ids, factor(state.time) * one)
 
     def stiffness(self, state: State) -> Floats | None:
         """Return the stiffness of following pressure, shape (n_quad, 12, 12) [N/mm], or None."""

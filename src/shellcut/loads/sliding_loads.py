@@ -17,7 +17,8 @@ so that the difference that gives F_a' is exact over any step.
 *Following pressure* acts on the film in space, whatever lies below. It does p times the volume that
 the film there sweeps, Σ_a q_a F_a · c: nothing where the domain is flat.
 
-Loads on the rim, and forces on nodes, do not slide and have no part in it.
+Loads on the rim do not slide and have no part in it; forces on single nodes are those of
+:mod:`shellcut.fracture.point_forces`.
 """
 
 from __future__ import annotations

@@ -16,7 +16,8 @@ from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.settings import Contact
-from shellcut.contact.sheet_contact import PointContact, SelfContact
+from shellcut.contact.contact_tables import PressTerm
+from shellcut.contact.sheet_contact import SelfContact
 from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
@@ -182,10 +183,11 @@ class Simulation:
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         if self.law is not None:
-            points = next((one for one in self.terms if isinstance(one, PointContact)), None)
+            press = [one for one in self.terms if isinstance(one, PressTerm)]
+            touching = [one for one in press if one is not self.self_contact]
             film = self.shell, self.loads
             self.cracks = Cracks(
-                self.state, self.fracture, self.law, *film, self.tool, self.motion, points
+                self.state, self.fracture, self.law, *film, self.tool, self.motion, touching
             )
 
     def _begin(self, imperfection: int) -> None:
