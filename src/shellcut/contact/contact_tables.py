@@ -352,10 +352,9 @@ class PressTerm(ForceTerm):
 
         pose : of the tool then.
         """
-        on = np.flatnonzero(self.carriers.pressure)
-        node, weight, _, _, pressure, normal = (rows[on] for rows in self.carriers)
-        pressed = pressure[:, None] * product(normal, pose.rotation.T)
-        np.add.at(force, node, weight[:, :, None] * pressed[:, None])
+        on, at = np.flatnonzero(self.carriers.pressure), self.carriers
+        pressed = at.pressure[on, None] * product(at.normal[on], pose.rotation.T)
+        np.add.at(force, at.node[on], at.weight[on, :, None] * pressed[:, None])
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""

@@ -15,8 +15,8 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.settings import Contact
 from shellcut.contact.contact_tables import PressTerm
+from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import SelfContact
 from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
