@@ -335,7 +335,7 @@ def released_in(sim, reaches):
 def parted(slit):
     """Two forces of 0.1 N part the flanks 5 mm from the rim, 1 mm from the slit."""
     X = rectangle(24.0, 14.0, size=1.0).nodes
-    at = X.min(axis=0) + (5.0, 4.0, 0.0)
+    at = X.min(axis=0) + np.array([5.0, 4.0, 0.0])
     ids = [int(np.linalg.norm(X - at - [0.0, y, 0.0], axis=1).argmin()) for y in (1.0, -1.0)]
     pull = [sc.NodalForce(ids[:1], (0.0, 0.1, 0.0)), sc.NodalForce(ids[1:], (0.0, -0.1, 0.0))]
     sim = plane_strip(slit, loads=pull)
