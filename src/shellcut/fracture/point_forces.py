@@ -21,9 +21,9 @@ from shellcut.arrays import Floats, Ints, product
 from shellcut.numerics.small_matrices import inverse
 from shellcut.state import State
 
-from .quad_polygon import CORNERS, shape_functions, shape_slopes
+from .quad_polygon import CORNERS, shape_slopes
 
-_SLOPES = np.array([shape_slopes(corner) for corner in CORNERS])
+_AT_CORNERS = np.array([shape_slopes(corner) for corner in CORNERS])
 
 
 class PointForces:
@@ -34,7 +34,7 @@ class PointForces:
     state : State
         Of the topology.
     rows : ndarray of int, shape (n,)
-        Quads and copies of which something slides.
+        Quads and copies of which something slides, ascending.
     X : ndarray, shape (n, 4, 3)
         Their corners in the reference film [mm].
     q : ndarray, shape (n, 4)
@@ -44,24 +44,21 @@ class PointForces:
     """
 
     def __init__(self, state: State, rows: Ints, X: Floats, q: Floats, base: Floats) -> None:
-        flank = state.flank
-        count, corners = flank.count, state.quads[rows]
-        at = np.flatnonzero(np.isin(flank.row[:count], rows))
-        order = np.argsort(rows)
-        tied = order[np.searchsorted(rows, flank.row[at], sorter=order)]
-        places = flank.place[at].tolist()
-        slopes = [np.tile(_SLOPES, (len(rows), 1, 1)), *(shape_slopes(p)[None] for p in places)]
-        weights = np.array([shape_functions(p) for p in places]).reshape(-1, 4)
+        flank, corners = state.flank, state.quads[rows]
+        at = np.flatnonzero(np.isin(flank.row[: flank.count], rows))
+        tied = np.searchsorted(rows, flank.row[at])
         of = np.concatenate([np.repeat(np.arange(len(rows)), 4), tied])
         self._node: Ints = np.concatenate([corners.ravel(), flank.node[at]])
         self._nodes: Ints = corners[of]
         # What a node has become is the mean of what its quads make of it.
         _, shared, n = np.unique(self._node, return_inverse=True, return_counts=True)
-        self._q = np.concatenate([q.ravel(), (weights * q[tied]).sum(axis=1)]) / n[shared]
-        slope = np.concatenate(slopes)
-        along = product(slope, X[of])
-        parts = product(product(base, along.transpose(0, 2, 1)), _inverse(along))
-        self._carry = product(parts, slope)
+        own = np.concatenate([q.ravel(), (flank.weight[at] * q[tied]).sum(axis=1)])
+        self._q = own / n[shared]
+        places = np.array([shape_slopes(place) for place in flank.place[at].tolist()])
+        slopes = np.concatenate([np.tile(_AT_CORNERS, (len(rows), 1, 1)), places.reshape(-1, 2, 4)])
+        along = product(slopes, X[of])
+        back = along.transpose(0, 2, 1)
+        self._carry = product(base, back, inverse(product(along, back)), slopes)
         """Weights that give, of the nodes' positions, what the base has become there."""
 
     def works(self, state: State, force: Floats, moved: Floats) -> Floats:
@@ -80,8 +77,3 @@ class PointForces:
         F = self._q[on, None] * force[self._node[on]]
         become = product(self._carry[on], state.node.x[self._nodes[on]])
         return np.asarray(np.einsum("nki,ni->k", moved - become, F))
-
-
-def _inverse(along: Floats) -> Floats:
-    """Return the inverses of A Aᵀ of tangents A : (n, 2, 3), shape (n, 2, 2)."""
-    return inverse(product(along, along.transpose(0, 2, 1)))
