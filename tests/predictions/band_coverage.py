@@ -35,7 +35,7 @@ FIGURES = (
 KINETIC = 0.05
 SPEEDS = {
     False: "kinetic energy of the model as given up to 5 %",
-    True: "above, as a verdict would doubt it",
+    True: "above, which a verdict distrusts",
 }
 FINER, SLOWER = 2.2, 2.5
 """Of the fine answer: the mesh of the finest companion is 1.5 times finer, the slowest half as
