@@ -157,7 +157,7 @@ millionth of the thickness.""",
 | thickness, quads [mm] | 0.14, 0.25 | 0.14, 0.375 | 0.14, 0.5 | 0.07, 0.375 | 0.07, 0.5 |
 | m | 0.756 | 0.782 | 0.807 | 0.927 | 0.922 |
 
-The values of the thicker film lie on a line, m = 0.705 + 0.21 times the quad's side over that length.
+The values of the thicker film lie on a line, m = 0.705 + 0.21 times a quad's side over it.
 It gives 0.705 for infinitely fine quads, and the thinner film lies within 0.07 of it. The line
 was found after the runs, so it is no prediction. A law of half the length (0.774 on quads of
 0.25 mm) and half the speed (0.829 on 0.5 mm) do not lower m. The force on the tips of a fold at
