@@ -152,12 +152,12 @@ millionth of the thickness.""",
     said="""**Why m lies above 8/11.** The quads are coarse beside the fold. Its length is
 √(D/(G h)), 1.02 mm in the thicker film and 0.51 mm in the thinner one:
 
-| edges in the length of the fold | 4.1 | 2.7 | 2.0 | 1.4 | 1.0 |
+| quads in the length of the fold | 4.1 | 2.7 | 2.0 | 1.4 | 1.0 |
 |---|---:|---:|---:|---:|---:|
 | thickness, quads [mm] | 0.14, 0.25 | 0.14, 0.375 | 0.14, 0.5 | 0.07, 0.375 | 0.07, 0.5 |
 | m | 0.756 | 0.782 | 0.807 | 0.927 | 0.922 |
 
-The values of the thicker film lie on a line, m = 0.705 + 0.21 times the edge over that length.
+The values of the thicker film lie on a line, m = 0.705 + 0.21 times a quad's side over it.
 It gives 0.705 for infinitely fine quads, and the thinner film lies within 0.07 of it. The line
 was found after the runs, so it is no prediction. A law of half the length (0.774 on quads of
 0.25 mm) and half the speed (0.829 on 0.5 mm) do not lower m. The force on the tips of a fold at

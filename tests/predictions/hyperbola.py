@@ -51,7 +51,7 @@ real sheets leave it at the slightest anisotropy.""",
 quads of 0.6 and 0.4 mm within half a quad on most meshes and 1.1 quads on one.""",
     model="""A free sheet of 25 by 28 mm, 0.1 mm thick, 1678 MPa, 11.5 N/mm torn over 2.4 mm,
 with a notch of 12 mm; the points lie 6 mm above and 18 mm below it and part at 6 m/s. The crack
-runs 9 mm. Quads of 1 and 0.7 mm, nodes moved at random by up to 0, 0.1 and 0.2 edges.""",
+runs 9 mm. Quads of 1 and 0.7 mm, nodes moved at random by up to 0, 0.1 and 0.2 of their sides.""",
     figures=(
         Figure("farthest from the hyperbola [quads]", "0", 0.0, 0.5),
         Figure("chord of the crack beside that of the hyperbola [°]", "0", -1.0, 1.0, (-1.6, 0.3)),
