@@ -112,7 +112,7 @@ def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
     said = (out.parent / "stdout").read_text().splitlines()
     film = next(line for line in said if line.startswith("film"))
     assert "24 quads" in film
-    assert "sides of quads 1 to 1 mm" in film
+    assert "quads with sides of 1 to 1 mm" in film
     assert any(line.startswith("tool   1 body") for line in said)
     step = next(line for line in said if line.startswith("step"))
     assert "steps to path 1.5 mm" in step
@@ -244,7 +244,7 @@ def test_a_run_that_blows_up_ends_with_three(tmp_path, capsys):
     )
     assert code == 3
     said = capsys.readouterr().err
-    told = re.search(r"stopped: .* at step \d+, t = (\S+) s, first in quad \d+ at \(", said)
+    told = re.search(r"stopped: .* at step \d+, t = (\S+) s, worst in quad \d+ at \(", said)
     # The frame of the end is there: it was stopped while its numbers were still numbers.
     assert shellcut.read(tmp_path).times[-1] == pytest.approx(float(told[1]), rel=1e-5)
     assert re.search(r"The step of 1e-06 s is longer than the safe one, \S+ s: leave out", said)

@@ -141,7 +141,7 @@ def test_cutting_edges_are_drawn_by_what_becomes_of_them(drawn, angle, label):
     radius = np.linalg.norm(view.way, axis=1)
     assert np.abs(radius - 9.4).max() < 1e-3  # chords of the edge
     assert "never: 2" in report
-    assert "note: 1 of 2 cutting edges never meet the film: cutting edge 1" in report
+    assert "note: 1 of 2 cutting edges never meet the film: cutting edge 2" in report
 
 
 def test_of_a_model_that_is_refused_what_there_is_is_drawn(drawn):

@@ -127,7 +127,11 @@ def test_nothing_known_is_nothing_said():
             "good",
             "67 of 67 splits lie on it, at most",
         ),
-        ({"n_split": 1, "n_split_off_path": 0, "off_path_mm": 0.01}, "good", "1 of 1 split lie"),
+        (
+            {"n_split": 1, "n_split_off_path": 0, "off_path_mm": 0.01},
+            "good",
+            "1 of 1 splits lie on it",
+        ),
         ({"n_split": 72, "n_split_off_path": 12, "off_path_mm": 1.74}, "doubt", "12 of 72 splits"),
         ({"n_split": 67, "n_tear": 9}, "note", "9 of 76 cuts are tears"),
         ({"n_tear": 2}, "note", "2 of 2 cuts"),

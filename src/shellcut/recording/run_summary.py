@@ -110,9 +110,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
         "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
-        "unheld": any(
-            True for _ in check_hold(sim.mesh, sim.state.node.support[: sim.mesh.n_node])
-        ),
+        "unheld": bool([*check_hold(sim.mesh, sim.state.node.support[: sim.mesh.n_node])]),
     }
 
 

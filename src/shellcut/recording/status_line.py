@@ -34,8 +34,8 @@ def start_lines(
     unit, per = shown("mm")
     held = int(sim.state.node.supported[: mesh.n_node].sum())
     yield (
-        f"film   {mesh.n_quad:,} quads, {mesh.n_node:,} nodes, {held:,} of them held, sides of "
-        f"quads {per * sides.min():.3g} to {per * sides.max():.3g} {unit}, "
+        f"film   {mesh.n_quad:,} quads with sides of {per * sides.min():.3g} to "
+        f"{per * sides.max():.3g} {unit}, {mesh.n_node:,} nodes, {held:,} of them held, "
         f"{per * sim.material.thickness:.3g} {unit} thick"
     )
     if tool is not None:

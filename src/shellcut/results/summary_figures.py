@@ -153,10 +153,8 @@ def window_of(summary: Mapping[str, Any]) -> str:
 def with_unit(key: str, value: Any) -> str:
     """Return a figure of ``summary.json`` with the unit at the end of its name, as shown."""
     if isinstance(value, float):
-        share = key.endswith("_rel")
-        return (
-            number_with_unit(100.0 * value, "%") if share else number_with_unit(value, unit_of(key))
-        )
+        factor, unit = (100.0, "%") if key.endswith("_rel") else (1.0, unit_of(key))
+        return number_with_unit(factor * value, unit)
     return f"{value:,}{after(unit_of(key))}" if type(value) is int else str(value)
 
 

@@ -12,9 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from shellcut.formats.errors import counted
-
-from .energy_account import account, dissipated, driver
+from .energy_account import account, dissipated, driver, never_touched
 from .remedies import SLOWER, SMALLER_STEP, remedies
 
 LOGGER = logging.getLogger("shellcut.verdict")
@@ -139,11 +137,6 @@ def _is_of_a_tool(figures: Figures) -> bool:
     return "tool_work_Nmm" in figures or "deepest_penetration_mm" in figures
 
 
-def _never_touched(figures: Figures) -> bool:
-    depths = [figures.get(f"{name}_mm") for name in ("deepest_penetration", "unfelt_penetration")]
-    return depths == [0.0, 0.0] and not figures.get("tool_work_Nmm")
-
-
 def _ledger(figures: Figures) -> Iterator[Line]:
     if "imbalance_rel" not in figures:
         return
@@ -256,7 +249,7 @@ def _self_contact(figures: Figures) -> Iterator[Line]:
 def _penetration(figures: Figures) -> Iterator[Line]:
     depth = figures.get("deepest_penetration_mm")
     half = figures.get("tool_half_thickness_mm")
-    if depth is None or half is None or _never_touched(figures):
+    if depth is None or half is None or never_touched(figures):
         return
     limit = PENETRATION_LIMIT * half
     yield _judged(
@@ -270,7 +263,7 @@ def _penetration(figures: Figures) -> Iterator[Line]:
 
 
 def _unfelt(figures: Figures) -> Iterator[Line]:
-    if not {"unfelt_penetration_mm", "edge_length_mm"} <= figures.keys() or _never_touched(figures):
+    if not {"unfelt_penetration_mm", "edge_length_mm"} <= figures.keys() or never_touched(figures):
         return
     depth = figures["unfelt_penetration_mm"]
     limit = UNFELT_LIMIT * figures["edge_length_mm"]
@@ -324,7 +317,7 @@ def force_across_factor(figures: Figures) -> float:
 
 def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
-        why = "the tool never touched the film" if _never_touched(figures) else "no cable was made"
+        why = "the tool never touched the film" if never_touched(figures) else "no cable was made"
         where = " Use shellcut preview to see the path of the cutting edges."
         yield Line("doubt", f"Nothing was cut: {why}.{where * _is_of_a_tool(figures)}")
 
@@ -351,7 +344,7 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         off == 0,
         "The cracks kept to the path of the cutting edges",
         "Cracks left the path of the cutting edges; the crack map shows where",
-        f"{off or n:,} of {counted(n, 'split')}{' other than tears' * bool(torn)} {lie} off",
+        f"{off or n:,} of {n:,} splits{' other than tears' * bool(torn)} {lie} off",
         "a fifth of the side of a quad",
         remedies(figures, "through quads"),
     )
@@ -375,7 +368,7 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
 def _account(figures: Figures) -> Iterator[Line]:
     """Yield where all that was put in went, and how much of what was dissipated was asked for."""
     put_in, became = account(figures)
-    if not became or _never_touched(figures):
+    if not became:
         return
     whole = sum(line.energy for line in put_in)
     sources = ", ".join(f"{line.words} {line.energy:.4g}" for line in put_in)

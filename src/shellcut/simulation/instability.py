@@ -136,7 +136,8 @@ class StabilityGuard:
 
     def imbalance(self, book: Ledger) -> float | None:
         """Return what the ledger misses over the work, None while that is too little."""
-        return book.relative(book.imbalance) if book.scale >= self._balance.least else None
+        is_enough = (abs(book.tool_work) or abs(book.put_in)) >= self._balance.least
+        return book.relative(book.imbalance) if is_enough else None
 
     def check_strain(self, state: State, book: Ledger) -> None:
         """Raise UnstableStep if the film has blown up."""
@@ -185,7 +186,7 @@ class StabilityGuard:
                 "check what moved its nodes"
             )
         return UnstableStep(
-            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, first in {worst}. "
+            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, worst in {worst}. "
             + " ".join([*self._plain_causes(s), *self._shorter_step(s)])
         )
 

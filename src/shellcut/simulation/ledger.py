@@ -93,11 +93,7 @@ class Ledger:
         """Work put in minus energy taken up."""
         return self.put_in - self.taken_up
 
-    @property
-    def scale(self) -> float:
-        """Work of the tool, or all that was put in, which energies are compared with."""
-        return abs(self.tool_work) or abs(self.put_in)
-
     def relative(self, energy: float) -> float:
-        """Return an energy over :attr:`scale`, 0 where that is."""
-        return energy / self.scale if self.scale > 0 else 0.0
+        """Return an energy relative to the work of the tool, or to all that was put in."""
+        scale = abs(self.tool_work) or abs(self.put_in)
+        return energy / scale if scale > 0 else 0.0
