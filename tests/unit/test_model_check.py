@@ -15,6 +15,7 @@ from shellcut.checks.steps import check_steps
 from shellcut.fracture.puncture import bending_length
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut
+from shellcut.tool.round_bar import round_bar
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from test_preview import two_rings
 
@@ -219,6 +220,42 @@ def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
         "quick", tool=tooth_ring(radius=30.0), fracture=shellcut.Fracture(path="edges")
     )
     assert "the tool never touches the film: at its nearest, at " in only(away)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            {"tip_clearance": 5.0},
+            "4.6 mm lie between them; move it by (0, 0, -4.6) mm ([tool] shift)",
+        ),
+        ({"motion.pitch": -12.0}, "at 0 ms of 0.8 ms, less than 0.4 mm lie between them"),  # up
+        ({"radius": 12.0}, "1.5 mm lie between them; move it by (0, 1.45, 0) mm"),  # beside it
+    ],
+)
+def test_a_tool_that_never_touches_the_film_is_told(options, said):
+    short = {"mesh": "quick", "motion.angle_deg": 12.0, "motion.duration": 0.8e-3}
+    text = only(shellcut.read_model("opening", short | options).build())
+    assert text.startswith("the tool never touches the film: at its nearest, at ")
+    assert said in text
+
+
+@pytest.mark.parametrize(("down", "told"), [(0.5, True), (1.5, False)])
+def test_a_blunt_tool_is_told_only_if_it_does_not_come_down_to_the_film(down, told):
+    bar = round_bar(diameter=1.0, height=4.0, tilt_deg=0.0).translated((6.0, 0.0, 3.0))
+    motion = shellcut.StraightMotion((0.0, 0.0, -1.0), 1000.0)
+    moved = shellcut.Support("bottom", translation="z", velocity={"z": lambda _: 1.0})
+    supports = {"still": SIDES, "moved": (moved, SIDES[1])}
+    for name, held in supports.items():
+        sim = shellcut.Simulation(
+            rectangle(12.0, 8.0, size=0.8),
+            ShellMaterial.homogeneous(),
+            supports=held,
+            tool=bar,
+            motion=motion,
+        )
+        said = [str(f) for f in shellcut.check_model(sim, 1e-3 * down).findings]
+        assert any("never touches" in text for text in said) == (told and name == "still")
 
 
 @pytest.mark.parametrize("rungs", [0.5, 1.9])

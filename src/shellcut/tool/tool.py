@@ -280,7 +280,7 @@ class Tool:
         --------
         >>> from shellcut.tool.shapes import straight_blade
         >>> print(straight_blade(height=4.0).chains()[0])
-        chain 0 of body 0: 1 segments, 4 mm, open, (0, 0, 2) to (0, 0, -2), turns by 160 to 160 deg
+        cutting edge 1 (not_cutting = [0]) of body 1: 1 segment, 4 mm, open, (0, 0, 2) to ...
         """
         found = []
         for chain in range(self.n_chain):
