@@ -97,7 +97,7 @@ def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
     needs_edges = Fracture(turn_limit_deg=80.0)
     beside = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
     assert beside.simulation.fracture == Fracture(path="edges", turn_limit_deg=80.0)
-    assert any("a row of mesh edges must lie" in str(found) for found in beside.check.findings)
+    assert any("a row of sides of quads must lie" in str(found) for found in beside.check.findings)
 
 
 @pytest.mark.parametrize("mesh", ["quick", "M1", "M2"])

@@ -50,6 +50,7 @@ def test_cuts_that_go_on_from_a_tear_have_not_left_the_path(cut):
     sim.state.split_log += [tear, goes_on]
     figures = cut_evidence(sim, sweep)
     assert (figures["n_split"], figures["n_tear"], figures["n_split_off_path"]) == (1, 1, 0)
+    assert figures["tear_off_path_mm"] == pytest.approx(1.5, abs=0.03)
     assert figures["off_path_mm"] == pytest.approx(np.hypot(0.05, 0.05))
     sim.state.split_log.append(beside)
     figures = cut_evidence(sim, sweep)

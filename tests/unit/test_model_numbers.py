@@ -27,7 +27,7 @@ STRIP = 'model = "guillotine"\n[membrane]\nlength = 6.0\nwidth = 4.0\nsize = 1.0
     ("text", "told"),
     [
         ("[damping]\nbeta = 1e3", r"damping_beta must damp the stiffest quad 10,000 times critic"),
-        ("[time]\nfixed = 1e-17", r"must take 1e\+11 steps at most, .* Stepping.fixed is 1e-17 s"),
+        ("[time]\nfixed = 1e-17", r"must take 1e\+11 steps at most, .* time.fixed is 1e-17 s"),
         (
             "[material]\ndensity = 1e-30",
             r":9: \[material\].density must be a number in t/mm\^3, 0 or",

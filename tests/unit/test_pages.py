@@ -221,7 +221,7 @@ PAGES = {
     ),
     "docs/howto/own-tool.md": Page(
         (a_cap, text_of("docs/howto/own-tool.md", "motion.csv")),
-        said=r"(chain \d of body \d: 15 segments, 5.773 mm, open.*\n){4}",
+        said=r"(cutting edge \d \(not_cutting = \[\d\]\) of body \d: 15 segments.* open.*\n){4}",
         left="cap.png out",
     ),
     "docs/howto/pictures.md": Page(

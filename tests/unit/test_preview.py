@@ -24,7 +24,7 @@ def test_a_picture_of_both_poses_and_a_report(tmp_path):
     assert f"{sim.dt:.4g} s" in report
     steps = int(re.search(r"at least ([\d,]+) steps to 6 ms", report).group(1).replace(",", ""))
     assert steps == pytest.approx(case.duration / sim.dt, rel=0.05)
-    assert 'along edges of the mesh only (fracture.path = "edges")' in report
+    assert 'along sides of quads only (fracture.path = "edges")' in report
     np.testing.assert_array_equal(sim.state.node.x, before)
     # The quads of the shortest steps, shortest first, and what the first costs.
     worst = re.findall(
@@ -140,8 +140,8 @@ def test_cutting_edges_are_drawn_by_what_becomes_of_them(drawn, angle, label):
     assert len({meeting.color, never.color}) == 2
     radius = np.linalg.norm(view.way, axis=1)
     assert np.abs(radius - 9.4).max() < 1e-3  # chords of the edge
-    assert "never: 1" in report
-    assert "note: 1 of 2 cutting edges never meet the film: cutting edge 1" in report
+    assert "never: 2" in report
+    assert "note: 1 of 2 cutting edges never meet the film: cutting edge 2" in report
 
 
 def test_of_a_model_that_is_refused_what_there_is_is_drawn(drawn):

@@ -153,7 +153,7 @@ def test_a_frame_that_cannot_be_made_does_not_hide_why_the_run_died(tmp_path, ca
 def test_the_summary_of_a_blow_up_is_json(tmp_path):
     blown = Case("cut", cutting(stepping=Stepping(fixed=3e-7)), 8e-5)
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
-        blown.run(tmp_path, **RECORDS)
+        blown.run(tmp_path, **RECORDS, force=True)
     assert strict_json(tmp_path / "summary.json")["n_step"] == blown.simulation.state.step
 
 

@@ -39,7 +39,7 @@ def test_tools_inside_are_refused_wherever_they_are():
         check(MESH, 3.5)
     text = str(refusal.value)
     assert "nodes 19 at (1, 0, 0), 20 at (2, 0, 0), 21 at (3, 0, 0) lie inside the tool" in text
-    assert "Mesh.cut" in text
+    assert "[membrane] notch" in text
     mesh = rectangle(8.0, 4.0, n_x=2, n_y=1)  # quads of 4 x 4 mm around the blade
     with pytest.raises(ValueError, match="the tool passes through quads 0 at") as refusal:
         check(mesh, 3.8)
@@ -80,15 +80,22 @@ def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
     pose = Pose(np.eye(3), np.array([3.5, 0.0, z]))
     motion = StraightMotion(direction, 100.0) if any(direction) else None
     grid = ClosestTriangleGrid.build(BLADE)
-    with pytest.raises(ValueError, match=r"or cut a notch for it \(Mesh\.cut\)$") as refusal:
+    with pytest.raises(
+        ValueError, match=r"or cut a notch for it \(\[membrane\] notch\)$"
+    ) as refusal:
         check_tool_outside(MESH, BLADE, grid, pose, motion)
     text = str(refusal.value)
     assert ("its axis or the direction of its motion may be wrong" in text) == turned
-    back = re.findall(r"start back by ([\d.]+) mm, against \((.*?)\),", text)
+    back = re.findall(r"start back by \((.*?)\) mm \(\[tool\] shift\),", text)
     assert len(back) == (least is not None)
-    for far, way in back:
-        assert least <= float(far) < least + 0.15
-        assert way == "{:g}, {:g}, {:g}".format(*direction)
+    for shift in back:
+        far = -np.array(direction) @ np.array(shift.split(", "), float)
+        assert least <= far < least + 0.15
+        # There it is free to start.
+        moved = BLADE.translated(
+            [float(x) for x in shift.split(", ")] + 1e-3 * -np.array(direction)
+        )
+        check_tool_outside(MESH, moved, ClosestTriangleGrid.build(moved), pose, motion)
 
 
 def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
@@ -101,7 +108,9 @@ def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
     with pytest.raises(ValueError, match="must start outside the sheet") as refusal:
         check_tool_outside(mesh, ring, grid, Pose.of(on_its_side, np.zeros(3)), screw)
     said = str(refusal.value)
-    assert re.search(r"back by (9|10)\.?\d* mm, against \(0, 0, -1\), or turn it: its axis", said)
+    assert re.search(
+        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it: its axis", said
+    )
 
 
 # --- where the tool passes through quads, against brute force over all wires

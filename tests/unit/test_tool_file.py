@@ -135,9 +135,12 @@ class TestChains:
         assert "3 cutting edges found by angle" in caplog.text
 
     def test_wrong_and_all_chains_are_refused(self):
-        with pytest.raises(ToolError, match=r"no chain \[7\]; the chains are: chain 0 of body 0"):
+        with pytest.raises(
+            ToolError,
+            match=r"no cutting edges \[7\], .* cutting edge 1 \(not_cutting = \[0\]\) of body 1",
+        ):
             RING.without_cutting(7)
-        with pytest.raises(ToolError, match="at least one chain must cut"):
+        with pytest.raises(ToolError, match="at least one edge must cut"):
             RING.without_cutting(0, 1, 2, 3)
 
     def test_length_place_and_angle(self):
@@ -147,7 +150,9 @@ class TestChains:
         np.testing.assert_allclose(chain.start, [0.0, 0.0, 2.0], atol=1e-15)
         np.testing.assert_allclose(chain.centre, 0.0, atol=1e-15)
         assert chain.turn_deg == pytest.approx((160.0, 160.0), rel=1e-12)
-        assert str(chain).startswith("chain 0 of body 0: 1 segments, 4 mm, open, (0, 0, 2) to")
+        assert str(chain).startswith(
+            "cutting edge 1 (not_cutting = [0]) of body 1: 1 segment, 4 mm, open, (0, 0, 2) to"
+        )
 
     def test_a_closed_chain(self, tmp_path):
         # two cones base to base: the rim is a closed edge
@@ -176,7 +181,7 @@ class TestRefusals:
             ({"shift": (1.0, 2.0)}, "shift must be three finite numbers"),
             ({"unit": "feet"}, "unit must be one of um, mm"),
             ({"unit": -1.0}, "unit must be a finite length above 0"),
-            ({"not_cutting": [9]}, "there is no chain"),
+            ({"not_cutting": [9]}, "there are no cutting edges"),
         ],
     )
     def test_options(self, cap, options, words):

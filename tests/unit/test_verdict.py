@@ -51,7 +51,7 @@ def test_flanks_in_the_tool_unfelt_are_noted_and_what_to_do():
     (text,) = noted(0.098)
     assert "0.098 mm" in text
     assert "0.037 mm" in text
-    assert "Use Contact.film_edges = True or a finer film" in text
+    assert "Use contact.film_edges = true or a finer film" in text
     (text,) = noted(0.098, are_felt=True)
     assert "Use a finer film" in text
 
@@ -60,13 +60,17 @@ def test_flanks_that_cannot_fold_are_noted_where_they_press():
     def noted(edge, *, press=True):
         figures = {"path_edge_mm": edge, "bending_length_mm": 0.216}
         lines = verdict({**figures, "options": {"film_edges": press}})
-        return [line for line in lines if "instead of folding" in line.text]
+        return [line for line in lines if "The force across the film" in line.text]
 
     assert noted(0.208) == noted(0.398, press=False) == []
     (line,) = noted(0.398)
     assert line.kind == "note"
-    assert "0.398 mm long, but the film bends over 0.216 mm" in line.text
-    assert "Use a finer film" in line.text
+    assert "is about 1.4 times what it should be" in line.text
+    assert (
+        "sides of 0.398 mm, and the film folds beside the tool only if they are 0.216" in line.text
+    )
+    assert "about 2.0 times" in noted(4.0 * 0.216)[0].text
+    assert "more than twice" in noted(1.0)[0].text
 
 
 def test_what_contact_gives_and_what_it_holds_are_judged_apart():
@@ -76,6 +80,13 @@ def test_what_contact_gives_and_what_it_holds_are_judged_apart():
 
     assert judged(contact_Nmm=4.9) == judged(contact_Nmm=-0.9) == []
     assert judged(contact_Nmm=5.1) == judged(contact_Nmm=-1.1) == ["Contact"]
+    # A figure out of its limit does not look like it, and only what applies is named as the cause.
+    energies = {"tool_work_Nmm": 100.0, "contact_Nmm": 5.03}
+    (held,) = verdict({**energies, "contact_stored_Nmm": 5.0, "contact_lost_Nmm": 0.03})[:1]
+    assert "held by its springs: film presses hard on the tool: it took 5.03 % of" in held.text
+    (lost,) = verdict({**energies, "contact_stored_Nmm": 0.03, "contact_lost_Nmm": 5.0})[:1]
+    assert "lost where film hits the tool" in lost.text
+    assert "(limit 5 %)" in lost.text
 
 
 def test_nodes_deep_in_the_tool_are_doubted():
@@ -86,7 +97,22 @@ def test_nodes_deep_in_the_tool_are_doubted():
     line = verdict(figures | {"tool_half_thickness_mm": 0.1})[0]
     assert line.kind == "doubt"
     assert "less than its thickness: nodes are up to 0.04 mm deep" in line.text
-    assert "(limit 0.025 mm" in line.text
+    assert "(limit 0.025 mm, a quarter of 0.1 mm, the tool's volume over its surface)" in line.text
+
+
+def test_contact_that_never_took_place_is_not_said_to_hold():
+    figures = {"deepest_penetration_mm": 0.0, "unfelt_penetration_mm": 0.0, "edge_length_mm": 0.8}
+    figures |= {"tool_half_thickness_mm": 0.2, "n_cable_created": 0, "initial_Nmm": 6e-7}
+    lines = verdict(figures)
+    assert [line.kind for line in lines] == ["doubt", "note"]
+    assert "Nothing was cut: the tool never touched the film." in lines[0].text
+
+
+def test_a_film_that_flies_off_is_not_said_to_be_cut_too_fast():
+    figures = {"tool_work_Nmm": 1.0, "kinetic_rel": 0.856, "options": {"unheld": True}}
+    (text,) = [line.text for line in verdict(figures) if line.kind == "doubt"]
+    assert "Nothing holds the film, or a piece of it, so that its inertia carries" in text
+    assert "slower" not in text
 
 
 def test_nothing_known_is_nothing_said():
@@ -96,9 +122,18 @@ def test_nothing_known_is_nothing_said():
 @pytest.mark.parametrize(
     ("figures", "kind", "said"),
     [
-        ({"n_split": 67, "n_split_off_path": 0, "off_path_mm": 0.01}, "good", "at most 0.01 mm"),
+        (
+            {"n_split": 67, "n_split_off_path": 0, "off_path_mm": 0.01},
+            "good",
+            "67 of 67 splits lie on it, at most",
+        ),
+        (
+            {"n_split": 1, "n_split_off_path": 0, "off_path_mm": 0.01},
+            "good",
+            "1 of 1 splits lie on it",
+        ),
         ({"n_split": 72, "n_split_off_path": 12, "off_path_mm": 1.74}, "doubt", "12 of 72 splits"),
-        ({"n_split": 67, "n_tear": 9}, "note", "no edge drives them: 9 of 76 cuts"),
+        ({"n_split": 67, "n_tear": 9}, "note", "9 of 76 cuts are tears"),
         ({"n_tear": 2}, "note", "2 of 2 cuts"),
         ({"no_window": "no cable has broken"}, "note", "no mean is given: no cable has broken."),
         ({"overshoot_rel": 0.019}, "good", "misses 1.9 %"),
@@ -159,7 +194,7 @@ def test_no_remedy_names_what_a_run_has():
         "film_edges": (True, False, "film_edges"),
         "path": ("free", "edges", 'path = "free"'),
         "check_every": (1, 10, "check_every"),
-        "fixed_step": (True, False, "Stepping.safety"),
+        "fixed_step": (True, False, "time.safety"),
         "opening_u_mm": (4.0, 0.5, "half of opening_u"),
         "n_imperfection": (1, 0, "imperfection = 1"),
     }
@@ -173,7 +208,7 @@ def test_no_remedy_names_what_a_run_has():
         assert remedy in said(options=left)
         assert remedy not in said(options=on)
         assert remedy not in said()
-    assert "Stepping.fixed" in said(options=on)
+    assert "time.fixed" in said(options=on)
     # of what exists along edges only, cracks through quads would be refused
     assert 'path = "free"' not in said(options=left | {"only_along_edges": True})
 

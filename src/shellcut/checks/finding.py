@@ -16,16 +16,16 @@ class Finding:
     """``refuse``: no sensible result is possible; ``doubt``: likely a mistake; ``note``: worth
     knowing."""
     holds: str
-    """What must hold, and why; empty for a note."""
+    """What must hold, and why; empty where ``came`` says it all."""
     came: str
-    """What came instead."""
+    """What came instead, or the finding as a sentence."""
     remedy: str
     """What to do."""
     forcible: bool = False
     """Whether a refusal can be overridden, because the run may make sense to an expert."""
 
     def __str__(self) -> str:
-        if self.severity == NOTE:
+        if not self.holds:
             return f"{self.came}; {self.remedy}"
         return f"{self.holds}, got {self.came}: {self.remedy}"
 

@@ -32,7 +32,7 @@ Conditions for a correct cut, with reasons:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,9 +84,9 @@ def check_path(
     h = rows.spacing if along_edges else float(np.median(mesh.edge_lengths()))
     if law.opening_u < RUNGS * h:
         yield doubt(
-            f"opening_u must be at least {RUNGS:g} edges of the film along the path long, or the "
+            f"opening_u must be at least {RUNGS:g} sides of the quads along the path long, or the "
             "force is too high by a tenth and more",
-            f"opening_u {law.opening_u:.4g} mm and edges of {h:.3g} mm on the path, "
+            f"opening_u {law.opening_u:.4g} mm and sides of {h:.3g} mm on the path, "
             f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",
         )
@@ -95,20 +95,20 @@ def check_path(
 def edge_line(sweep: Sweep) -> str:
     """Return in one line how many cutting edges meet the film and stay in it."""
     fates, n = sweep.fates, len(sweep.fates)
-    n_meeting = sum(fate.meets for fate in fates)
     n_staying = sum(fate.stays for fate in fates)
     which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
     if n_staying == n:
-        return f"edges  {which} the film and stay{'s' * (n == 1)} in the film to the end"
-    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
+        return f"cut    {which} the film and stay{'s' * (n == 1)} in it to the end"
     never = [fate.chain for fate in fates if not fate.meets]
-    if never:
-        parts.append(f"never: {named(never)}")
+    if len(never) == n:
+        return f"cut    none: no cutting edge of {n} meets the film"
+    met = f"{n - len(never)} of {n} cutting edges meet the film, {n_staying} are in it at the end"
+    parts = [met, f"never: {_numbers(never)}"] if never else [met]
     left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
     if left:
         first = min(left.values())
-        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {named(list(left))}")
-    return "edges  " + "; ".join(parts)
+        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {_numbers(left)}")
+    return "cut    " + "; ".join(parts)
 
 
 def _fates(sweep: Sweep) -> Iterator[Finding]:
@@ -125,7 +125,7 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
     if never:
         yield note(
             f"{len(never)} of {len(fates)} cutting edges never meet the film: {_chains(never)}",
-            "fine if that is intended; [tool] not_cutting leaves them out",
+            f"fine if that is intended; [tool] not_cutting = {never} leaves them out",
         )
     out = [fate for fate in fates if fate.passed_out]
     if out:
@@ -151,8 +151,13 @@ def _first_exit(fates: list[Fate], sweep: Sweep) -> str:
     return f"{1e3 * first:.4g} ms of {1e3 * sweep.duration:.4g} ms"
 
 
-def _chains(numbers: list[int]) -> str:
-    return f"cutting edge{'s' if len(numbers) > 1 else ''} {named(numbers)}"
+def _numbers(chains: Iterable[int]) -> str:
+    """Name cutting edges by numbers from 1; not_cutting counts them from 0."""
+    return named(chain + 1 for chain in chains)
+
+
+def _chains(chains: list[int]) -> str:
+    return f"cutting edge{'s' if len(chains) > 1 else ''} {_numbers(chains)}"
 
 
 def _attack(sweep: Sweep) -> Iterator[Finding]:
@@ -176,10 +181,10 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
         f"a cutting edge must move where it points, within {np.degrees(ATTACK):.0f}°, or a "
         "blunt back or flank presses on the film",
         f"another direction on {100.0 * share:.0f} % of the path; cutting edge "
-        f"{int(sweep.chain[worst])} moves {angle:.0f}° off where it points at "
+        f"{_numbers([int(sweep.chain[worst])])} moves {angle:.0f}° off where it points at "
         f"({x:.4g}, {y:.4g}, {z:.4g}) mm, t = {1e3 * sweep.time[worst]:.4g} ms",
         "turn the tool, reverse the motion (axis of a screw, direction of a straight one), or "
-        "leave the edge out ([tool] not_cutting)",
+        f"leave the edge out ([tool] not_cutting = [{sweep.chain[worst]}])",
     )
 
 
@@ -224,9 +229,9 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
         h = float(sweep.edge_length[worst])
         came += f", the next one {rows.off[worst] * h:.3g} mm off at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
     yield doubt(
-        f"a row of mesh edges must lie under the path of the cutting edges, within {OFF_ROW:g} of "
-        "their length, since cracks follow edges: beside it the force is too large, or nothing is "
-        "cut",
+        "a row of sides of quads must lie under the path of the cutting edges, within "
+        f"{OFF_ROW:g} of their length, since cracks follow it: beside it the force is too large, "
+        "or nothing is cut",
         came + ("; some run across it" if none else ""),
         'let cracks go through the quads, fracture.path = "free", or ' * (not bound)
         + "mesh along it",

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.formats.errors import counted
 from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -73,7 +74,7 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
         yield doubt(
             "the film should be thinner than its quads are long: a shell has no detail below its "
             "thickness, and cables and contact act at its mid-surface",
-            f"thickness {h:.4g} mm and edges of {edge:.4g} mm",
+            f"thickness {h:.4g} mm and sides of quads of {edge:.4g} mm",
             f"{remedy}; or take a coarser mesh",
         )
     if h < THINNEST:
@@ -142,16 +143,14 @@ def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Find
     # the strain at which the film as a whole carries the strength
     young = material.stretching_stiffness / material.thickness
     strain = law.strength / young
-    came = (
-        f"strength {law.strength:.4g} MPa at a modulus of {young:.4g} MPa, a strain of {strain:.3g}"
-    )
+    given = f"strength {law.strength:.4g} MPa"
     remedy = 'both are in MPa unless a unit is given: 18e6 Pa is 18 or "18e6 Pa"'
     if strain > RUPTURED:
         yield Finding(
             REFUSE,
-            "the film must tear before it is stretched to twice its length, by far beyond the "
-            "range of its elastic law",
-            came,
+            "",
+            f"{given} is {strain:,.4g} times the film's modulus, {young:.4g} MPa: this film would "
+            "never tear",
             remedy,
             forcible=True,
         )
@@ -159,7 +158,7 @@ def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Find
         yield doubt(
             f"the strain at which the film tears should lie between {SMALLEST_STRAIN:g} and "
             f"{LARGEST_STRAIN:g}, the range of materials and of the elastic law",
-            came,
+            f"{given} at a modulus of {young:.4g} MPa, a strain of {strain:.3g}",
             remedy,
         )
     (paper,) = ShellMaterial.homogeneous().layers
@@ -189,10 +188,10 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
     small = [b for b, extent in enumerate(extents) if extent < edge]
     if small:
         yield doubt(
-            "a tooth should be longer than an edge of the film: contact sees nodes only, and "
+            "a tooth should be longer than the side of a quad: contact sees nodes only, and "
             "between them nothing resists the tooth",
-            f"bodies {small[:5]} of the tool, of which body {small[0]} is {extents[small[0]]:.3g} "
-            f"mm in size, and edges of {edge:.3g} mm",
+            f"{counted(len(small), 'body', 'bodies')} of the tool, of which body {small[0] + 1} is "
+            f"{extents[small[0]]:.3g} mm in size, and sides of {edge:.3g} mm",
             "give the unit of the tool's file, or take a finer film",
         )
     film, whole = film_size(mesh), float(np.linalg.norm(np.ptp(tool.vertices, axis=0)))

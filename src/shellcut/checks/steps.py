@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .finding import REFUSE, Finding, doubt, note
+from .finding import DOUBT, REFUSE, Finding, doubt, note
 
 FOUND_WITHIN = 0.3
 """Travel of the edge between two checks for splits, in edge lengths."""
@@ -19,6 +19,9 @@ SEEN_WITHIN = 0.5
 """Travel of the edge in one step, in edge lengths."""
 OF_WAVE = 0.1
 """Speed of the edge over that of membrane waves: above this the film tears before it gives way."""
+UNSAFE = 2.0
+"""A fixed step over the safe one above which a film surely blows up: the bound is 12 % short of the
+limit on squares, and at twice the bound what is unstable grows tenfold in a step."""
 MANY_STEPS = 5e6
 """A hundred times the number of steps of the opening test on M1."""
 
@@ -41,30 +44,32 @@ def check_steps(
     [mm] is that along the cut, or of the whole film.
     """
     if fixed is not None and fixed > bound:
-        yield doubt(
+        yield Finding(
+            REFUSE if fixed > UNSAFE * bound else DOUBT,
             f"a fixed step must not exceed the safe one, {bound:.4g} s at the start, or the "
             "solution blows up",
             f"time.fixed {fixed:.4g} s",
             "leave it out, or lower it",
+            forcible=True,
         )
     way = speed * dt
     came = (
-        f"{way:.3g} mm a step, at {1e-3 * speed:.4g} m/s and steps of {dt:.3g} s, of edges of "
-        f"{edge_length:.3g} mm"
+        f"{way:.3g} mm a step, at {1e-3 * speed:.4g} m/s and steps of {dt:.3g} s, on quads with "
+        f"sides of {edge_length:.3g} mm"
     )
     slower = "take a longer duration or a lower speed"
     remedy = slower if fixed is None else f"leave time.fixed out, or {slower}"
     if way > SEEN_WITHIN * edge_length:
         yield Finding(
             REFUSE,
-            f"the cutting edge must move by less than {SEEN_WITHIN:g} edge lengths of the film in "
-            "a step, or it passes nodes before contact acts on them",
+            f"the cutting edge must move by less than {SEEN_WITHIN:g} sides of a quad in a step, "
+            "or it passes nodes before contact acts on them",
             came,
             remedy,
         )
     elif way * check_every > FOUND_WITHIN * edge_length:
         yield doubt(
-            f"the cutting edge should move by less than {FOUND_WITHIN:g} edge lengths of the film "
+            f"the cutting edge should move by less than {FOUND_WITHIN:g} sides of a quad "
             f"in the {check_every} steps between two looks at the cracks, or it cuts late",
             came,
             remedy + "; or check more often, fracture.check_every" * (check_every > 1),

@@ -319,6 +319,15 @@ def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
     return min(abs(d0), abs(d1)) / norm(normal)
 
 
+def overlap(
+    mesh: Mesh, wires: ToolWires, grid: ClosestTriangleGrid, pose: Pose
+) -> tuple[Ints, Ints]:
+    """Return the nodes of a mesh that lie in a tool, and the quads that its edges pass through."""
+    _, inside, _, _ = grid.query(pose.to_body(mesh.nodes))
+    nowhere = np.zeros(mesh.n_node, np.bool_)
+    return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, pose)[0]
+
+
 def check_tool_outside(
     mesh: Mesh,
     tool: Tool,
@@ -335,15 +344,9 @@ def check_tool_outside(
     motion : Motion, optional
         Tells how far back on its way the tool is free.
     """
-    wires = ToolWires(tool)
-
-    def overlap(at: Pose) -> tuple[Ints, Ints]:
-        _, inside, _, _ = grid.query(at.to_body(mesh.nodes))
-        nowhere = np.zeros(mesh.n_node, np.bool_)
-        return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, at)[0]
-
+    with_wires = mesh, ToolWires(tool), grid
     problems = []
-    inside, pierced = overlap(pose)
+    inside, pierced = overlap(*with_wires, pose)
     if inside.size:
         problems.append(f"nodes {_some(inside, mesh.nodes)} lie inside the tool")
     if pierced.size:
@@ -359,11 +362,13 @@ def check_tool_outside(
     )
     back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
     starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
-    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
+    touches = np.append(
+        True, [any(ids.size for ids in overlap(*with_wires, one)) for one in starts]
+    )
     free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
     raise ValueError(
         f"the tool must start outside the sheet, but {' and '.join(problems)}: "
-        f"{_cure(way, float(free), reach)}"
+        f"{_cure(-free * product(way, pose.rotation), reach)}"
     )
 
 
@@ -380,14 +385,15 @@ def _first_way(motion: Motion | None) -> Floats:
     return np.zeros(3)
 
 
-def _cure(way: Floats, back: float, reach: float) -> str:
-    notch = "cut a notch for it (Mesh.cut)"
+def _cure(shift: Floats, reach: float) -> str:
+    notch = "cut a notch for it ([membrane] notch)"
     turn = "turn it: its axis or the direction of its motion may be wrong"
-    if not back:
+    if not shift.any():
         return f"move the tool's start, {turn}, or {notch}"
-    x, y, z = way + 0.0
-    move = f"move the tool's start back by {back:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
-    return f"{move}, or {notch}" if back <= _FAR * reach else f"{move}, or {turn}; or {notch}"
+    x, y, z = shift + 0.0
+    move = f"move the tool's start back by ({x:.3g}, {y:.3g}, {z:.3g}) mm ([tool] shift)"
+    is_small = length_of(shift) <= _FAR * reach
+    return f"{move}, or {notch}" if is_small else f"{move}, or {turn}; or {notch}"
 
 
 def _some(ids: Ints, places: Floats) -> str:

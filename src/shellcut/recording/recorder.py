@@ -364,8 +364,9 @@ class Recorder:
         figures = {
             r.coordinate_name: r.coordinate(sim.state.time),
             r.columns[0][0]: r.felt(sim)[0],
-            "imbalance": 100.0 * sim.ledger.relative(sim.ledger.imbalance),
         }
+        if sim.imbalance is not None:
+            figures["imbalance"] = 100.0 * sim.imbalance
         progress.update(self._share, step=sim.state.step, **figures)
 
     def _expose(self, sim: Simulation) -> Exposure:

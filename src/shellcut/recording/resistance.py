@@ -161,8 +161,8 @@ class SupportPull:
         self.coordinate_name, self.coordinate_unit = "way", "mm"
         self.columns = [("force", "N")]
         self.meaning = (
-            "work of the supports per mm of the way of the fastest of them: the sum of the forces "
-            "on those that move at its speed"
+            "sum of the forces on the supports that move, each times its speed over that of the "
+            "fastest"
         )
         self._time = np.linspace(0.0, until, _N_SAMPLE + 1)
         times = self._time.tolist()

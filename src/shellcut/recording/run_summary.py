@@ -4,11 +4,12 @@ Those of :func:`cut_evidence` tell whether the cut went as it should:
 
 ======================  ==========================================================================
 n_tear                  cuts by cracks that no edge drives, of which the others tell nothing
+tear_off_path_mm        largest distance of such a cut's end from that path
 off_path_mm             largest distance of a split from the path of the cutting edges, in the
                         reference film; the path goes on beyond its ends, where cracks lead, and
                         along tears, which cuts go on from
-n_split_off_path        splits farther from the path than a fifth of a film edge
-path_edge_mm            median edge of the film along that path
+n_split_off_path        splits farther from the path than a fifth of a quad's side
+path_edge_mm            median side of the quads along that path
 bending_length_mm       over which the film bends where its tension is the strength
 crack_lead_mm           largest distance of another split ahead of an end of the path
 overshoot_rel           mean distance the edge had passed the cables when their joints were made,
@@ -27,6 +28,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, norm, off_segments
 from shellcut.checks import Sweep
+from shellcut.checks.hold import check_hold
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.results.run_figures import run_figures
 from shellcut.state import TEAR, SplitRecord
@@ -108,6 +110,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
         "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
+        "unheld": bool([*check_hold(sim.mesh, sim.state.node.support[: sim.mesh.n_node])]),
     }
 
 
@@ -146,6 +149,7 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
     tears = [(record.reference, record.end) for record in s.splits if record.kind == TEAR]
     if sweep is not None and len(sweep.place) and tears:
         figures["n_tear"] = len(tears)
+        figures["tear_off_path_mm"] = float(sweep.distance(np.array(tears)[:, 1]).max())
     if sweep is not None and len(sweep.place) and splits:
         places = np.array([record.reference for record in splits])
         size = np.sqrt(sim.mesh.quad_areas())[[_quad_at(sim, record) for record in splits]]

@@ -30,12 +30,12 @@ def start_lines(
 ) -> Iterator[str]:
     """Yield lines on film, tool, cuts, time step and estimated run time up to ``until`` [s]."""
     mesh, tool = sim.mesh, sim.tool
-    edges = mesh.edge_lengths()
+    sides = mesh.edge_lengths()
     unit, per = shown("mm")
     held = int(sim.state.node.supported[: mesh.n_node].sum())
     yield (
-        f"film   {mesh.n_quad:,} quads, {mesh.n_node:,} nodes, {held:,} of them held, edges "
-        f"{per * edges.min():.3g} to {per * edges.max():.3g} {unit}, "
+        f"film   {mesh.n_quad:,} quads with sides of {per * sides.min():.3g} to "
+        f"{per * sides.max():.3g} {unit}, {mesh.n_node:,} nodes, {held:,} of them held, "
         f"{per * sim.material.thickness:.3g} {unit} thick"
     )
     if tool is not None:
@@ -57,30 +57,30 @@ def start_lines(
 
 
 def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str:
-    """Return a status line: coordinate, resistance, energies, balance, crack and cables.
+    """Return a status line: coordinate, resistance, energies, imbalance, crack and cables.
 
     ``share`` is the completed part of the run, 0 to 1.
     """
-    r, s, ledger = resistance, sim.state, sim.ledger
+    r, s = resistance, sim.state
     (figure, unit), (of_energy, per) = r.columns[0], shown("N*mm")
-    entries = ledger.entries()
+    entries = sim.ledger.entries()
     least = _SAID * max(map(abs, entries.values()))
     energies = ", ".join(
         f"{name} {per * energy:.4g}" for name, energy in entries.items() if abs(energy) > least
     )
-    felt = r.felt(sim)[0]
+    felt, missed = r.felt(sim)[0], sim.imbalance
+    imbalance = "" if missed is None else f"imbalance {with_unit(100.0 * missed, '%')} | "
     return (
         f"{percent(share)} %: {r.coordinate_name} "
         f"{with_unit(r.coordinate(s.time), r.coordinate_unit)}, {figure} {with_unit(felt, unit)} | "
         f"E: {energies} {pretty(of_energy)} | "
-        f"balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
-        f"crack {with_unit(s.crack_length, 'mm')}, cables {s.n_cable} made "
-        f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
+        f"{imbalance}crack {with_unit(s.crack_length, 'mm')}, {counted(s.n_cable, 'cable')}, "
+        f"{sim.cables.n_joint_made:,} met by the blade, {sim.cables.n_broken:,} broken"
     )
 
 
 def crack_line(sim: Simulation) -> str:
-    """Say where cracks go, and which options let them go along edges only."""
+    """Say where cracks go, and which options let them go along sides of quads only."""
     if sim.cracks is None:
         return "cracks none: the model has no cohesive law"
     if sim.fracture.path == "free":
@@ -92,7 +92,7 @@ def crack_line(sim: Simulation) -> str:
         f"{name} = {getattr(sim.fracture, name)!r}" for name in sim.fracture.only_along_edges
     )
     which = f", which {asked} asks for" if asked else ""
-    return f'cracks along edges of the mesh only (fracture.path = "edges"){which}'
+    return f'cracks along sides of quads only (fracture.path = "edges"){which}'
 
 
 def how_long(sim: Simulation, until: float) -> str:

@@ -111,6 +111,12 @@ def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
     return {f"{name}_Nmm": energy for name, energy in figures.items() if energy}
 
 
+def never_touched(figures: Mapping[str, Any]) -> bool:
+    """Whether a run has a tool that never touched the film."""
+    depths = [figures.get(f"{name}_mm") for name in ("deepest_penetration", "unfelt_penetration")]
+    return depths == [0.0, 0.0] and not figures.get("tool_work_Nmm")
+
+
 class Share(NamedTuple):
     """A line of the account."""
 
@@ -124,7 +130,8 @@ class Share(NamedTuple):
 def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
     """Return what was put in and what became of it; the shares of each make up 1.
 
-    Empty where nothing was put in. Shares that round to 0.0 % are left out.
+    Empty where nothing was put in, or a tool never touched its film: then round-off is all there
+    is. Shares that round to 0.0 % are left out.
 
     Examples
     --------
@@ -136,7 +143,7 @@ def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
     imbalance 0.125
     """
     whole = sum(figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN)
-    if not whole > 0.0:
+    if not whole > 0.0 or never_touched(figures):
         return [], []
 
     def lines(parts: Iterable[Part]) -> Iterator[Share]:

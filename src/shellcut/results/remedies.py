@@ -15,11 +15,11 @@ _REMEDIES: dict[str, tuple[str, Callable[[Mapping[str, Any]], bool]]] = {
     "smaller share": ("a smaller quasi_static", lambda o: o["quasi_static"] > 0.0),
     "finer": ("a finer film near the tool", lambda _: True),
     "damping": ("less damping", lambda _: True),
-    "penalty": ("a larger Contact.penalty", lambda _: True),
+    "penalty": ("a larger contact.penalty", lambda _: True),
     "imperfection": ("imperfection = 1", lambda o: not o["n_imperfection"]),
-    "film edges": ("Contact.film_edges = True", lambda o: not o["film_edges"]),
-    "shorter edges": (
-        "edges shorter than half of opening_u",
+    "film edges": ("contact.film_edges = true", lambda o: not o["film_edges"]),
+    "shorter sides": (
+        "quads with sides shorter than half of opening_u",
         lambda o: o["edge_length_mm"] > 0.5 * o["opening_u_mm"],
     ),
     "through quads": (
@@ -30,8 +30,8 @@ _REMEDIES: dict[str, tuple[str, Callable[[Mapping[str, Any]], bool]]] = {
         "more checks (a smaller fracture.check_every)",
         lambda o: o["check_every"] > 1,
     ),
-    "smaller step": ("a smaller Stepping.safety", lambda o: not o["fixed_step"]),
-    "smaller fixed step": ("a smaller Stepping.fixed", lambda o: o["fixed_step"]),
+    "smaller step": ("a smaller time.safety", lambda o: not o["fixed_step"]),
+    "smaller fixed step": ("a smaller time.fixed", lambda o: o["fixed_step"]),
 }
 """Words of each remedy, and whether a run with these figures and options could still take it."""
 SLOWER = "slower", "smaller share"
@@ -49,7 +49,7 @@ def remedies(figures: Mapping[str, Any], *names: str) -> str:
     Examples
     --------
     >>> figures = {"edge_length_mm": 0.8, "options": {"opening_u_mm": 4.0, "film_edges": True}}
-    >>> remedies(figures, "shorter edges", "film edges", "slower", "finer")
+    >>> remedies(figures, "shorter sides", "film edges", "slower", "finer")
     ' Use a slower motion or a finer film near the tool.'
     """
     options = {**figures, **figures.get("options", {})}

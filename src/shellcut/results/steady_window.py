@@ -37,6 +37,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
+from shellcut.formats.errors import counted
 
 from .energy_account import CABLES, STORED, driving_work, is_pulled
 
@@ -169,7 +170,9 @@ def _torn(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyW
     full = (history["cables_broken"][grown] > 0.0) & (crack[grown] >= _TORN * crack[-1])
     within = grown[full]
     if len(within) <= _LEAST_PERIODS:
-        return SteadyWindow(reason=f"the crack grew in {len(grown)} rows of the history only")
+        return SteadyWindow(
+            reason=f"the crack grew in {counted(len(grown), 'row')} of the history only"
+        )
     first, last = int(within[0]), int(within[-1])
     return SteadyWindow(float(x[first]), float(x[last]), first, last)
 

@@ -9,6 +9,7 @@ from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
 from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
+from .verdict import force_across_factor
 
 # The end of a name gives the unit; longer ones first.
 _UNITS = {"ns_per_quad_step": "ns", "_N_per_mm": "N/mm", "_Nmm": "N·mm", "_deg": "°"}
@@ -43,7 +44,8 @@ LABELS = {
     "dW_ds_N": f"work put in per mm{_STEADY}",
     "n_loose": "loose pieces at the end",
     "n_cable_created": "cables made",
-    "n_tear": "cuts by cracks that no edge drives",
+    "n_tear": "tears, cuts that no cutting edge drives",
+    "tear_off_path_mm": "tears, off the path of the cutting edges at most",
     "n_cable_jointed": "cables met by the blade",
     "n_cable_broken": "cables broken",
     "n_split": "splits",
@@ -53,8 +55,8 @@ LABELS = {
     "ns_per_quad_step": "computing time per quad and step",
     "wall_s": "computing and output time",
     "pictures_s": "drawing time",
-    "imbalance_rel": "largest imbalance of the energies, over the work",
-    "kinetic_rel": "largest kinetic energy, over the work",
+    "imbalance_rel": "largest imbalance of the energies, of the work",
+    "kinetic_rel": "largest kinetic energy, of the work",
     "quasi_static": "kinetic energy that the pace allows, over the work",
     "n_stop": "stops of the film by the pace",
     "added_inertia_factor": "scale of the rotary inertia",
@@ -65,12 +67,12 @@ LABELS = {
     "self_contact_deepest_mm": "deepest point of the film in the film",
     "n_self_contact_looked": "looks at points for contact of the film with itself",
     "unfelt_penetration_mm": "deepest tool between nodes, without contact",
-    "unfelt_film_edge_mm": "deepest edge of the film in the tool, without contact",
+    "unfelt_film_edge_mm": "deepest rim or flank in the tool, without contact",
     "edge_radius_mm": "cutting edge, radius",
     "severing_energy_N_per_mm": "energy at which the edge severs cables",
     "severing_opening_mm": "their length there",
     "blunt_radius_mm": "radius from which an edge severs none",
-    "path_edge_mm": "edges of the film along the path",
+    "path_edge_mm": "sides of quads along the path",
     "bending_length_mm": "length over which the film bends at its strength",
     "largest_overshoot_mm": "largest overshoot of the edge past a cable",
     "n_recovery_borrowed": "stresses taken from a neighbour's patch",
@@ -105,7 +107,7 @@ def key_figures(
 
 
 def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
-    """Return what a run found, and whether its checks hold, in one sentence.
+    """Return what a run found, and whether a check speaks against it, in one sentence.
 
     Examples
     --------
@@ -122,10 +124,12 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
     if not takes:
         return ""
     what = f"A crack of {with_unit('crack_mm', crack)}" if crack else "Moving the film"
-    trust = "every check holds"
+    trust = "no check failed"
     if n_doubt:
         trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
         trust += " against it"
+    if force_across_factor(summary):
+        trust += "; 1 figure is too large, see the notes"
     amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
     return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
 
@@ -149,7 +153,8 @@ def window_of(summary: Mapping[str, Any]) -> str:
 def with_unit(key: str, value: Any) -> str:
     """Return a figure of ``summary.json`` with the unit at the end of its name, as shown."""
     if isinstance(value, float):
-        return number_with_unit(value, unit_of(key))
+        factor, unit = (100.0, "%") if key.endswith("_rel") else (1.0, unit_of(key))
+        return number_with_unit(factor * value, unit)
     return f"{value:,}{after(unit_of(key))}" if type(value) is int else str(value)
 
 

@@ -7,11 +7,12 @@ To judge a new figure, write a function that yields its line and add it to ``_JU
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .energy_account import account, dissipated, driver
+from .energy_account import account, dissipated, driver, never_touched
 from .remedies import SLOWER, SMALLER_STEP, remedies
 
 LOGGER = logging.getLogger("shellcut.verdict")
@@ -32,10 +33,11 @@ GIVEN_LIMIT = 0.01
 """Largest energy that contact gives to the film, relative to the tool's work: as wrong as an
 imbalance of the ledger, so it has the same limit."""
 PENETRATION_LIMIT = 0.25
-"""Largest depth of a node in the tool relative to the tool's half thickness. The film is pushed
-aside by that much less than the tool is thick; at 1 a node is as near to the other flank."""
+"""Largest depth of a node in the tool relative to the tool's mean half thickness, volume over
+surface. The film is pushed aside by that much less than the tool is thick; at 1 a node is as near
+to the other flank."""
 UNFELT_LIMIT = 0.5
-"""Largest penetration between nodes, which nodal contact misses, relative to the edge length."""
+"""Largest penetration between nodes, which nodal contact misses, relative to the side of a quad."""
 OVERSHOOT_LIMIT = 0.02
 """Largest mean overshoot of the edge past the cables it meets, relative to the distance over which
 it drags them; that share of their work is missed."""
@@ -87,7 +89,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
             Line(
                 "note",
                 "No figure proves that the crack took the right path"
-                + ", which follows the edges of the mesh" * ("n_copy" not in figures)
+                + ", which follows the sides of the quads" * ("n_copy" not in figures)
                 + ": look at the picture (docs/limits.md).",
             )
         )
@@ -108,14 +110,20 @@ def _judged(within: bool, good: str, bad: str, figure: str, limit: str, remedy: 
     return Line("doubt", f"{bad}: {figure} (limit {limit}).{remedy}")
 
 
-def _percent(share: float) -> str:
+def _beside(value: float, limit: float, digits: int = 3) -> str:
+    """Return a number with digits enough to tell it from its limit."""
+    texts = (f"{value:.{n}g}" for n in range(digits, 17) if f"{value:.{n}g}" != f"{limit:.{n}g}")
+    return next(texts, f"{value:.{digits}g}")
+
+
+def _percent(share: float, limit: float = float("nan")) -> str:
     # three digits near 100 %: 97.5 %, not 98 %
-    return f"{100.0 * share:.{2 if abs(share) < 0.095 else 3}g} %"
+    return f"{_beside(100.0 * share, 100.0 * limit, 2 if abs(share) < 0.095 else 3)} %"
 
 
-def _of_work(figures: Figures, share: float) -> str:
+def _of_work(figures: Figures, share: float, limit: float) -> str:
     who = "tool's" if driver(figures, "_Nmm") == "tool_work" else "supports'"
-    return f"{_percent(share)} of the {who} work"
+    return f"{_percent(share, limit)} of the {who} work"
 
 
 def _share_of_work(figures: Figures, name: str) -> float | None:
@@ -137,7 +145,7 @@ def _ledger(figures: Figures) -> Iterator[Line]:
         abs(missed) <= IMBALANCE_LIMIT,
         "The energies balance",
         "No force or energy of this run can be trusted, because the energies do not balance",
-        f"the ledger misses up to {_of_work(figures, missed)}",
+        f"the ledger misses up to {_of_work(figures, missed, IMBALANCE_LIMIT)}",
         _percent(IMBALANCE_LIMIT),
         remedies(figures, *SMALLER_STEP),
     )
@@ -173,13 +181,16 @@ def _inertia(figures: Figures) -> Iterator[Line]:
         return
     kinetic = figures["kinetic_rel"]
     most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
+    bad, remedy = "The motion is too fast, so that inertia", remedies(figures, *SLOWER)
+    if figures.get("options", {}).get("unheld"):
+        bad, remedy = "Nothing holds the film, or a piece of it, so that its inertia", ""
     yield _judged(
         abs(kinetic) <= most,
         "The motion is slow enough",
-        "The motion is too fast, so that inertia carries part of the load",
-        f"kinetic energy reaches {_of_work(figures, kinetic)}",
+        f"{bad} carries part of the load",
+        f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
         _percent(most),
-        remedies(figures, *SLOWER),
+        remedy,
     )
 
 
@@ -191,9 +202,9 @@ def _damping(figures: Figures) -> Iterator[Line]:
         abs(damping) <= DAMPING_LIMIT,
         "Damping takes little",
         "Force or torque is too high by what damping takes from film that springs open",
-        f"{_of_work(figures, damping)}",
+        _of_work(figures, damping, DAMPING_LIMIT),
         _percent(DAMPING_LIMIT),
-        remedies(figures, "shorter edges", *SLOWER, "damping"),
+        remedies(figures, "shorter sides", *SLOWER, "damping"),
     )
 
 
@@ -201,18 +212,22 @@ def _contact(figures: Figures) -> Iterator[Line]:
     contact = _share_of_work(figures, "contact_Nmm")
     if contact is None or not _is_of_a_tool(figures):
         return
-    did, limit = "took", CONTACT_LIMIT
-    bad = "Contact takes too much, because nodes go deep into the tool or move far in it in a step"
+    held, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
+    did, limit, cures = "took", CONTACT_LIMIT, ["finer", *SMALLER_STEP]
+    bad = "Contact takes too much, lost where film hits the tool or springs off it"
     if contact < 0.0:
         did, limit = "gave the film", GIVEN_LIMIT
         bad = "Contact makes energy from nothing, because film hit the tool too fast for a step"
+    elif held > lost:
+        bad = "Contact takes too much, held by its springs: film presses hard on the tool"
+        cures = ["finer", "penalty"]
     yield _judged(
         abs(contact) <= limit,
         "Contact takes little",
         bad,
-        f"it {did} {_of_work(figures, abs(contact))}, friction not counted",
+        f"it {did} {_of_work(figures, abs(contact), limit)}, friction not counted",
         _percent(limit),
-        remedies(figures, "finer", *SMALLER_STEP),
+        remedies(figures, *cures),
     )
 
 
@@ -225,7 +240,7 @@ def _self_contact(figures: Figures) -> Iterator[Line]:
         abs(lost) <= GIVEN_LIMIT,
         "Parts of the film meet slowly enough",
         "Parts of the film hit each other too fast for the time step",
-        f"their contact {did} {_of_work(figures, abs(lost))}",
+        f"their contact {did} {_of_work(figures, abs(lost), GIVEN_LIMIT)}",
         _percent(GIVEN_LIMIT),
         remedies(figures, *SMALLER_STEP),
     )
@@ -234,21 +249,21 @@ def _self_contact(figures: Figures) -> Iterator[Line]:
 def _penetration(figures: Figures) -> Iterator[Line]:
     depth = figures.get("deepest_penetration_mm")
     half = figures.get("tool_half_thickness_mm")
-    if depth is None or half is None:
+    if depth is None or half is None or never_touched(figures):
         return
     limit = PENETRATION_LIMIT * half
     yield _judged(
         depth <= limit,
         "The tool pushes the film aside by its full thickness",
         "The tool pushes the film aside by less than its thickness",
-        f"nodes are up to {depth:.3g} mm deep in the tool",
-        f"{limit:.3g} mm, a quarter of its half thickness",
+        f"nodes are up to {_beside(depth, limit)} mm deep in the tool",
+        f"{limit:.3g} mm, a quarter of {half:.3g} mm, the tool's volume over its surface",
         remedies(figures, "finer", "penalty"),
     )
 
 
 def _unfelt(figures: Figures) -> Iterator[Line]:
-    if "unfelt_penetration_mm" not in figures or "edge_length_mm" not in figures:
+    if not {"unfelt_penetration_mm", "edge_length_mm"} <= figures.keys() or never_touched(figures):
         return
     depth = figures["unfelt_penetration_mm"]
     limit = UNFELT_LIMIT * figures["edge_length_mm"]
@@ -256,8 +271,8 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
         abs(depth) <= limit,
         "The film resists the tool between its nodes, too",
         "The film does not resist the tool between its nodes",
-        f"the tool is up to {depth:.3g} mm deep in quads that do not push back",
-        f"{limit:.3g} mm, half a quad's edge",
+        f"the tool is up to {_beside(depth, limit)} mm deep in quads that do not push back",
+        f"{limit:.3g} mm, half the side of a quad",
         remedies(figures, "finer"),
     )
 
@@ -269,52 +284,68 @@ def _unfelt_edges(figures: Figures) -> Iterator[Line]:
         yield Line(
             "note",
             "Rims or flanks of the film are not pushed aside where they cross the tool between "
-            f"their nodes: they go up to {depth:.3g} mm into it (limit {limit:.3g} mm, half of the "
-            "film's thickness)." + remedies(figures, "film edges", "finer"),
+            f"their nodes: they go up to {_beside(depth, limit)} mm into it (limit "
+            f"{limit:.3g} mm, half of the film's thickness)."
+            + remedies(figures, "film edges", "finer"),
         )
 
 
 def _stiff_flanks(figures: Figures) -> Iterator[Line]:
-    edge, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
-    if edge > bent and figures.get("options", {}).get("film_edges"):
+    if factor := force_across_factor(figures):
+        side, bent = figures["path_edge_mm"], figures["bending_length_mm"]
+        times = f"about {factor:.1f} times" if factor <= 2.0 else "more than twice"
         yield Line(
             "note",
-            f"The force across the film is too large: its edges along the path are {edge:.3g} mm "
-            f"long, but the film bends over {bent:.3g} mm, so its flanks press on the tool instead "
-            "of folding beside it (Contact.film_edges). In the opening test that force is 1.5 "
-            "times as large with edges of twice that length, and twice as large with edges of four "
-            "times. "
-            "The force along the cut hardly changes." + remedies(figures, "finer"),
+            f"The force across the film, the axial one of an opening test, is {times} what it "
+            "should be; the force along the cut, or the torque, hardly changes. The quads along "
+            f"the cut have sides of {side:.3g} mm, and the film folds beside the tool only if they "
+            f"are {bent:.3g} mm or shorter; else its flanks press on the tool (contact.film_edges)."
+            " If you need that force: a finer film near the tool.",
         )
+
+
+def force_across_factor(figures: Figures) -> float:
+    """Return by how much the force across the film is too large, 0.0 where it is not, or unknown.
+
+    In the opening test it is 1.5 times as large on quads twice as long as the film's bending
+    length, and twice as large on quads four times as long.
+    """
+    side, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
+    presses = side > bent and figures.get("options", {}).get("film_edges")
+    return 1.0 + 0.5 * math.log2(side / bent) if presses else 0.0
 
 
 def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
-        yield Line(
-            "doubt",
-            "Nothing was cut: no cable was created."
-            + " Use shellcut preview to see the path of the cutting edges."
-            * _is_of_a_tool(figures),
-        )
+        why = "the tool never touched the film" if never_touched(figures) else "no cable was made"
+        where = " Use shellcut preview to see the path of the cutting edges."
+        yield Line("doubt", f"Nothing was cut: {why}.{where * _is_of_a_tool(figures)}")
 
 
 def _off_path(figures: Figures) -> Iterator[Line]:
     n, off = figures.get("n_split", 0), figures.get("n_split_off_path", 0)
-    if torn := figures.get("n_tear"):
-        yield Line("note", f"Cracks tore where no edge drives them: {torn:,} of {n + torn:,} cuts.")
+    torn, away = figures.get("n_tear", 0), figures.get("tear_off_path_mm")
+    if torn:
+        where = (
+            "" if away is None else f" They lie within {away:.2g} mm of the path of the cutting "
+        )
+        where += "edges, or straight ahead of it." * bool(where)
+        yield Line(
+            "note",
+            f"{torn:,} of {n + torn:,} cuts are tears: there the film tore by itself, driven by no "
+            f"edge.{where} If you did not expect a tear, look at the picture.",
+        )
     if not n:
         return
     far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
     ahead = f", or straight ahead of it by up to {lead:.3g} mm" if lead else ""
-    said = f"{off:,} of {n:,} splits lie beside it, up to"
-    if not off:
-        said = f"all {n:,} splits lie on it{ahead}, at most"
+    lie = f"lie beside it, up to {far:.3g} mm" if off else f"lie on it{ahead}, at most {far:.3g} mm"
     yield _judged(
         off == 0,
         "The cracks kept to the path of the cutting edges",
         "Cracks left the path of the cutting edges; the crack map shows where",
-        f"{said} {far:.3g} mm off",
-        "a fifth of an edge of the film",
+        f"{off or n:,} of {n:,} splits{' other than tears' * bool(torn)} {lie} off",
+        "a fifth of the side of a quad",
         remedies(figures, "through quads"),
     )
 
@@ -328,7 +359,7 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
         "The cutting edge meets its cables in time",
         "Force or torque is too low, because the cutting edge meets its cables late: it is too "
         "fast, or does not move where it points",
-        f"it misses {_percent(missed)} of the distance over which it drags them",
+        f"it misses {_percent(missed, OVERSHOOT_LIMIT)} of the distance over which it drags them",
         _percent(OVERSHOOT_LIMIT),
         remedies(figures, "more checks", *SLOWER),
     )
@@ -349,9 +380,9 @@ def _account(figures: Figures) -> Iterator[Line]:
     if not asked:
         return
     first, *others = asked
-    said = f"{first.words} took {_percent(first.share)} of the dissipated work"
+    said = f"{first.words} took {_percent(first.share, ASKED_LIMIT)} of the dissipated work"
     said += "".join(f", {line.words} {_percent(line.share)}" for line in others)
-    said += f", together {_percent(together)}" * bool(others)
+    said += f", together {_percent(together, ASKED_LIMIT)}" * bool(others)
     yield _judged(
         together >= ASKED_LIMIT,
         "Cables, film and friction took the work, not damping and contact",
@@ -359,7 +390,7 @@ def _account(figures: Figures) -> Iterator[Line]:
         + " or a tool presses on film that does not part" * _is_of_a_tool(figures),
         said,
         f"at least {_percent(ASKED_LIMIT)}",
-        remedies(figures, "shorter edges", *SLOWER),
+        remedies(figures, "shorter sides", *SLOWER),
     )
 
 
@@ -374,7 +405,7 @@ def _stored(figures: Figures) -> Iterator[Line]:
         "The film gives way beside the tool",
         "Force or torque is too high, because the film does not give way beside the tool: it is "
         "pressed in its plane and does not buckle",
-        f"it stored {_of_work(figures, stored)} in the steady window",
+        f"it stored {_of_work(figures, stored, STORED_LIMIT)} in the steady window",
         _percent(STORED_LIMIT),
         remedies(figures, "imperfection", "finer"),
     )

@@ -10,6 +10,7 @@ seen is stopped. A run that misses a few per cent goes on, and the verdict judge
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -65,10 +66,11 @@ class BalanceGuard:
     """
 
     def __init__(self, stretching: float, quad_area: float, tearing: float = 0.0) -> None:
-        self._least = max(
+        self.least = max(
             stretching * quad_area * _NOTICED_STRAIN**2,
             tearing * math.sqrt(quad_area) * _NOTICED_TEARING,
         )
+        """Energy below which there is nothing to compare with [N·mm]."""
         self.largest = 0.0
         """Energy at the looks so far [N·mm]."""
         self._at_start = 0.0
@@ -84,7 +86,7 @@ class BalanceGuard:
     def lost(self, book: Ledger) -> bool:
         """Whether what the ledger misses exceeds its share of the largest energy so far."""
         self.largest = max(self.largest, *(abs(energy) for energy in book.entries().values()))
-        return not abs(self.missing(book)) < LOST_SHARE * max(self.largest, self._least)
+        return not abs(self.missing(book)) < LOST_SHARE * max(self.largest, self.least)
 
     def missing(self, book: Ledger) -> float:
         """Return what the ledger has come to miss since the first step [N·mm]."""
@@ -131,6 +133,11 @@ class StabilityGuard:
     def scale(self) -> float:
         """Largest energy at the looks so far, or what tears an edge or strains a quad [N·mm]."""
         return max(self._balance.largest, self._one_edge)
+
+    def imbalance(self, book: Ledger) -> float | None:
+        """Return what the ledger misses over the work, None while that is too little."""
+        is_enough = (abs(book.tool_work) or abs(book.put_in)) >= self._balance.least
+        return book.relative(book.imbalance) if is_enough else None
 
     def check_strain(self, state: State, book: Ledger) -> None:
         """Raise UnstableStep if the film has blown up."""
@@ -179,10 +186,8 @@ class StabilityGuard:
                 "check what moved its nodes"
             )
         return UnstableStep(
-            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
-            f"{worst} is no longer finite or explodes; the safe step was "
-            f"{self._time_step.bound(s):.4g} s. "
-            + " ".join([*self._plain_causes(s), f"Else lower {self._of_the_step(s)}."])
+            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, worst in {worst}. "
+            + " ".join([*self._plain_causes(s), *self._shorter_step(s)])
         )
 
     def _balance_lost(self, s: State, book: Ledger) -> BalanceLost:
@@ -194,18 +199,17 @@ class StabilityGuard:
             f"{self._balance.missing(book):.4g} N·mm are missing, more than "
             f"{100 * LOST_SHARE:.0f} % of the largest energy so far (now {entries} N·mm); "
             f"{self._worst_quad(s)} is strained most. "
-            + " ".join(self._plain_causes(s))
-            + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, or "
-            f"lower {self._of_the_step(s)}. A state changed by hand between two steps has no "
-            "balance either."
+            + " ".join([*self._plain_causes(s), *self._shorter_step(s)])
+            + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion. A state "
+            "changed by hand between two steps has no balance either."
         )
 
-    def _of_the_step(self, s: State) -> str:
-        """Return the option that sets the step and its value: an unsafe fixed one does not."""
-        stepping = self._time_step.stepping
-        if stepping.fixed is not None and stepping.fixed <= self._time_step.bound(s):
-            return f"Stepping.fixed, {stepping.fixed:.4g} s"
-        return f"Stepping.safety, {stepping.safety:.3g}"
+    def _shorter_step(self, s: State) -> Iterator[str]:
+        """Yield what may be done about the step, which is not plainly wrong."""
+        stepping, safe = self._time_step.stepping, self._time_step.bound(s)
+        if stepping.fixed is None or stepping.fixed <= safe:
+            key = "safety" if stepping.fixed is None else "fixed"
+            yield f"The step was {s.dt:.4g} s, {safe:.4g} s is safe: lower time.{key}."
 
     def _worst_quad(self, s: State) -> str:
         return self._said(s, s.most_strained_quad())
@@ -228,7 +232,7 @@ class StabilityGuard:
         safe = self._time_step.bound(s)
         if stepping.fixed is not None and stepping.fixed > safe:
             causes.append(
-                f"Stepping.fixed = {stepping.fixed:.4g} s is above the safe step, {safe:.4g} s: "
-                "leave it unset."
+                f"The step of {stepping.fixed:.4g} s is longer than the safe one, {safe:.4g} s: "
+                "leave out time.fixed."
             )
         return causes

@@ -221,7 +221,7 @@ class Simulation:
             ("crack", s.crack_length, "mm"),
             ("work of the tool", ledger.tool_work, "N*mm"),
         ]
-        share = {"imbalance_rel": ledger.relative(ledger.imbalance)} if s.step else {}
+        share = {} if self.imbalance is None else {"imbalance_rel": self.imbalance}
         said = [(line.kind, str(line)) for line in verdict(share)[:1]]
         film = (s.node.x, s.quad.nodes, FILM)
         if tool is None:
@@ -239,6 +239,14 @@ class Simulation:
     def between_steps(self) -> bool:
         """Whether the last step is complete; what is raised within one leaves it half done."""
         return self._between_steps
+
+    @property
+    def imbalance(self) -> float | None:
+        """What the ledger misses over the work put in [-].
+
+        None while there is too little work to compare with, and after a step that is not complete.
+        """
+        return self._guard.imbalance(self.ledger) if self._between_steps else None
 
     # ---------------------------------------------------------------- the order of a step
 

@@ -178,7 +178,7 @@ class StableStep:
     def reason(self) -> str:
         """Return what sets the step, in words with numbers: a model's nonsense shows in them."""
         if self.stepping.fixed is not None:
-            return f"Stepping.fixed is {self.stepping.fixed:.4g} s"
+            return f"time.fixed is {self.stepping.fixed:.4g} s"
         stiffest = [int(self._shell.frequencies.squared.argmax())]
         with np.errstate(all="ignore"):
             undamped = 2.0 / np.sqrt(self._shell.frequencies.squared[stiffest])[0]

@@ -124,7 +124,7 @@ class Surface:
             unsound[self.body[sides[~self.manifold]]] = True
         inverted = np.flatnonzero((self.body_volumes() < 0.0) & ~unsound)
         if inverted.size:
-            teeth = ", ".join(str(b) for b in inverted)
+            teeth = ", ".join(str(b + 1) for b in inverted)
             found.append(
                 f"inside-out surface: negative volume of tooth {teeth} (of {unsound.size}); its "
                 "normals point inwards: give vertices, triangles[:, ::-1]"

@@ -52,7 +52,7 @@ class EdgeChain:
     """A cutting edge, in the body frame."""
 
     chain: int
-    """Number, as in ``Tool.edge_chain``."""
+    """Number from 0, as in ``Tool.edge_chain``; messages count cutting edges and bodies from 1."""
     body: int
     n_segment: int
     length: float
@@ -72,7 +72,8 @@ class EdgeChain:
         to = "" if self.closed else f" to {point_text(self.end)}"
         least, most = self.turn_deg
         return (
-            f"chain {self.chain} of body {self.body}: {self.n_segment} segments, "
+            f"cutting edge {self.chain + 1} (not_cutting = [{self.chain}]) of body "
+            f"{self.body + 1}: {counted(self.n_segment, 'segment')}, "
             f"{self.length:.4g} mm, {shape} {point_text(self.start)}{to}, "
             f"turns by {least:.4g} to {most:.4g} deg"
         )
@@ -279,7 +280,7 @@ class Tool:
         --------
         >>> from shellcut.tool.shapes import straight_blade
         >>> print(straight_blade(height=4.0).chains()[0])
-        chain 0 of body 0: 1 segments, 4 mm, open, (0, 0, 2) to (0, 0, -2), turns by 160 to 160 deg
+        cutting edge 1 (not_cutting = [0]) of body 1: 1 segment, 4 mm, open, (0, 0, 2) to ...
         """
         found = []
         for chain in range(self.n_chain):
@@ -318,10 +319,12 @@ class Tool:
         problems = []
         if wrong:
             known = "; ".join(str(chain) for chain in self.chains())
-            problems.append(f"there is no chain {wrong}; the chains are: {known}")
+            problems.append(
+                f"there are no cutting edges {wrong}, counted from 0; those are: {known}"
+            )
         keep = ~np.isin(self.edge_chain, chains)
         if not wrong and not keep.any():
-            problems.append(f"at least one chain must cut, got all {self.n_chain} as not cutting")
+            problems.append(f"at least one edge must cut, got all {self.n_chain} as not cutting")
         if problems:
             raise ToolError(problems)
         rest = Tool.from_triangles(

@@ -65,7 +65,7 @@ def read_tool(
         Collection[int],
         Option(
             "",
-            "numbers of cutting edges that should not cut, as they count when all do",
+            "numbers, from 0, of cutting edges that should not cut, as they count when all do",
             form="whole numbers",
         ),
     ] = (),
@@ -154,8 +154,8 @@ def read_tool(
         raise ToolError(list(refusal.problems), what=f"surface in {path}") from None
     chains = tool.chains()
     _log.warning(
-        "%s: %d cutting edges found by angle, %.4g mm in all, of %d bodies; not_cutting=[...] "
-        "excludes chains from:\n%s",
+        "%s: %d cutting edges found by angle, %.4g mm in all, of %d bodies; not_cutting "
+        "leaves out some of:\n%s",
         path,
         len(chains),
         sum(chain.length for chain in chains),
