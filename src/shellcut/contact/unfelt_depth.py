@@ -319,15 +319,6 @@ def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
     return min(abs(d0), abs(d1)) / norm(normal)
 
 
-def overlap(
-    mesh: Mesh, wires: ToolWires, grid: ClosestTriangleGrid, pose: Pose
-) -> tuple[Ints, Ints]:
-    """Return the nodes of a mesh that lie in a tool, and the quads that its edges pass through."""
-    _, inside, _, _ = grid.query(pose.to_body(mesh.nodes))
-    nowhere = np.zeros(mesh.n_node, np.bool_)
-    return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, pose)[0]
-
-
 def check_tool_outside(
     mesh: Mesh,
     tool: Tool,
@@ -344,9 +335,15 @@ def check_tool_outside(
     motion : Motion, optional
         Tells how far back on its way the tool is free.
     """
-    with_wires = mesh, ToolWires(tool), grid
+    wires = ToolWires(tool)
+
+    def overlap(at: Pose) -> tuple[Ints, Ints]:
+        _, inside, _, _ = grid.query(at.to_body(mesh.nodes))
+        nowhere = np.zeros(mesh.n_node, np.bool_)
+        return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, at)[0]
+
     problems = []
-    inside, pierced = overlap(*with_wires, pose)
+    inside, pierced = overlap(pose)
     if inside.size:
         problems.append(f"nodes {_some(inside, mesh.nodes)} lie inside the tool")
     if pierced.size:
@@ -362,9 +359,7 @@ def check_tool_outside(
     )
     back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
     starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
-    touches = np.append(
-        True, [any(ids.size for ids in overlap(*with_wires, one)) for one in starts]
-    )
+    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
     free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
     raise ValueError(
         f"the tool must start outside the sheet, but {' and '.join(problems)}: "
