@@ -141,8 +141,9 @@ def test_files_of_windows_editors_are_read(tmp_path):
             "x.toml:4: [tool].edge_angle_deg and [tool].teeth exclude each other: leave out one",
         ),
         (
-            "model = 'free'\n[tool]\nteeth = 4\nlength = 3",
-            'x.toml:4: key [tool].length belongs to kind = "blade", not to kind = "teeth"',
+            "model = 'free'\n[tool]\nedge_angle_deg = 90\nedge_inclination_deg = 60",
+            'x.toml:4: key [tool].edge_inclination_deg belongs to kind = "teeth", not to '
+            'kind = "blade"',
         ),
         ("model = 'free'\n[motion]\npitch = 3", "x.toml:2: [motion].duration must be given"),
         ("model = 'opening'\nname = '../x'", "x.toml:2: name must be letters"),
