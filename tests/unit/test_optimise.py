@@ -65,7 +65,9 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
     trials = (Trial({}, "a", 3.0, 0.5), Trial({"k": 1}, "b", reason="refused"))
     optimum = Optimum("force_peak_N", 1, ("n_loose == 1",), trials)
     assert optimum.best is None
-    assert str(optimum) == "none of 2 runs keeps to n_loose == 1"
+    assert str(optimum).startswith(
+        "none of 2 runs keeps to n_loose == 1; the nearest, run 1, misses by 0.5: loosen the limit"
+    )
     within = Optimum("force_peak_N", -1, (), (*trials, Trial({"k": 2}, "c", 2.0)))
     assert within.best.folder == "c"
     beyond, inside, best = (np.asarray(one.values, float) for one in within.diagram().curves)
@@ -79,10 +81,14 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
     [
         ({"minimise": "a", "maximise": "b"}, "either minimise or maximise"),
         ({}, "either minimise or maximise"),
-        ({"minimise": "a", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
-        ({"minimise": "a", "subject_to": ["n_loose = 1"]}, "a limit must be FIGURE <= NUMBER"),
-        ({"minimise": "a", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
-        ({"minimise": "a", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
+        ({"minimise": "force_peak", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
+        (
+            {"minimise": "force_peak", "subject_to": ["n_loose = 1"]},
+            "a limit must be FIGURE <= NUMBER",
+        ),
+        ({"minimise": "force_paek"}, "no figure force_paek; did you mean force_peak_N"),
+        ({"minimise": "force_peak", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
+        ({"minimise": "force_peak", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
     ],
 )
 def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
@@ -93,7 +99,7 @@ def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
 
 
 def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
-    with pytest.raises(ValueError, match=r"torque_peak must be a figure .* force_peak_N"):
+    with pytest.raises(ValueError, match="no figure torque_peak; did you mean force_peak_N"):
         sc.optimise(
             "guillotine",
             {PLATEAU: "6:12"},

@@ -5,6 +5,7 @@ Points on both surfaces tell how far they are apart at some times of the motion.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,7 @@ def check_touch(sim: Simulation, until: float) -> Iterator[Finding]:
     tree = scipy.spatial.cKDTree(film)
     gaps, nearest = zip(*(tree.query(at) for at in places), strict=True)
     least = np.array([gap.min() for gap in gaps])
-    step = max(float(norm(b - a).max()) for a, b in zip(places, places[1:], strict=False))
+    step = max(float(norm(b - a).max()) for a, b in itertools.pairwise(places))
     k = int(least.argmin())
     near = max((film_apart + solid_apart) / 2**0.5, step)
     if least[k] <= near:

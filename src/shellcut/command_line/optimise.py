@@ -78,4 +78,5 @@ def run(arguments: argparse.Namespace) -> int:
             executor=executor,
         ),
         f"in {arguments.out}: {OPTIMUM}",
+        lambda found: found.best is not None,
     )

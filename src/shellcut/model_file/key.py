@@ -175,6 +175,11 @@ class Kind:
         """Return a section with the defaults filled in."""
         return Section(self, {name: key.default for name, key in self.keys.items()} | values)
 
+    @property
+    def also_sign(self) -> str:
+        """Second name of the sign."""
+        return self.keys[self.sign].also if self.sign else ""
+
     def names(self) -> list[str]:
         """Return all names allowed in the section, including second names."""
         own = ["kind"] if self.name else []

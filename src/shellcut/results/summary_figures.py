@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from shellcut.arguments import guess, listed
 from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
@@ -86,6 +88,8 @@ _ELSEWHERE |= {"overshoot_rel", "stored_growth_rel", "n_split_off_path", "off_pa
 _ELSEWHERE |= {"crack_lead_mm", "share_done", "options"}
 _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
+
+_OF_TEETH = tuple(f"piercing_{one}" for one in ("force_1_N", "depth_1_mm", "work_1_Nmm"))
 
 
 def key_figures(
@@ -177,7 +181,23 @@ def figure_name(name: str, figures: Mapping[str, Any]) -> str:
     for key in numbers:
         if key in (name, *(name + ending for ending in _UNITS)):
             return key
-    raise ValueError(f"{name} must be a figure of the run, one of {', '.join(sorted(numbers))}")
+    raise ValueError(f"there is no figure {name}{guess(name, numbers) or listed(sorted(numbers))}")
+
+
+def known_figure(name: str, more: Iterable[str] = ()) -> str:
+    """Return the full name of a figure that runs may have, or one of ``more``.
+
+    Raises ValueError if there is none.
+
+    Examples
+    --------
+    >>> known_figure("piercing_force_3"), known_figure("torque_peak")
+    ('piercing_force_3_N', 'torque_peak_Nmm')
+    """
+    first = re.sub(r"_\d+(?=_|$)", "_1", name)
+    known = (*LABELS, *_ELSEWHERE, *_OF_TEETH, *more)
+    full = figure_name(first, dict.fromkeys(known, 0.0)) if name else ""
+    return name + full[len(first) :]
 
 
 def label_of(key: str, window: str) -> str:

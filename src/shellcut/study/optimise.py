@@ -22,9 +22,15 @@ import numpy as np
 from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
 from shellcut.model_file.reader import ModelVariants
-from shellcut.results.cut_quality import cut_quality
+from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
-from shellcut.results.summary_figures import figure_name, label_of, unit_of, with_unit
+from shellcut.results.summary_figures import (
+    figure_name,
+    known_figure,
+    label_of,
+    unit_of,
+    with_unit,
+)
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .engines import engine_of
@@ -95,7 +101,13 @@ class Optimum:
         """Return the best values, and how much better than the model they are."""
         best, n_failed = self.best, sum(one.figure is None for one in self.trials)
         if best is None:
-            return f"none of {len(self.trials)} runs keeps to {', '.join(self.limits)}"
+            each = ((k, one) for k, one in enumerate(self.trials, 1) if one.figure is not None)
+            k, near = min(each, key=lambda one: one[1].missed)
+            return (
+                f"none of {len(self.trials)} runs keeps to {', '.join(self.limits)}; the nearest, "
+                f"run {k}, misses by {near.missed:.4g}: loosen the limit, widen the ranges, or "
+                "take more runs"
+            )
         lines = [f"{key} = {value}" for key, value in best.values.items()]
         lines = lines or ["the model as given is the best"]
         lines.append(self._against(self.trials[0], best))
@@ -203,6 +215,8 @@ def optimise(
     if max_runs < 2:
         raise ValueError(f"max_runs must be 2 or more, got {max_runs}")
     limits = [_limit(text) for text in subject_to]
+    for name in (minimise or maximise, *(name for name, _, _ in limits)):
+        known_figure(name, UNITS)
     factors, single = factors_of(keys)
     if not factors:
         raise ValueError("give at least one key a range low:high, or several values")
