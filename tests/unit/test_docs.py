@@ -129,6 +129,20 @@ def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
     assert set(re.findall(r"\(#([\w-]+)\)", index)) == headings - {"a-to-z"}
 
 
+def test_drawings_of_the_theory_are_those_of_their_script(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    module = importlib.import_module("theory_pictures")
+    for name, draw in module.PICTURES.items():
+        # else: python docs/theory_pictures.py
+        assert module.path(name).read_text(encoding="utf-8") == draw(), name
+
+
+def test_every_page_of_theory_has_one_figure():
+    pages = sorted((ROOT / "docs" / "theory").glob("*.md"))
+    figures = {page.name: page.read_text(encoding="utf-8").count("![") for page in pages}
+    assert {name: n for name, n in figures.items() if n != 1} == {}
+
+
 def test_every_stored_picture_is_shown():
     shown = {
         (page.parent / target).resolve()
