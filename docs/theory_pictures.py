@@ -138,6 +138,58 @@ def _by(place, right, down):
     return place[0] + right, place[1] + down
 
 
+def cables():
+    """Draw the library's own law with unloading and severing, and a cable at an edge."""
+    from shellcut.cables.cohesive_law import CohesiveLaw
+
+    law = CohesiveLaw(cutting_energy=1.0, severing_pressure=450.0)
+    sharp = law.at_edge(0.02)
+
+    def at(opening, stress):
+        return 46 + 52 * opening, 196 - 8.4 * stress
+
+    def envelope(of):
+        corners = [(0, of.strength), (of.opening_a, of.plateau)]
+        return [at(*c) for c in [*corners, (of.opening_p, of.plateau), (of.opening_u, 0)]]
+
+    parts = [polygon([at(0, 0), *envelope(law)], "#eef3f9", "none", 0)]
+    parts += [polygon([at(0, 0), *envelope(sharp)], "#f8dcd8", "none", 0)]
+    parts += [line(envelope(law), INK, 2.5), line(envelope(sharp), RED, 2.5)]
+    parts += [arrow(at(0, 0), (46, 24)), arrow(at(0, 0), (284, 196))]
+    turn = at(2.3, law.plateau)
+    parts += [
+        line([at(0, 0), turn], GREEN, 1.5, "5 4"),
+        arrow(turn, _by(turn, -45, 38), GREEN, 1.5),
+    ]
+    parts += [text(52, 36, "σ, MPa"), text(268, 188, "ℓ, mm"), text(222, 174, "G", INK)]
+    parts += [text(78, 152, "G_s", RED), text(154, 142, "unloading", GREEN)]
+    for stress, name in ((law.strength, "σ_F"), (law.plateau, "σ_C")):
+        parts += [text(8, at(0, stress)[1] + 5, name), line([at(-0.08, stress), at(0, stress)])]
+    for opening, name in (
+        (law.opening_a, "ℓ_A"),
+        (law.opening_p, "ℓ_P"),
+        (law.opening_u, "ℓ_U"),
+        (sharp.opening_u, "ℓ_U′"),
+    ):
+        x = at(opening, 0)[0]
+        colour = RED if "′" in name else "#222"
+        parts += [line([(x, 196), (x, 201)]), text(x, 218, name, colour, 15, "middle")]
+
+    # The blade goes to the right; flanks on either side of it, the cable around its edge.
+    nose = (412, 110)
+    parts += [polygon([nose, (330, 84), (312, 84), (312, 136), (330, 136)], TOOL, GREY, 2)]
+    for sign, name in ((-1, "+"), (1, "−")):
+        way = sign * 58
+        flank = [(312, nose[1] + way), (430, nose[1] + way * 0.9), (496, nose[1]), (518, nose[1])]
+        parts += [line(flank, INK, 4), line([nose, (374, nose[1] + way * 0.945)], GREEN, 2.5)]
+        parts += [dot((374, nose[1] + way * 0.945), GREEN, 4)]
+        parts += [text(400, nose[1] + sign * 30 + 5, f"ℓ{'⁺' if name == '+' else '⁻'}", GREEN)]
+        parts += [text(330, nose[1] + way + (22 if sign > 0 else -12), f"flank {name}", INK)]
+    parts += [dot(nose, RED, 5), text(422, 115, "joint", RED), text(318, 115, "blade", GREY)]
+    parts += [arrow((312, 206), (372, 206)), text(380, 211, "the blade's way")]
+    return drawing(232, *parts)
+
+
 def fracture():
     """Draw the side ahead with its two groups of quads, and the side that a blade takes."""
     x = [20, 110, 200, 290, 380]
@@ -530,6 +582,7 @@ def _legend(drawn):
 
 PICTURES = {
     "shell": shell,
+    "cables": cables,
     "fracture": fracture,
     "statics": statics,
     "curved-films": curved_films,
