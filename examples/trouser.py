@@ -1,8 +1,8 @@
 """The trouser test
 ================
 
-Two legs of a notched strip are pulled apart, out of its plane, and tear it. In theory the force on
-both legs is G h = 2.304 N. ::
+Two legs of a notched strip are pulled apart, out of its plane, and tear it. In theory the forces on
+the two legs add up to G h = 2.304 N. ::
 
     python examples/trouser.py --size 0.5 --out DIR
 

@@ -308,7 +308,9 @@ def page(found):
         finer=FINER,
         slower=SLOWER,
         minutes=minutes,
-        failed=failed,
+        failed=f"A companion run failed in {failed} models; their error bars lack it."
+        if failed
+        else "No companion run failed.",
         figures="\n".join([head, *shares(cases, lambda case: case.bar.name)]),
         by_kind="\n".join([head, *shares(cases, lambda case: case.kind)]),
         by_speed="\n".join([head, *shares(cases, lambda case: SPEEDS[case.fast])]),
@@ -408,7 +410,7 @@ do; with a crack's length known to half an edge in place of one, {by_half:.1f} %
   the kinetic energy of {fast} as given passes the [5 %](howto/trust.md) of the verdict. Their bands
   are wide, {width:.0f} % of the value in the median; finer and slower models have narrower ones.
 - Errors that all runs share: the law, the material, the friction, the shell theory.
-- A companion failed in {failed} models; the error bars of these lack it.
+- {failed}
 
 ## The misses
 

@@ -96,7 +96,9 @@ ready model was seen, 2.76 d and 0.77 d behind 6 mm.""",
 E G/σ² is 1.8 mm; round bars of 6 and 9 mm that lean by 10° and go at 3 m/s. Strip of 12 by 6
 diameters, notch of 1.5 diameters, 0.6 diameters beside the bar's line; quads of 0.5 mm and, behind
 6 mm, 0.375 mm. The same in a film of 0.05 mm. The crack is read once it has passed beyond the
-bar's side. Runs differ by a millionth of the thickness.""",
+bar's side. Runs differ by a millionth of the thickness. The page on the oscillating cut has a
+strip of 28 diameters with 7 periods behind 6 mm, 2.87 ± 0.08 d. This strip is shorter and has
+fewer periods, hence the wide bar, 2.1 ± 1.3 d.""",
     figures=(
         Figure("p of wavelength ~ d^p", "1", 0.9, 1.1),
         Figure("p of amplitude ~ d^p", "1", 0.9, 1.1),
