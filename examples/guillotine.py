@@ -42,10 +42,13 @@ results = sc.read(options.out)
 # %%
 # Picture
 # -------
-# The film at the end of the run, and the force over the way of the blade.
+# The film at the end of the run.
 
 film = plt.imread(max(options.out.glob("snapshot_*.png")))
 plt.figure(figsize=(film.shape[1] / 100, film.shape[0] / 100), dpi=100).figimage(film)
+
+# %%
+# The force over the way of the blade.
 
 history = results.history
 figure, axes = plt.subplots(figsize=(7.0, 4.0), layout="constrained", dpi=110)

@@ -58,11 +58,14 @@ if options.compare:
 # %%
 # Picture
 # -------
-# The film at the end of the run, and the torque over the angle. What is not from contact comes from
-# the cables that the edges drag along.
+# The film at the end of the run.
 
 film = plt.imread(max(options.out.glob("snapshot_*.png")))
 plt.figure(figsize=(film.shape[1] / 100, film.shape[0] / 100), dpi=100).figimage(film)
+
+# %%
+# The torque over the angle. What is not from contact comes from the cables that the edges drag
+# along.
 
 theory = steady_work_per_radian()
 history = results.history
