@@ -12,7 +12,7 @@ import shellcut
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from gallery_run import PicturesOfRun, QuickSettings
+from gallery_run import QuickSettings
 
 project = "shellcut"
 highlight_language = "none"  # the pages name their languages
@@ -113,7 +113,6 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "within_subsection_order": "gallery_run.InOrder",
     "reset_argv": QuickSettings(),
-    "image_scrapers": (PicturesOfRun(),),
     "reset_modules": (),
     "abort_on_example_error": True,
     "remove_config_comments": True,

@@ -20,6 +20,8 @@ parser.add_argument("--out", type=Path, default=Path("out"), help="folder for th
 OUT = parser.parse_known_args()[0].out  # a notebook has arguments of its own
 
 # %%
+# Model
+# -----
 # The film, with a notch for the blade, clamped at both sides.
 
 mesh = rectangle(12.0, 8.0, size=0.5)  # mm
@@ -52,25 +54,37 @@ sim = sc.Simulation(
 sim
 
 # %%
-# Run it. The same simulation, at its end:
+# Run
+# ---
+# The same simulation, at its end:
 
 until = 1.2e-3  # s
 sim.run(until, hooks=[sc.Recorder(sim, OUT, until=until, name="cut", progress=False)])
 sim
 
 # %%
+# Picture
+# -------
 # The results, with what the run says of their trust.
 
 results = sc.read(OUT)
 results
 
 # %%
-# Any number, by name:
-
-print(f"largest force {results.history['force'].max():.2f} {results.units['force']}")
-
-# %%
 # A page to turn the run, written beside the notebook; open it in a browser.
 
 page = sc.view_html(results, OUT / "cut.html")
 print(page)
+
+# %%
+# Check
+# -----
+# Any number, by name. The largest force of so short a cut is G h and the peak where the blade meets
+# the notch; and the energies must balance.
+
+theory = sim.law.fracture_energy * film.thickness
+largest, imbalance = results.history["force"].max(), results.summary["imbalance_rel"]
+print(f"largest force {largest:.2f} {results.units['force']}, G h = {theory:.2f} N")
+print(f"largest imbalance {imbalance:.1e} of the work")
+assert abs(largest / theory - 1.0) < 0.25
+assert imbalance < 5e-3

@@ -67,6 +67,8 @@ class Result:
     seconds: float
     checks: list[Check]
     curves: dict[str, dict[str, list[float]]] = field(default_factory=dict)
+    axes: tuple[str, str] | None = None
+    """Labels of the axes of its picture, with units, if the names of the curves leave them open."""
 
     @property
     def passed(self) -> bool:
@@ -93,4 +95,6 @@ def run_case(module: ModuleType) -> Result:
     began = time.process_time()
     checks = module.checks()
     curves = getattr(module, "CURVES", {})
-    return Result(module.ID, module.TITLE, time.process_time() - began, checks, dict(curves))
+    seconds = time.process_time() - began
+    axes = getattr(module, "AXES", None)
+    return Result(module.ID, module.TITLE, seconds, checks, dict(curves), axes)

@@ -13,6 +13,7 @@ from harness import Check
 from shellcut import CohesiveLaw
 
 ID, TITLE, FAST = "F01", "Cohesive law, dissipated energy", True
+AXES = "opening, mm", "traction, MPa"
 
 CURVES = {}
 

@@ -28,6 +28,7 @@ from shellcut.models.opening import steady_work_per_radian
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 ID, TITLE, FAST = "F06", "Sharp edge", False
+AXES = "radius r of the edge, mm", "work of the cables over h, N/mm"
 
 EDGE = {"cutting_energy": 1.0, "severing_pressure": 450.0}
 LAW = CohesiveLaw(**EDGE)
