@@ -51,7 +51,12 @@ def test_a_study_gives_a_row_a_run(done):
     assert all(force > 0.0 for force in forces)
     assert len(set(forces)) == 4
     table = done.table.read_text(encoding="utf-8-sig").splitlines()
-    assert table[0].startswith("run,wedge_half_angle_deg,status,force_peak_N")
+    assert table[0].startswith("run,wedge_half_angle_deg,status,doubts,force_peak_N")
+    for line, run in zip(table[1:], done.plan.runs, strict=True):
+        told = sc.read(run.folder(done.folder)).summary["verdict"]
+        (doubt,) = (one["text"] for one in told if one["kind"] == "doubt")
+        assert line.split(",")[3] == "1"
+        assert f"distrust: {doubt.partition('. ')[0]}" in line
     assert "wall_s" not in table[0]
     assert len(table) == 5
 

@@ -122,20 +122,26 @@ def add_engine_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def print_found(arguments: argparse.Namespace, find: Callable[[Any], object], where: str) -> int:
+def print_found(
+    arguments: argparse.Namespace,
+    find: Callable[[Any], T],
+    where: str,
+    is_found: Callable[[T], bool] = lambda _: True,
+) -> int:
     """Print what runs on the engine given find, and where it is; return the exit code."""
     from shellcut.files.folder_lock import FolderInUse
 
     try:
         with engine_given(arguments) as executor:
-            print(find(executor))
+            found = find(executor)
+        print(found)
     except (FolderInUse, OSError, ImportError, ValueError) as problem:
         return refuse(problem)
     except RuntimeError as problem:
         refuse(problem)
         return FAILED
     print(where)
-    return DONE
+    return DONE if is_found(found) else FAILED
 
 
 @contextlib.contextmanager

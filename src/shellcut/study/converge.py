@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from shellcut.files.file_list import claim, folder_named
 from shellcut.model_file import read_model
 from shellcut.results.error_bars import ERROR_BARS, PICTURE, ErrorBars, error_bar
+from shellcut.results.summary_figures import known_figure
 from shellcut.view import can_draw, draw_curves
 
 from .companions import companions_of
@@ -70,6 +71,7 @@ def converge(
     >>> found = converge("guillotine", "bars", figures=["force_plateau_N"])  # doctest: +SKIP
     >>> print(found)  # doctest: +SKIP
     """
+    figures = [known_figure(name) for name in figures]
     folder = folder_named(out)
     given = {**FEW_FILES, **(settings or {})}
     companions, missing = companions_of(read_model(model, given))
@@ -83,13 +85,15 @@ def converge(
     if each[0].status != "done":
         raise RuntimeError(f"the run as given must be done: {each[0].reason or each[0].status}")
     for run, one in zip(runs, each, strict=True):
+        reasons = [f"{run.name} is distrusted: {doubt}" for doubt in one.doubts]
         if one.status != "done":
-            why = f"{run.name} is not done: {one.reason or one.status}"
-            missing.setdefault(run.part, []).append(why)
+            reasons = [f"{run.name} is not done: {one.reason or one.status}"]
+        if reasons:
+            missing.setdefault(run.part or "doubts", []).extend(reasons)
     there = {name: v for name, v in each[0].figures.items() if isinstance(v, int | float)}
     chosen, lacking = of_interest(figures, there)
     if lacking or not chosen:
-        raise ValueError(f"figures must be some of {', '.join(there)}, got {', '.join(lacking)}")
+        raise ValueError(f"the run has no {', '.join(lacking)}, but {', '.join(there)}")
     edge = float(there.get("edge_length_mm", 0.0))
     bars = tuple(error_bar(n, runs, [one.figures.get(n) for one in each], edge) for n in chosen)
     found = ErrorBars(plan.runs[0].key, runs, bars, missing)
