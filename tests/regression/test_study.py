@@ -193,3 +193,18 @@ def test_a_stop_that_was_left_behind_stops_nothing(part):
     (out / STOP).touch()
     assert study(out).count("done") == 4
     assert not (out / STOP).exists()
+
+
+def test_a_combination_that_cannot_be_fails_in_its_run_and_the_others_go_on(tmp_path):
+    settings = SETTINGS | {"cohesive.plateau": 12}
+    strength = {"cohesive.strength": [18, 10]}  # below the plateau: no law
+    found = sc.sweep("guillotine", strength, tmp_path, settings=settings, executor=1, say=str)
+    assert [found.outcomes[k].status for k in range(2)] == ["done", "failed"]
+    row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
+    assert row.startswith("1,10,failed")
+    assert "[cohesive]: the law must decrease" in row
+    with pytest.raises(sc.ModelFileError, match="the law must decrease"):
+        sc.sweep("guillotine", {"cohesive.strength": [9, 10]}, tmp_path / "no", settings=settings)
+    with pytest.raises(sc.ModelFileError, match="must be positive"):
+        sc.sweep("guillotine", {"cohesive.strength": [18, -10]}, tmp_path / "no", settings=settings)
+    assert not (tmp_path / "no").exists()

@@ -194,9 +194,7 @@ def _judged(
     here, n_doubted = runs.doubts(best)
     notes += [f"distrust, at the fitted values: {doubt}" for doubt in here]
     if n_doubted:
-        notes.append(
-            f"the verdict distrusts {n_doubted} of {runs.tried()[0].shape[0]} sets of values"
-        )
+        notes.append(f"the verdict distrusts {n_doubted} of {len(runs.tried()[0])} sets of values")
     if runs.failures:
         notes.append(f"{len(runs.failures)} sets of values could not be run: {runs.failures[0]}")
     return notes

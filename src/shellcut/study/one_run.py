@@ -184,4 +184,6 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
 
 
 def _one_line(error: BaseException) -> str:
+    if isinstance(error, ModelFileError):  # its places are in a file that only shellcut has read
+        return "; ".join(problem.text for problem in error.problems)
     return "; ".join(str(error).splitlines()) or type(error).__name__
