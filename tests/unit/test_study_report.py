@@ -428,6 +428,8 @@ def test_a_plan_goes_into_its_study_file_and_comes_back(tmp_path):
         (14, 800),
     ]
     write_study(tmp_path / "study.toml", planned)
+    text = (tmp_path / "study.toml").read_text()
+    assert text.startswith("#:schema ./shellcut-study.schema.json\n")
     again = read_study(tmp_path / "study.toml").plan()
     assert [run.key for run in again.runs] == [run.key for run in planned.runs]
     assert len({run.key for run in planned.runs}) == 4

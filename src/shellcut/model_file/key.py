@@ -175,6 +175,11 @@ class Kind:
         """Return a section with the defaults filled in."""
         return Section(self, {name: key.default for name, key in self.keys.items()} | values)
 
+    @property
+    def signs(self) -> list[str]:
+        """The keys that identify the kind: its sign, and the second name of that."""
+        return [one for one in (self.sign, self.sign and self.keys[self.sign].also) if one]
+
     def names(self) -> list[str]:
         """Return all names allowed in the section, including second names."""
         own = ["kind"] if self.name else []
