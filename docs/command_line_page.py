@@ -50,7 +50,7 @@ def _spelling(action):
 
 def _meaning(action):
     text = (action.help or "").replace("|", r"\|")
-    given = action.default not in (None, "", [], False)
+    given = action.default not in (None, "", [], False) and not text.endswith("]")
     return f"{text}; `{action.default}` by default" if given else text
 
 

@@ -7,7 +7,9 @@ from pathlib import Path
 
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
 from shellcut.model_file import preset_film
+from shellcut.model_file.key_index import unit_of_key
 from shellcut.model_file.presets import presets
+from shellcut.unit import after
 
 PAGE = Path(__file__).parent / "materials.md"
 PICTURE = PAGE.parent / "img" / "materials.png"
@@ -105,7 +107,7 @@ def _keys(keys):
     rows = ["| key | value |", "|---|---|"]
     for name, value in keys.items():
         shown = ", ".join(f"{x:g}" for x in value) if isinstance(value, list) else f"{value:g}"
-        rows.append(f"| `{name}` | {shown} |")
+        rows.append(f"| `{name}` | {shown}{after(unit_of_key(f'material.{name}'))} |")
     return "\n".join(rows)
 
 

@@ -9,6 +9,7 @@ only NumPy.
 
 from __future__ import annotations
 
+import difflib
 import functools
 import inspect
 import math
@@ -17,7 +18,6 @@ import sys
 import types
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, cast, get_args, get_origin
@@ -201,8 +201,10 @@ def _checked_call(function: Any, of: type | None) -> Any:
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
         given: Mapping[str, Any] = {}
-        with suppress(TypeError):  # Python says it below
+        try:
             given = signature.bind(*arguments, **named).arguments
+        except TypeError:  # what else is wrong, Python says below
+            _refuse_unknown(named, signature)
         kinds = wanted()
         wrong = {
             name: f"{name} must be {' or '.join(_words(kinds[name][0]))}, got {_shown(value)}"
@@ -224,6 +226,32 @@ def _checked_call(function: Any, of: type | None) -> Any:
         return result
 
     return call
+
+
+def _refuse_unknown(named: Iterable[str], signature: inspect.Signature) -> None:
+    """Refuse arguments that there are not."""
+    kinds = signature.parameters.values()
+    known = [one.name for one in kinds if one.kind in (one.KEYWORD_ONLY, one.POSITIONAL_OR_KEYWORD)]
+    known = [name for name in known if name != "self"]
+    if any(one.kind is one.VAR_KEYWORD for one in kinds):
+        return
+    unknown = [name for name in named if name not in known]
+    if unknown:
+        hints = (guess(name, known) or listed(known) for name in unknown)
+        said = (f"there is no argument {n}{hint}" for n, hint in zip(unknown, hints, strict=True))
+        raise ArgumentError("\n".join(said))
+
+
+def guess(name: str, names: Iterable[str]) -> str:
+    """Return "; did you mean x?" for the most similar name in any case, "" if none is similar."""
+    by_letters = {one.casefold(): one for one in names}
+    close = difflib.get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.6)
+    return f"; did you mean {by_letters[close[0]]}?" if close else ""
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return "; there are x, y, z"."""
+    return f"; there are {', '.join(names)}"
 
 
 def _let_tell(wrong: Iterable[str], beyond: list[str], call: Callable[[], object]) -> None:

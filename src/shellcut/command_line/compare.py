@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
             if arguments.picture:
                 return BAD_INPUT
     except (ValueError, OSError) as problem:
-        return refuse(f"cannot write: {problem}")
+        return refuse(problem)
     print("written: " + ", ".join(map(str, written)))
     return DONE
 

@@ -45,6 +45,9 @@ _EXTRAS = {
     "gmsh": ("meshes of outlines, no tools from STEP and IGES", "pip install shellcut[mesh]"),
     "ezdxf": ("outlines from DXF", "pip install shellcut[outline]"),
     "svgpathtools": ("outlines from SVG", "pip install shellcut[outline]"),
+    "scikit-learn": ("response surfaces of studies", "pip install shellcut[study]"),
+    "optuna": ("search for the best values", "pip install shellcut[optimise]"),
+    "distributed": ("studies on Dask", "pip install shellcut[sweep]"),
 }
 
 

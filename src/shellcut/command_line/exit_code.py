@@ -5,17 +5,20 @@ from __future__ import annotations
 import sys
 import textwrap
 
+from shellcut.model_file.spelling import in_keys
+
 DONE, BUG, BAD_INPUT, STOPPED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 MEANINGS = {
     DONE: "done",
     BUG: "an error of shellcut itself, with a traceback; please report it",
     BAD_INPUT: "nothing was run: an argument, model, file or folder is wrong, or another run uses "
-    "the folder. Standard error lists everything wrong at once",
+    "the folder. Standard error says `refused:` and what, of a model all that is wrong at once",
     STOPPED: "a guard stopped the run because its numbers were no longer right; the output so far "
     "is saved",
     FAILED: "the run failed: disk full, folder gone, an error in a hook. The output is "
-    "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`",
+    "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`. Or "
+    "runs of a study failed, or none of a search keeps to its limits",
     INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
     "happens, but a shell reports 143",
 }
@@ -32,7 +35,16 @@ def in_lines() -> str:
     return "\n".join(lines)
 
 
+def refused(problem: object) -> str:
+    """Return the message on wrong input: a line, or one for each of its problems."""
+    text = str(problem)
+    if isinstance(problem, OSError) and problem.filename and problem.strerror:
+        text = f"{problem.filename}: {problem.strerror}"
+    text = in_keys(text)
+    return f"refused:\n{text}" if "\n" in text else f"refused: {text}"
+
+
 def refuse(problem: object) -> int:
     """Print the problem with the input on standard error; return its exit code."""
-    print(problem, file=sys.stderr)
+    print(refused(problem), file=sys.stderr)
     return BAD_INPUT

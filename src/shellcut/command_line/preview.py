@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shellcut.files.file_list import target
+from shellcut.model_file.spelling import in_keys
+from shellcut.recording.run_log import RunLog
 
 from .exit_code import BAD_INPUT, DONE, refuse
 from .shared_arguments import add_settings_to, named, settings_of
@@ -31,6 +33,11 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build the model, draw it, print its contents."""
+    with RunLog(words=in_keys).library_said():
+        return _drawn(arguments)
+
+
+def _drawn(arguments: argparse.Namespace) -> int:
     from shellcut.model_file import ModelFileError, read_model
     from shellcut.models.preview import preview
 
@@ -45,12 +52,16 @@ def run(arguments: argparse.Namespace) -> int:
         report = preview(case.simulation, picture, time=case.duration, check=case.check)
     except (ValueError, ImportError, OSError) as problem:
         return refuse(problem)
-    print(f"{report}\nwrote {picture}")
+    print(f"{model.words(report)}\nwrote {picture}")
     return BAD_INPUT if case.check.of("refuse") else DONE
 
 
 def _picture(arguments: argparse.Namespace, model: Model) -> Path:
-    return target(arguments.out, Path("model.png"), [arguments.model, *model.files()])
+    """Return where the picture goes; a name without a suffix becomes a PNG."""
+    named = arguments.out
+    if named is not None and not named.suffix:
+        named = named.with_name(f"{named.name}.png")
+    return target(named, Path("model.png"), [arguments.model, *model.files()])
 
 
 def _draw_refused(model: Model | None, arguments: argparse.Namespace, problem: ValueError) -> int:

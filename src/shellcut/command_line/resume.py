@@ -45,4 +45,4 @@ def run(arguments: argparse.Namespace) -> int:
             "\n".join(f"{text} since the run began" for text in wrong)
             + "\nput it back, or run the model again into another folder"
         )
-    return run_model(model, folder, RunLog(), resume=True)
+    return run_model(model, folder, RunLog(words=model.words), resume=True)

@@ -7,12 +7,16 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from shellcut.recording.run_log import RunLog
 
 from .exit_code import DONE, refuse
 from .run_model import run_model
 from .shared_arguments import add_settings_to, named, settings_of
+
+if TYPE_CHECKING:
+    from shellcut.model_file import Model
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -36,15 +40,16 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the models of the package")
     parser.add_argument(
-        "--write-model", metavar="FILE", type=named, help="write a model file to edit; run nothing"
+        "--write-model",
+        metavar="FILE",
+        type=named,
+        help="write a model file to edit, with --set one that lists every key; run nothing",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, check, run."""
-    from shellcut.files.file_list import files_there, refuse_input
-    from shellcut.files.folder_lock import refuse_if_in_use
-    from shellcut.model_file import ModelFileError, read_model, shipped_models
+    from shellcut.model_file import shipped_models
 
     if arguments.list:
         for name, text in shipped_models().items():
@@ -52,48 +57,71 @@ def run(arguments: argparse.Namespace) -> int:
         return DONE
     if arguments.model is None:
         return refuse("give a MODEL: a file, or one of " + ", ".join(shipped_models()))
-    if arguments.write_model is not None:
-        return _write_model(arguments.model, arguments.write_model)
-    if arguments.out is None:
-        return refuse("give a folder for the results: -o OUT")
     try:
-        settings = settings_of(arguments)
-        if arguments.frames is not None:
-            settings["output.frames"] = arguments.frames
-        if arguments.no_pictures:
-            settings["output.snapshots"] = 0
-        model = read_model(arguments.model, settings)
-    except ModelFileError as problem:
-        return refuse(problem)
-    folder: Path = arguments.out
+        model = _read(arguments)
+        problems = []
+    except ValueError as problem:
+        model, problems = None, [str(problem)]
+    if arguments.write_model is not None:
+        return _write_model(arguments, model) if model else refuse(problems[0])
+    problems += _wrong_with_folder(arguments, model)
+    if problems or model is None:
+        return refuse("\n".join(problems))
+    options = {name: getattr(arguments, name) for name in ("overwrite", "force")}
+    return run_model(model, arguments.out, RunLog(words=model.words), **options)
+
+
+def _read(arguments: argparse.Namespace) -> Model:
+    """Return the model with what the arguments set; a ModelFileError lists all that is wrong."""
+    from shellcut.model_file import read_model
+
+    settings = settings_of(arguments)
+    if arguments.frames is not None:
+        settings["output.frames"] = arguments.frames
+    if arguments.no_pictures:
+        settings["output.snapshots"] = 0
+    return read_model(arguments.model, settings)
+
+
+def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> list[str]:
+    """Return why the run cannot have its folder; none if it can."""
+    from shellcut.files.file_list import files_there, refuse_input
+    from shellcut.files.folder_lock import refuse_if_in_use
+
+    folder: Path | None = arguments.out
+    if folder is None:
+        return ["give a folder for the results: -o OUT"]
     if folder.exists() and not folder.is_dir():
-        return refuse(f"{folder} is a file: -o must name a folder")
+        return [f"{folder} is a file: -o must name a folder"]
     earlier = files_there(folder)
     try:
         refuse_if_in_use(folder)
         if arguments.overwrite:
             for name in earlier:
-                refuse_input(folder / name, [arguments.model, *model.files()])
+                refuse_input(folder / name, [arguments.model, *(model.files() if model else ())])
     except OSError as problem:
-        return refuse(problem)
-    if earlier and not arguments.overwrite:
-        return refuse(
-            f"{folder} holds a run ({earlier[0]}): --overwrite replaces it, "
-            f"shellcut resume {folder} continues it"
-        )
-    return run_model(model, folder, RunLog(), overwrite=arguments.overwrite, force=arguments.force)
+        return [str(problem)]
+    if not earlier or arguments.overwrite:
+        return []
+    return [
+        f"{folder} holds a run ({earlier[0]}): --overwrite replaces it, "
+        f"shellcut resume {folder} continues it"
+    ]
 
 
-def _write_model(name: str, path: Path) -> int:
+def _write_model(arguments: argparse.Namespace, model: Model) -> int:
+    """Write a model of the package as it is, or with every key where some are set."""
     from shellcut.files.whole_file import exclusive
     from shellcut.model_file import shipped_models
+    from shellcut.model_file.writer import model_text
 
-    shipped = shipped_models()
-    if name not in shipped:
-        return refuse(f"{name}: the models that can be written are {', '.join(shipped)}")
+    path: Path = arguments.write_model
+    is_set = arguments.settings or arguments.frames is not None or arguments.no_pictures
+    shipped = {} if is_set else shipped_models()
+    text = shipped.get(arguments.model) or model_text(model)
     try:
         with open(path, "wb", opener=exclusive) as file:
-            file.write(shipped[name].encode())
+            file.write(text.encode())
     except FileExistsError:
         return refuse(f"{path} already exists: choose another name")
     except OSError as problem:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import json
-import sys
 import time
 import traceback
 from contextlib import closing
@@ -20,7 +19,7 @@ from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line
 from shellcut.unit import with_unit
 
-from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED
+from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED, refused
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
@@ -63,7 +62,7 @@ def run_model(
             ready = _ready(model, folder, log, options)
             return ready if isinstance(ready, int) else _run(*ready, log)
         except KeyboardInterrupt:
-            log.say("interrupted; nothing was run", stream=sys.stderr)
+            log.warn("interrupted; nothing was run")
             return INTERRUPTED
 
 
@@ -76,26 +75,26 @@ def _ready(
     from shellcut.recording.recorder import RunEnded
 
     try:
-        case = _built(model, log, options)
+        case, lines = _built(model, log, options)
     except (ModelFileError, RefusedModel, OSError) as problem:  # other errors are bugs
-        log.say(str(problem), stream=sys.stderr)
+        log.warn(refused(problem))
         return BAD_INPUT
     try:
-        return case, _recorder(case, model, folder, log, options)
+        return case, _recorder(case, lines, model, folder, log, options)
     except RunEnded as ended:
-        log.say(f"{ended}; nothing was changed", stream=sys.stderr)
+        log.warn(f"{ended}; nothing was changed")
         try:
             _say_end(folder, log)
         except (OSError, ValueError) as problem:  # the summary is gone, or is none
-            log.say(str(problem), stream=sys.stderr)
+            log.warn(str(problem))
         return DONE
     except (OSError, ValueError) as problem:
-        log.say(str(problem), stream=sys.stderr)
+        log.warn(refused(problem))
         return BAD_INPUT
 
 
-def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
-    """Build, check and compile the model, and print its contents."""
+def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, list[str]]:
+    """Build, check and compile the model; return it with lines on its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation
     from shellcut.recording.resistance import resistance_of
@@ -114,11 +113,10 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
             case.check.enforce(force=options["force"])
         sim = case.simulation
         resistance = resistance_of(sim, case.duration)
-        for line in start_lines(sim, resistance, case.duration, case.check.sweep):
-            log.say(line)
+        lines = list(start_lines(sim, resistance, case.duration, case.check.sweep))
     if began:
         log.say(f"compiled in {time.perf_counter() - began[0]:.0f} s")
-    return case
+    return case, lines
 
 
 class _Told:
@@ -135,9 +133,14 @@ class _Told:
 
 
 def _recorder(
-    case: Case, model: Model, folder: Path, log: RunLog, options: dict[str, bool]
+    case: Case,
+    lines: list[str],
+    model: Model,
+    folder: Path,
+    log: RunLog,
+    options: dict[str, bool],
 ) -> Recorder:
-    """Lock the folder and open the files of the run, including the command's own."""
+    """Lock the folder, open the files of the run and the command's own, and say the lines."""
     from shellcut.model_file.model import digest_of
     from shellcut.recording.recorder import Recorder
 
@@ -157,6 +160,8 @@ def _recorder(
             model.write(folder / USED)
         log.open(folder / LOG)
         log.say(f"shellcut {version('shellcut')}, {USED} with sha256 {digest_of(folder / USED)}")
+        for line in lines:
+            log.say(line)
     except BaseException:
         recorder.give_up()
         raise
@@ -172,17 +177,17 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
         case.go(recorder)
         _say_end(folder, log)
     except UnstableStep as problem:
-        log.say(f"stopped: {problem}", stream=sys.stderr)
-        log.say(f"the output up to this step is in {folder}", stream=sys.stderr)
+        log.warn(f"stopped: {problem}")
+        log.warn(f"the output up to this step is in {folder}")
         return STOPPED
     except KeyboardInterrupt:
-        log.say(f"interrupted; to continue: shellcut resume {folder}", stream=sys.stderr)
+        log.warn(case.interrupted(recorder))
         return INTERRUPTED
     except Exception as problem:
         if not isinstance(problem, OSError):  # unlike a full disk, this needs a traceback
-            log.say(traceback.format_exc().rstrip(), stream=sys.stderr)
-        log.say(f"failed at {recorder.place()}: {problem}", stream=sys.stderr)
-        log.say(_remedy(problem, folder), stream=sys.stderr)
+            log.warn(traceback.format_exc().rstrip())
+        log.warn(f"failed at {recorder.place()}: {problem}")
+        log.warn(_remedy(problem, folder))
         return FAILED
     return DONE
 

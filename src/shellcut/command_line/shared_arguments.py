@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
+from shellcut.model_file.spelling import in_keys
 from shellcut.unit import showing
 
 from .exit_code import DONE, FAILED, refuse
@@ -98,8 +100,8 @@ def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
         metavar="UNITS",
         type=_units,
         default="",
-        help='of figures, curves and pictures, as "in, lbf"; sentences, the numbers in CSV, HDF5 '
-        "and JSON files, and the keys of a model keep mm, N and s",
+        help='show figures, curves and pictures in these units, as "in, lbf"; sentences, written '
+        "files and the keys of a model stay in mm, N and s",
     )
 
 
@@ -138,7 +140,7 @@ def print_found(
     except (FolderInUse, OSError, ImportError, ValueError) as problem:
         return refuse(problem)
     except RuntimeError as problem:
-        refuse(problem)
+        print(in_keys(f"failed: {problem}"), file=sys.stderr)
         return FAILED
     print(where)
     return DONE if is_found(found) else FAILED

@@ -11,6 +11,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from shellcut.formats.errors import counted
+from shellcut.model_file.key_index import with_values
 from shellcut.study.design import Design
 
 from .exit_code import DONE, FAILED, refuse
@@ -92,9 +94,8 @@ def _planned(arguments: argparse.Namespace) -> Plan:
 
 
 def _print(planned: Plan, n_done: int) -> None:
-    print(f"{len(planned.runs)} runs, {n_done} of them done before")
+    print(f"{counted(len(planned.runs), 'run')}, {n_done} of them done before")
     for one in planned.runs[:_DRY_SHOWN]:
-        values = ", ".join(f"{key}={value}" for key, value in one.values.items())
-        print(f"{one.number:>5}  {one.key}  {values}")
+        print(f"{one.number:>5}  {one.key}  {with_values(one.values)}")
     if len(planned.runs) > _DRY_SHOWN:
         print(f"... and {len(planned.runs) - _DRY_SHOWN} more")

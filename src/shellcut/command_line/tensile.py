@@ -1,8 +1,9 @@
 """``tensile``: modulus, yield, strength, hardening and a cohesive law from tensile tests.
 
 Evaluate tensile tests: modulus, yield, strength, strain at break, hardening curve, scatter, and a
-proposed cohesive law. With -o write OUT/tensile.json, hardening.csv, material.toml, law.toml and,
-with Matplotlib, tensile.png.
+proposed cohesive law. With -o write OUT/tensile.json, for each direction hardening_MD.csv,
+material_MD.toml and law_MD.toml (hardening.csv, ... where none is named), and with Matplotlib
+tensile.png.
 
 example: shellcut tensile MD=md_1.csv MD=md_2.csv CD=cd_1.csv --gauge-length 50 -o film
 """
@@ -18,7 +19,7 @@ from shellcut.tensile import evaluate_tensile
 from shellcut.tensile.evaluation import PICTURE
 from shellcut.tensile.specimen import SpecimenSize
 
-from .exit_code import BAD_INPUT, DONE, refuse
+from .exit_code import DONE, refuse
 from .shared_arguments import named
 
 _LENGTHS = keys_of(SpecimenSize)
@@ -90,8 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
         except ImportError as missing:
             print(f"no picture: {missing}", file=sys.stderr)
     except (OSError, ValueError) as problem:
-        print(f"cannot write: {problem}", file=sys.stderr)
-        return BAD_INPUT
+        return refuse(problem)
     print("written: " + ", ".join(map(str, written)))
     return DONE
 

@@ -25,6 +25,9 @@ from shellcut.view import MOVIES, Look, draw_movie, draw_scene
 from .exit_code import DONE, refuse
 from .shared_arguments import add_options, made_of, named
 
+PICTURES = ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pdf"
+"""Suffixes of pictures that Pillow writes."""
+
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
@@ -34,7 +37,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="FILE",
         type=named,
-        help=f"page (.html), movie ({', '.join(MOVIES)}) or picture (.png and others) "
+        help=f"page (.html), movie ({', '.join(MOVIES)}) or picture (.png, .jpg, ...) "
         "[OUT/view.html; with --frame OUT/frame_N.png]",
     )
     parser.add_argument(
@@ -101,6 +104,9 @@ def _check(arguments: argparse.Namespace) -> None:
         problems.append("--frame belongs to a picture: give it a name such as film.png")
     if arguments.size and page:
         problems.append("--size belongs to pictures and movies: the page fills its window")
+    known = (".html", *MOVIES, *PICTURES)
+    if _suffix(arguments) not in ("", *known):
+        problems.append(f"-o must end with one of {', '.join(known)}, got {arguments.output}")
     if problems:
         raise ValueError("; ".join(problems))
 

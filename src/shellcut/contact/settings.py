@@ -114,7 +114,13 @@ class Contact:
         ),
     ] = None
     smoothing: Annotated[
-        float, Option("", "g_M as a fraction of the thickness; less for a thin tool", above=0)
+        float,
+        Option(
+            "",
+            "depth over which contact becomes stiff, as a fraction of the film's thickness; less "
+            "for a thin tool",
+            above=0,
+        ),
     ] = 0.25
     friction: Annotated[
         float, Option("", "Coulomb coefficient of tool and film; 0 for none", least=0)

@@ -133,8 +133,13 @@ def target(
     if path is None:
         claim(default.parent, [default.name], inputs)
         return default
-    _refuse_needed(Path(path), inputs)
-    return Path(path)
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise NotADirectoryError(
+            f"{path.parent}: there is no such folder; make it, or choose another name"
+        )
+    _refuse_needed(path, inputs)
+    return path
 
 
 def refuse_input(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None:

@@ -89,8 +89,8 @@ def refuse_density(density: float) -> None:
     """Refuse a density [t/mm³] in another unit."""
     if density > 1e-7:
         raise ValueError(
-            f"density must be in t/mm³, got {density!r}, heavier than any matter; "
-            "1 g/cm³ is 1e-9 t/mm³"
+            f"density must be in t/mm³, got {density!r}, heavier than any matter: 1000 kg/m³, or "
+            "1 g/cm³, is 1e-9 t/mm³"
         )
 
 

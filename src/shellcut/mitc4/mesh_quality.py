@@ -14,6 +14,8 @@ from .shell import MITC4Shell
 
 LISTED = 10
 """Number of quads listed as the worst."""
+CLEARLY = 0.9
+"""Share of the median step below which a quad is listed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +33,7 @@ class MeshQuality:
     centre: Floats
     """Mean of the corners [mm], shape (n_quad, 3)."""
     worst: Ints
-    """The quads of the shortest steps, shortest first, ten or all."""
+    """Quads whose steps are clearly below the median, shortest first, ten at most."""
 
     @property
     def aspect(self) -> Floats:
@@ -66,9 +68,12 @@ class MeshQuality:
             f"aspect               {spread(self.aspect)}",
             f"stable step [s]      {spread(self.step)}",
             f"the worst quad shortens the step to {self.step_cost:.2f} of the median quad's",
-            f"the {len(self.worst)} quads of the shortest step:",
-            "  quad    step [s]  of median  Jacobian  aspect  centre [mm]",
         ]
+        if self.worst.size:
+            lines += [
+                f"quads with steps below {CLEARLY:g} of the median, the shortest first:",
+                "  quad    step [s]  of median  Jacobian  aspect  centre [mm]",
+            ]
         for e in self.worst.tolist():
             place = ", ".join(f"{c:.4g}" for c in self.centre[e])
             lines.append(
@@ -109,12 +114,12 @@ def mesh_quality(
     omega2 = shell.frequencies.squared
     damped = damping_beta * omega2
     step = (np.sqrt(damped**2 + 4.0 * omega2) - damped) / omega2
-    lengths = mesh.edge_lengths()
+    lengths, order = mesh.edge_lengths(), np.argsort(step, kind="stable")
     return MeshQuality(
         scaled_jacobian=mesh.scaled_jacobian(),
         shortest_edge=lengths.min(axis=1),
         longest_edge=lengths.max(axis=1),
         step=step,
         centre=mesh.nodes[mesh.quads].mean(axis=1),
-        worst=np.argsort(step, kind="stable")[:LISTED],
+        worst=order[step[order] < CLEARLY * np.median(step)][:LISTED],
     )

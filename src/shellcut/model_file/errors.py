@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from dis import opmap
 from typing import TYPE_CHECKING
@@ -61,15 +60,3 @@ def is_refusal(problem: BaseException) -> bool:
     package = str(trace.tb_frame.f_globals.get("__name__")).partition(".")[0]
     raised = trace.tb_frame.f_code.co_code[trace.tb_lasti] == opmap["RAISE_VARARGS"]
     return package == "shellcut" and raised
-
-
-def guess(name: str, names: Iterable[str]) -> str:
-    """Return "; did you mean x?" for the most similar name in any case, "" if none is similar."""
-    by_letters = {one.casefold(): one for one in names}
-    close = difflib.get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.6)
-    return f"; did you mean {by_letters[close[0]]}?" if close else ""
-
-
-def listed(names: Iterable[str]) -> str:
-    """Return "; there are x, y, z"."""
-    return f"; there are {', '.join(names)}"

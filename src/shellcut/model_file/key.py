@@ -176,9 +176,14 @@ class Kind:
         return Section(self, {name: key.default for name, key in self.keys.items()} | values)
 
     @property
-    def signs(self) -> list[str]:
-        """The keys that identify the kind: its sign, and the second name of that."""
-        return [one for one in (self.sign, self.sign and self.keys[self.sign].also) if one]
+    def also_sign(self) -> str:
+        """Second name of the sign."""
+        return self.keys[self.sign].also if self.sign else ""
+
+    @property
+    def word(self) -> str:
+        """What it is, in a word."""
+        return f'kind = "{self.name}"' if self.name else self.sign
 
     def names(self) -> list[str]:
         """Return all names allowed in the section, including second names."""

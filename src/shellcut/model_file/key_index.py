@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .errors import guess
+from shellcut.arguments import guess
+from shellcut.unit import after
+
 from .key import Key, Kind
 from .section_table import HEAD, LISTS, SECTIONS
 
@@ -88,3 +90,30 @@ def _owners() -> dict[str, dict[Kind, list[str]]]:
                 for kind in kinds:
                     owners.setdefault(title, {}).setdefault(kind, []).append(model)
     return owners
+
+
+def unit_of_key(key: str) -> str:
+    """Return the unit of a key of model files; "" for a pure number or an unknown key."""
+    section, _, name = key.rpartition(".")
+    for table in tables():
+        if section and table.title != f"[{section}]":
+            continue
+        for known, found in table.keys.items():
+            if name in (known, found.also):
+                return found.option.unit
+    return ""
+
+
+def with_values(values: Mapping[str, object]) -> str:
+    """Return keys with their values, as said of a run.
+
+    Examples
+    --------
+    >>> with_values({"membrane.size": 1.0 / 3.0, "tool.teeth": 4})
+    'membrane.size = 0.3333 mm, tool.teeth = 4'
+    """
+    texts = (
+        f"{value:.4g}{after(unit_of_key(key))}" if isinstance(value, float) else f"{value}"
+        for key, value in values.items()
+    )
+    return ", ".join(f"{key} = {text}" for key, text in zip(values, texts, strict=True))

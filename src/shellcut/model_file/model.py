@@ -83,6 +83,12 @@ class Model:
 
         write_text(Path(path), model_text(self))
 
+    def words(self, text: str) -> str:
+        """Return a message of the library in the words of model files and commands."""
+        from .spelling import in_keys
+
+        return in_keys(text, self.source)
+
     def files(self) -> list[str]:
         """Return the absolute paths of the files the model reads."""
         return [

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from .errors import ModelFileError, Problem, guess, listed
+from shellcut.arguments import guess, listed
+
+from .errors import ModelFileError, Problem
 from .material_keys import named_material
 from .section_table import HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, beyond_all
@@ -61,7 +63,7 @@ def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) ->
     and are refused later.
     """
     for kind in kinds:
-        if kind.sign and key in (kind.sign, kind.keys[kind.sign].also):
+        if key in (kind.sign, kind.also_sign):
             known = {name for other in kinds for name in other.names()}
             foreign = known - set(kind.names()) | {"kind"}
             return {n: v for n, v in table.items() if n in others or n not in foreign}

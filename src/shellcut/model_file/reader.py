@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from shellcut.arguments import guess, listed
 from shellcut.files.regular_file import read_regular
 from shellcut.material.shell_material import ShellMaterial
 
-from .errors import ModelFileError, Problem, guess, is_refusal, listed
+from .errors import ModelFileError, Problem, is_refusal
 from .key import REQUIRED, Key, Kind, Section
 from .material_keys import named_material, with_presets
 from .model import Model
@@ -158,7 +160,8 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
         return parse(text, str(name_or_path), path.resolve().parent)
     shipped = shipped_models()
     if str(name_or_path) in shipped:
-        return parse(shipped[str(name_or_path)], f"{name_or_path}.toml", Path.cwd())
+        source = parse(shipped[str(name_or_path)], f"model {name_or_path}", Path.cwd())
+        return replace(source, lines={})  # of no file that a user has
     text = f"no such file; the models by name are {', '.join(shipped)}"
     raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
 
@@ -259,7 +262,7 @@ class _Reading:
                 continue
             name = aliases.get(given, given)
             if name not in keys:
-                self.unknown_key(given, cls, kinds, path, model)
+                self.unknown_key(given, cls, kinds, table, path, model)
             elif name in values:
                 self.say((*path, given), f"{title}{given} repeats {name}: leave one out")
             else:
@@ -284,15 +287,22 @@ class _Reading:
             self.say((*path, "kind"), f"{_shown(path)}kind {given!r} is unknown{hint}")
             return None
         for kind in kinds:
-            also = kind.keys[kind.sign].also if kind.sign else ""
-            if kind.sign and (kind.sign in table or (also and also in table)):
+            if any(sign and sign in table for sign in (kind.sign, kind.also_sign)):
                 return kind
         if path and len(path) > 1 and len(kinds) > 1:
             self.say(path, f"{_shown(path)}kind must be given: one of {', '.join(by_name)}")
             return None
         return kinds[0]
 
-    def unknown_key(self, name: str, cls: Kind, kinds: Kinds, path: KeyPath, model: str) -> None:
+    def unknown_key(
+        self,
+        name: str,
+        cls: Kind,
+        kinds: Kinds,
+        table: dict[str, Any],
+        path: KeyPath,
+        model: str,
+    ) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
         owner = ".".join(map(str, path))
         if gone := GONE.get((owner, name)):
@@ -300,6 +310,10 @@ class _Reading:
             return
         for kind in kinds:
             if kind is not cls and name in kind.names():
+                if name in (kind.sign, kind.also_sign) and cls.sign in table:
+                    both = f"{shown} and {_shown(path)}{cls.sign} exclude each other"
+                    self.say(place, f"{both} ({kind.word}, or {cls.word}): leave out one")
+                    return
                 chosen = f'kind = "{cls.name}"' if cls.name else "this one"
                 theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
                 self.say(place, f"key {shown} belongs to {theirs}, not to {chosen}")

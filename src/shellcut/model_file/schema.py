@@ -95,7 +95,8 @@ def _section(kinds: Kinds) -> dict[str, Any]:
     found = schema_of(kinds[0])
     for kind in reversed(kinds if len(kinds) > 1 else ()):
         named = {"properties": {"kind": {"const": kind.name}}, "required": ["kind"]}
-        signed = {"anyOf": [{"required": [one]} for one in kind.signs]} if kind.signs else False
+        signs = [one for one in (kind.sign, kind.also_sign) if one]
+        signed = {"anyOf": [{"required": [one]} for one in signs]} if signs else False
         chosen = {"if": {"required": ["kind"]}, "then": named, "else": signed}
         found = {"if": chosen, "then": schema_of(kind), "else": found}
     names = [kind.name for kind in kinds if kind.name]

@@ -55,7 +55,13 @@ class Source:
         return cls("model", Path.cwd(), {}, {})
 
     def place(self, path: KeyPath) -> str:
-        """Return the line of a key, or of the nearest level above it."""
+        """Return the line of a key, or of the nearest level above it, with what overrides it."""
+        within = [text for key, text in self.settings.items() if key[: len(path)] == path]
+        if within and path:
+            return ", ".join(within if path in self.settings else [self._line(path), *within])
+        return self._line(path)
+
+    def _line(self, path: KeyPath) -> str:
         for end in range(len(path), 0, -1):
             if path[:end] in self.settings:
                 return self.settings[path[:end]]
@@ -76,7 +82,7 @@ def parse(text: str, name: str, folder: Path) -> Source:
         found = _ERROR_LINE.fullmatch(str(error))
         place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
         said = found[1] if found else str(error)
-        raise ModelFileError([Problem(place, f"is not valid TOML: {said}")]) from None
+        raise ModelFileError([Problem(place, f"is not a model file (TOML): {said}")]) from None
     except RecursionError:
         raise ModelFileError([Problem(name, _TOO_DEEP)]) from None
     if beyond := beyond_all(values):

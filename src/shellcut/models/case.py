@@ -11,6 +11,7 @@ from typing import Annotated, Any, TypeAlias
 
 from shellcut.arguments import Option
 from shellcut.checks import ModelCheck, check_model
+from shellcut.files.run_folder import USED
 from shellcut.recording.recorder import Recorder, RunEnded
 from shellcut.recording.signals import Interruption
 from shellcut.simulation.hooks import Hook, StopWhen
@@ -138,13 +139,15 @@ class Case:
             hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested), *also]
             self.simulation.run(self.duration, hooks)
         if interruption.requested and self.simulation.state.time < self.duration:
-            _log.warning(
-                "%s stopped at %s; to continue, resume from the checkpoint in %s",
-                self.name,
-                recorder.place(),
-                recorder.folder,
-            )
+            _log.warning("%s", self.interrupted(recorder))
         if interruption.ends_process:  # last chance to print the verdict
             for handler in logging.getLogger("shellcut").handlers:
                 handler.flush()
         interruption.deliver()
+
+    def interrupted(self, recorder: Recorder) -> str:
+        """Return where a run stands that was interrupted, and how it is continued."""
+        folder = recorder.folder
+        by_command = (folder / USED).exists()
+        how = f": shellcut resume {folder}" if by_command else f" from {folder}: resume=True"
+        return f"interrupted at {recorder.place()}; to continue{how}"

@@ -15,7 +15,7 @@ from shellcut.checks.finding import Finding
 from shellcut.formats.errors import counted
 from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
-from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
+from shellcut.mitc4.mesh_quality import CLEARLY, MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.status_line import crack_line, how_long
 from shellcut.simulation.simulation import Simulation
@@ -244,8 +244,9 @@ def _extent(ids: Ints, joined: Ints, n: int) -> str:
 
 
 def _worst_lines(quality: MeshQuality) -> Iterator[str]:
-    """List the quads with the shortest steps."""
-    yield f"worst  the {len(quality.worst)} quads with the shortest steps of their own:"
+    """List the quads whose steps are clearly below the median."""
+    if quality.worst.size:
+        yield f"worst  quads whose own steps are below {CLEARLY:g} of the median, shortest first:"
     unit, factor = shown("mm")
     for e in quality.worst.tolist():
         x, y, z = factor * quality.centre[e]
@@ -270,7 +271,7 @@ def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
     stepping, allowed = sim.time_step.stepping, sim.time_step.bound(sim.state)
     safe = stepping.safety * allowed
     yield f"step   {quality.median_step:.4g} s is stable for the median quad alone,"
-    yield f"       {quality.stable_step:.4g} s for the worst quad alone, the first one below,"
+    yield f"       {quality.stable_step:.4g} s for the worst quad alone,"
     yield f"       {allowed:.4g} s for the film with contact and cables at the start;"
     if stepping.fixed is None:
         of_that = f"time.safety, {stepping.safety:g}, of that"

@@ -41,17 +41,24 @@ def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | No
     Parameters
     ----------
     models : iterable of str
-        Of :data:`MODELS`; of any other no kernel is listed.
+        Of :data:`MODELS`.
     told : callable, optional
         Called with the number of kernels that are ready and of all, after each; not at all if none
         has to be compiled.
+
+    Raises
+    ------
+    ValueError
+        If one is no model.
 
     Examples
     --------
     >>> import shellcut
     >>> shellcut.warmup(["opening"])  # doctest: +SKIP
     """
-    names = [name for name in models if name in MODELS]
+    names = list(models)
+    if unknown := [name for name in names if name not in MODELS]:
+        raise ValueError(f"{', '.join(unknown)}: the models are {', '.join(MODELS)}")
     kernels = _listed(names)
     missing = [one for one in kernels if not is_stored(*one)]
     others, said = _others(names, len(missing)), 0

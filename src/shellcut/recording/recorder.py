@@ -129,7 +129,6 @@ class Recorder:
         self._check = check or check_model(sim, until)
         if not chosen.resume:
             self._check.enforce(force=chosen.force)
-        self._check.say()
         self.verdict: tuple[Line, ...] = ()
         self.name = name
         self._sim = sim
@@ -147,6 +146,7 @@ class Recorder:
                 f"{self.folder} has no {CHECKPOINT} to resume from; run it from the beginning"
             )
         self._open_files(chosen, also)
+        self._check.say()
         self._status_due = Trigger(until / _N_STATUS)
         self._status_step = -1  # step of the last status line
         self._progress = self._make_progress(chosen.log) if chosen.progress else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
@@ -16,12 +16,14 @@ from shellcut.results.verdict import LOGGER as VERDICT
 class RunLog:
     """Lines about a run; kept until its folder exists, then written to a file and flushed.
 
-    They are printed, too, if they are to be ``shown``.
+    They are printed, too, if they are to be ``shown``; ``words`` returns a line in those of the
+    reader.
     """
 
-    def __init__(self, *, shown: bool = True) -> None:
-        self._shown = shown
+    def __init__(self, *, shown: bool = True, words: Callable[[str], str] = str) -> None:
+        self._shown, self._words = shown, words
         self._kept: list[str] = []
+        self._warned: set[str] = set()  # a file may be read twice
         self.verdict: list[str] = []
         """Its lines so far, which are printed last."""
         self._file: TextIO | None = None
@@ -34,10 +36,17 @@ class RunLog:
 
     def say(self, text: str, *, stream: TextIO | None = None) -> None:
         """Print a line, on standard output by default, and log it; a closed pipe is ignored."""
+        text = self._words(text)
         if self._shown:
             with suppress(OSError):  # a closed pipe, or output redirected to a full disk
                 print(text, file=stream or sys.stdout, flush=True)
         self.keep(text)
+
+    def warn(self, text: str) -> None:
+        """Say a line on standard error, once."""
+        if text not in self._warned:
+            self._warned.add(text)
+            self.say(text, stream=sys.stderr)
 
     def keep(self, text: str) -> None:
         """Write to the file only."""
@@ -63,7 +72,7 @@ class RunLog:
 
     @contextmanager
     def library_said(self) -> Iterator[None]:
-        """Say the library's warnings, such as a reader's assumptions and omissions."""
+        """Say the library's warnings, such as a reader's assumptions and omissions, each once."""
         logger, handler = logging.getLogger("shellcut"), _Said(self)
         propagate, logger.propagate = logger.propagate, logger.propagate and self._shown
         logger.addHandler(handler)
@@ -83,7 +92,7 @@ class _Said(logging.Handler):
         if record.name == VERDICT.name:
             self._log.verdict.append(record.getMessage())
         elif record.levelno >= logging.WARNING:
-            self._log.say(record.getMessage(), stream=sys.stderr)
+            self._log.warn(record.getMessage())
 
     def flush(self) -> None:
         # The process may end here.

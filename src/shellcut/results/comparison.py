@@ -276,7 +276,7 @@ def compare(
             Path(measured), x_column, y_column, units=units, expected=(x, y)
         )
     x_unit, y_unit = results.units[x], results.units[y]
-    m = _in_units(measured, (x, x_unit), (y, y_unit))
+    m = in_units(measured, (x, x_unit), (y, y_unit))
     s = _increasing(x, results.history[x], results.history[y])
     a, b = _common_range(m, s, x, x_unit)
     if window is not None and window > b - a:
@@ -397,14 +397,18 @@ def _first_piercing(results: Results, x: str, a: float, b: float) -> Floats:
     return np.where((at >= a) & (at <= b), at, np.nan)
 
 
-def _in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> BrokenLine:
+def in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> BrokenLine:
     """Return the measured curve in the units of the history; x and y are names and units."""
     values, problems = [], []
-    for (name, unit), ours, own in ((x, curve.x, curve.x_unit), (y, curve.y, curve.y_unit)):
+    for (name, unit), column, ours, own in (
+        (x, curve.x_name, curve.x, curve.x_unit),
+        (y, curve.y_name, curve.y, curve.y_unit),
+    ):
         try:
             values.append(np.asarray(ours) * conversion(own, unit))
-        except ValueError as problem:
-            problems.append(f"measured {name} {problem}")
+        except ValueError:
+            wants = f"the run's {name} is in {unit}"
+            problems.append(f"{column} is in {own}, but {wants}: is this the right model?")
     if problems:
         raise ValueError("; ".join(problems))
     return BrokenLine(*values)

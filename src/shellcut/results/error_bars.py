@@ -123,7 +123,8 @@ class ErrorBars:
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
     figure                                              value        ±      mesh     speed    chance
     force, peak [N]                                      3.10     0.10       0.1         -         -
-    force, peak: an order takes 3 meshes; most of ± is mesh: edges half as long would leave ± 0.05 N
+    force, peak: the order needs three meshes; most of ± is mesh: edges half as long would leave \
+± 0.05 N
     """
 
     key: str
@@ -164,7 +165,7 @@ class ErrorBars:
         if bar.order is not None:
             order = f"converges with order {bar.order:.1f} over the meshes"
         elif len(sizes) < _FEWEST:
-            order = f"an order takes {_FEWEST} meshes"
+            order = "the order needs three meshes"
         most = max(bar.parts, key=lambda part: bar.parts[part])
         less = {**bar.parts, most: 0.5 * bar.parts[most]}
         unit, factor = bar.shown
@@ -222,8 +223,8 @@ def error_bar(
     elif coarser:
         q, far = coarser[0]
         parts[MESH] = abs(far - f) / (q - 1.0)
-    if figure == _IN_EDGES and parts:
-        parts[MESH] = max(parts[MESH], edge * min([1.0, *(size for size, _ in meshes)]))
+    if figure == _IN_EDGES and edge:
+        parts[MESH] = max(parts.get(MESH, 0.0), edge * min([1.0, *(size for size, _ in meshes)]))
     for slower in (v for r, v in others if r.part == SPEED):
         value += slower - f
         parts[SPEED] = abs(slower - f)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from shellcut.arguments import listed
 from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
@@ -181,8 +182,8 @@ def figure_name(name: str, figures: Mapping[str, Any]) -> str:
     if (asked := _plain(name)) in spelled:
         return spelled[asked]
     close = difflib.get_close_matches(asked, spelled, n=1)
-    hint = f"did you mean {spelled[close[0]]}?" if close else f"there are {', '.join(numbers)}"
-    raise ValueError(f"there is no figure {name}; {hint}")
+    hint = f"; did you mean {spelled[close[0]]}?" if close else listed(numbers)
+    raise ValueError(f"there is no figure {name}{hint}")
 
 
 def known_figure(name: str, more: Iterable[str] = ()) -> str:

@@ -25,8 +25,8 @@ KineticShare: TypeAlias = Annotated[
     float | None,
     Option(
         "",
-        "largest kinetic energy over the work done: the film is as at rest, tool, supports and "
-        "loads go slower, or wait, wherever it would exceed that; e.g. 0.004",
+        "run slowly enough that kinetic energy stays below this share of the work (0.004 is a good "
+        "start): tool, supports and loads slow down or wait where needed",
         above=0,
         most=0.008,
         unset="they go as fast as given, and the film has its inertia",

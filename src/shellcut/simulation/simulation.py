@@ -48,6 +48,9 @@ from .pace import KineticShare, Pace
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
 
+_OF_MASS = "mass-proportional Rayleigh damping"
+_OF_STIFFNESS = "stiffness-proportional Rayleigh damping"
+
 
 class Simulation:
     """A film, its supports and loads, and the tool that cuts it.
@@ -112,8 +115,8 @@ class Simulation:
             bool,
             Option("", "whether cables meet the blade; false: classical cohesive elements"),
         ] = True,
-        damping_alpha: Annotated[float, Option("1/s", "of the mass", least=0)] = 0.1,
-        damping_beta: Annotated[float, Option("s", "of the stiffness", least=0)] = 5e-8,
+        damping_alpha: Annotated[float, Option("1/s", _OF_MASS, least=0)] = 0.1,
+        damping_beta: Annotated[float, Option("s", _OF_STIFFNESS, least=0)] = 5e-8,
         velocity: Floats | None = None,
         terms: Sequence[ForceTerm] = (),
         quasi_static: KineticShare = None,

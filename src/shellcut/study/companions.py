@@ -78,7 +78,10 @@ def _meshes(model: Model, finer: float) -> dict[str, tuple[float, Settings]]:
         names = near if film.mesh != "quick" else near[:1]
         return {f"mesh {m}": (n / _AROUND[m], {"membrane.mesh": m}) for m in names}
     if not {"n_side", "n_x"} & {*film.values} and film.values.get("size") is None:
-        raise ValueError("the mesh is a file, or of its mesher's size: none is coarser or finer")
+        why = "shellcut cannot remesh a file; run your own coarser and finer file"
+        if film.kind != "file":
+            why = "the mesher chose the size; give membrane.size"
+        raise ValueError(f"left out, because {why}")
     found = {"coarser mesh": _mesh(model, 1.0 / _RATIO), "finer mesh": _mesh(model, finer)}
     return {name: one for name, one in found.items() if one[0] != 1.0}
 

@@ -20,9 +20,11 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.formats.errors import naming
 from shellcut.numerics.broken_line import BrokenLine
-from shellcut.results.comparison import Comparison, compare, shares
-from shellcut.results.measured_curve import MeasuredCurve
+from shellcut.recording.resistance import AnyResistance
+from shellcut.results.comparison import Comparison, compare, in_units, shares
+from shellcut.results.measured_curve import MeasuredCurve, read_measured_curve
 from shellcut.results.run_results import read
 
 _PERIODS = 2.0
@@ -61,6 +63,27 @@ class FitCurve:
     """Of the file's columns, as ``"deg, N*mm"``; by default those of its headings."""
     settings: Mapping[str, object] = field(default_factory=dict)
     """Keys that this experiment had otherwise, such as another speed."""
+
+
+def refuse_curves(curves: Sequence[FitCurve], of_run: AnyResistance) -> None:
+    """Refuse files and units that do not fit a run with this resistance, before it is run."""
+    x, y = (of_run.coordinate_name, of_run.coordinate_unit), of_run.columns[0]
+    problems = []
+    for curve in curves:
+        measured, columns = curve.measured, curve.columns or (None, None)
+        names = curve.x or x[0], curve.y or y[0]
+        try:
+            if not isinstance(measured, MeasuredCurve):
+                measured = read_measured_curve(
+                    measured, *columns, units=curve.units, expected=names
+                )
+            if names == (x[0], y[0]):  # others are columns of the history
+                with naming(str("the curve" if measured is curve.measured else curve.measured)):
+                    in_units(measured, x, y)
+        except (ValueError, OSError) as problem:
+            problems.append(str(problem))
+    if problems:
+        raise ValueError("\n".join(dict.fromkeys(problems)))
 
 
 def window_of(folder: Path, figures: Mapping[str, Any], curve: FitCurve) -> float:

@@ -42,7 +42,7 @@ class Design:
         if self.kind == "grid" and self.n is not None:
             raise ValueError("a grid has as many runs as combinations: leave out n")
         if self.kind != "grid" and self.n is None:
-            raise ValueError(f"a {self.kind} design must have n runs, got none")
+            raise ValueError(f"a {self.kind} design needs a number of runs, such as n=16")
 
     def runs(self, factors: Sequence[Factor]) -> list[dict[str, object]]:
         """Return the values of all factors in each run, by key.

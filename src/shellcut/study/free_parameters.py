@@ -126,7 +126,11 @@ def _free(model: Model, key: str, bounds: tuple[float, float] | None) -> Free:
     keys = section.of.keys
     if name not in keys:
         raise ValueError(f"{key}: [{title}] has no such key, but {', '.join(keys)}")
-    start = section.values[name]
+    start, wants = section.values[name], keys[name].form.wants
+    if not wants.endswith("number"):
+        raise ValueError(f"{key} is no number, but {wants}: it cannot be fitted")
+    if start is None:
+        raise ValueError(f"{key} has no value in the model: set one from which the fit starts")
     if isinstance(start, bool) or not isinstance(start, int | float) or not start > 0.0:
         raise ValueError(f"{key} must be a number above 0 in the model, where it is {start!r}")
     low, high = bounds or (start / _FACTOR, start * _FACTOR)

@@ -150,7 +150,7 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     # differ in what changes no result, such as the number of threads.
     resume = (folder / CHECKPOINT).exists()
     model = model_of_text(task.model, USED)
-    log = RunLog(shown=False)
+    log = RunLog(shown=False, words=model.words)
     with log.library_said(), contextlib.closing(log), contextlib.suppress(RunEnded):
         case, recorder = _begun(model, folder, resume=resume)
         write_text(folder / USED, task.model)

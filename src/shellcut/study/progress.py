@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 
+from shellcut.model_file.key_index import with_values
 from shellcut.results.summary_figures import key_figures
 from shellcut.view.progress import duration
 
@@ -33,8 +34,7 @@ class StudyProgress:
 
     def ended(self, number: int, outcome: Outcome, n_ended: int) -> None:
         """Say how a run ended."""
-        inputs = self._plan.runs[number].values.items()
-        values = ", ".join(f"{key}={value}" for key, value in inputs)
+        values = with_values(self._plan.runs[number].values)
         said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
         if outcome.status == "done":
             shown = [name for name in _SHOWN if name in outcome.figures][:1]

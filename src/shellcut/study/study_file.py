@@ -22,9 +22,10 @@ import os
 from pathlib import Path
 from typing import Any
 
+from shellcut.arguments import guess
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
-from shellcut.model_file.errors import ModelFileError, Problem, guess
+from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.forms import written
 from shellcut.model_file.key import Kind, keys_of
 from shellcut.model_file.reader import read_section

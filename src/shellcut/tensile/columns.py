@@ -47,7 +47,7 @@ _LABEL = re.compile(_MARK.pattern + r"|specimen|sample|probe|prüfling|test|vers
 _SENSOR = re.compile(r"cell|channel|kanal|sensor|gauge|extensom|transduc|camera|aufnehmer")
 _WORD = re.compile(r"[^\W\d_]+|\d+|°")
 _KINDS = {"ratio": "strain", "length": "extension", "stress": "stress", "force": "force"}
-_BY_NUMBER = 'choose by heading or number, as --columns "1, 2" (columns="1, 2" in Python)'
+_BY_NUMBER = 'choose by heading or number, as columns="1, 2"'
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,7 @@ def specimen_columns(
         raise FileError(table.path, _missing(table, found, strains, stresses))
     if columns is None and (said := _competing(strains, stresses)):
         pair = f"{strains[0].index + 1}, {stresses[0].index + 1}"
-        raise FileError(
-            table.path, f'{said}; choose, as --columns "{pair}" (columns="{pair}" in Python)'
-        )
+        raise FileError(table.path, f'{said}; choose, as columns="{pair}"')
     if len(strains) == 1:
         strains = strains * len(stresses)
     if len(strains) != len(stresses):

@@ -231,7 +231,7 @@ def evaluate_tensile(
     FileError
         For files that cannot be read: all of them, with lines.
     ValueError
-        For dimensions and offsets that are not above 0, and unknown units.
+        For dimensions and offsets that are not above 0, unknown units, and a file given twice.
 
     Examples
     --------
@@ -244,13 +244,18 @@ def evaluate_tensile(
     >>> round(film.spread("young").mean), film.spread("strength").mean
     (2000, 24.0)
     """
+    tables = {
+        direction: _listed(paths)
+        for direction, paths in (files if isinstance(files, Mapping) else {"": files}).items()
+    }
+    each = [path for paths in tables.values() for path in paths]
+    if twice := {f"{path} is given twice: name it once" for path in each if each.count(path) > 1}:
+        raise ValueError("\n".join(sorted(twice)))
     piece = SpecimenSize(gauge_length=gauge_length, width=width, thickness=thickness)
     if not (isfinite(offset) and 0.0 < offset < 1.0):
         raise ValueError(f"offset must be a strain between 0 and 1, got {offset!r}")
-    groups = files if isinstance(files, Mapping) else {"": files}
     found: dict[str, Direction] = {}
     problems: list[str] = []
-    tables = {direction: _listed(paths) for direction, paths in groups.items()}
     for direction, paths in tables.items():
         for path in paths:
             try:
@@ -270,9 +275,7 @@ def evaluate_tensile(
         raise ValueError("\n".join(problems))
     if not found:
         raise ValueError("there must be at least one file")
-    return TensileTest(
-        found, offset, tuple(path for several in tables.values() for path in several)
-    )
+    return TensileTest(found, offset, tuple(each))
 
 
 def _listed(paths: Paths) -> list[Path]:

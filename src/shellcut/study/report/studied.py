@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.model_file.key_index import tables
+from shellcut.model_file.key_index import unit_of_key
 from shellcut.model_file.quantity import quantity
 from shellcut.results.summary_figures import label_of, unit_of
 from shellcut.study.factors import Factor, factors_of
@@ -172,7 +172,7 @@ def of_interest(
 
 def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> tuple[Studied, ...]:
     """Return every key of the table with its values."""
-    units = {key: _unit_of_key(key) for key in columns}
+    units = {key: unit_of_key(key) for key in columns}
     short = [key.rpartition(".")[2] for key in columns]
     found = []
     for key, cells in columns.items():
@@ -246,15 +246,3 @@ def _numbers(cells: Sequence[str]) -> Floats:
         except ValueError:
             continue
     return np.where(np.isfinite(found), found, np.nan)
-
-
-def _unit_of_key(key: str) -> str:
-    """Return the unit of a key of model files; "" for a pure number or an unknown key."""
-    section, _, name = key.rpartition(".")
-    for table in tables():
-        if section and table.title != f"[{section}]":
-            continue
-        for known, found in table.keys.items():
-            if name in (known, found.also):
-                return found.option.unit
-    return ""

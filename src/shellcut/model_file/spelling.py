@@ -1,0 +1,71 @@
+"""Messages of the library in the words of model files and commands: :func:`in_keys`.
+
+A class of the library refuses its arguments by their Python names. Whoever writes a model file or a
+command knows them as keys and options; both names stand in the table of the sections.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Mapping
+
+from .section_table import SECTIONS
+from .source import Source
+
+_OTHERS = {
+    "Mesh.cut": "membrane.notch",
+    'Fracture(path="free")': 'fracture.path = "free"',
+    "force=True, on the command line --force": "--force",
+    "units=": "--units ",
+    "columns=": "--columns ",
+    "triangles=": "membrane.triangles = ",
+    "such as n=": "such as --n ",
+}
+"""What is no argument of a section's class."""
+
+
+_UNIT_OF = re.compile(r"\b(\w+) is in \S+ unless a unit is given: [^;\n]*")
+_QUANTITY = re.compile(r"([-+.\deE]+)\s*([^\d\s].*)")
+
+
+def in_keys(text: str, source: Source | None = None) -> str:
+    """Return a message with keys and options in the place of arguments of Python.
+
+    What is said of the unit of a key takes the quantity that the model gives, if it has a unit.
+
+    Examples
+    --------
+    >>> in_keys('lower Stepping.safety, or set Contact.film_edges = True; give units="deg, N*mm"')
+    'lower time.safety, or set contact.film_edges = true; give --units "deg, N*mm"'
+    >>> in_keys('the tool is 4 mm across; unit="..." says otherwise')
+    'the tool is 4 mm across; tool.unit = "..." says otherwise'
+    """
+    for argument, key in _names().items():
+        text = text.replace(argument, key)
+    title = "tool" if "the tool" in text else "membrane"
+    text = re.sub(r"\bunit=(?=[\" ])", f"{title}.unit = ", text).replace("unit =  ", "unit = ")
+    text = text.replace(" = True", " = true")
+    return text if source is None else _UNIT_OF.sub(lambda found: _as_given(found, source), text)
+
+
+def _as_given(found: re.Match[str], source: Source) -> str:
+    """Return what is said of the unit of a key, with the quantity that is given."""
+    tables = (one for one in source.values.values() if isinstance(one, dict))
+    for given in (str(one[found[1]]) for one in tables if found[1] in one):
+        if quantity := _QUANTITY.fullmatch(given):
+            smaller = f"{1e-3 * float(quantity[1]):g} {quantity[2]}"
+            return f"you gave {given}; did you mean {smaller}?"
+    return found[0]
+
+
+@functools.cache
+def _names() -> Mapping[str, str]:
+    return _OTHERS | {
+        f"{key.owner.__name__}.{key.parameter}": f"{title}.{name}"
+        for layout in SECTIONS.values()
+        for title, kinds in layout.items()
+        for kind in kinds
+        for name, key in kind.keys.items()
+        if isinstance(key.owner, type)
+    }
