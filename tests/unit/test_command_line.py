@@ -222,7 +222,14 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
         (["run", "opening", "-o", "out", "--frames", "0"], "[output].frames must be 1 or more"),
         (["run", "opening", "-o", "file"], "-o must name a folder"),
         (["run", "opening", "--write-model", "file"], "already exists"),
-        (["run", "opening", "--write-model", "none/model.toml"], "No such file or directory"),
+        (["run", "opening", "--write-model", "none/model.toml"], "model.toml: No such file or dir"),
+        (["run", "openign"], "did you mean opening?\ngive a folder for the results: -o OUT"),
+        (["run", "opening", "-o", "file/out"], "file/out: Not a directory"),
+        (["warmup", "openign"], "openign: the models are opening, guillotine"),
+        (["view", "out", "-o", "a.xyz"], "must end with one of .html, .mp4"),
+        (["report", "out", "-o", "none/r.html"], "none: there is no such folder; make it"),
+        (["converge", "opening", "-o", "o", "--figures", "torqe_peak"], "did you mean torque_peak"),
+        (["sweep", "opening", "-o", "o", "--design", "lhs"], "such as --n 16"),
         (["resume", "nowhere"], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
         (["preview", "opening", "--set", "mesh=quick", "-o", "gone/x.png"], "gone"),
@@ -234,6 +241,7 @@ def test_bad_input_is_told_without_a_traceback(tmp_path, monkeypatch, capsys, ar
     assert main(arguments) == 2
     error = capsys.readouterr().err
     assert said in error
+    assert error.startswith("refused:")
     assert "Traceback" not in error
     assert {path.name for path in tmp_path.iterdir()} == {"file"}
 
@@ -246,7 +254,7 @@ def test_a_run_that_blows_up_ends_with_three(tmp_path, capsys):
     # The frame of the end is there: it was stopped while its numbers were still numbers.
     assert shellcut.read(tmp_path).times[-1] == pytest.approx(float(told[1]), rel=1e-5)
     assert "is above the safe step" in said
-    assert "lower Stepping.safety" in said
+    assert "lower time.safety" in said
     log = (tmp_path / "run.log").read_text()
     # What there is of it is judged, after the message.
     told, verdict = log.split("how far the results can be trusted:\n")
@@ -477,6 +485,11 @@ def test_list_and_a_copy_to_edit(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     assert main(["run", "opening", "--write-model", str(path)]) == 0
     assert read_model(path) == read_model("opening")
+    other = tmp_path / "other.toml"
+    settings = {"mesh": "quick", "teeth": 5}
+    words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
+    assert main(["run", "opening", *words, "--write-model", str(other)]) == 0
+    assert read_model(other) == read_model("opening", settings)
     # what editors read, and how its file is made
     assert path.read_text(encoding="utf-8").startswith("#:schema ./shellcut.schema.json\n")
     assert "shellcut keys --schema > shellcut.schema.json" in capsys.readouterr().out

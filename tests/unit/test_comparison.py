@@ -129,7 +129,7 @@ def test_the_window_takes_a_sawtooth_away_and_leaves_lines_and_the_work(tmp_path
 def test_refusals(run):
     with pytest.raises(ValueError, match=r"share a range of angle, measured is 95 to 99 deg"):
         shellcut.compare(run, measured([1.0, 2.0], [95.0, 99.0]))
-    with pytest.raises(ValueError, match=r"measured angle must be .* 'mm', one of length; meas"):
+    with pytest.raises(ValueError, match=r"x is in mm, but the run's angle is in deg: is this"):
         shellcut.compare(run, MeasuredCurve([0.0, 1.0], [0.0, 1.0], "mm", "N"))
     with pytest.raises(ValueError, match=r"'way' in the history; no 'power'.*there are time, angl"):
         shellcut.compare(run, measured([0, 1], [0, 1]), x="way", y="power")
@@ -183,8 +183,14 @@ def test_the_command_writes_table_json_and_picture(run, german, tmp_path, capsys
         (["--x", "angle=Winkl", "--y", "torque=3"], "did you mean 'Winkel'?"),
         (["--x", "way=2", "--y", "=3"], "no 'way' in the history"),
         (["--x", "=2", "--y", "=3", "--units", "deg, furlong"], "got 'furlong'"),
-        (["--x", "=2", "--y", "=3", "--units", "mm, N"], "one of length; measured torque"),
-        (["--x", "=2", "--y", "=3", "--json", "/no/such/folder/a.json"], "cannot write"),
+        (
+            ["--x", "=2", "--y", "=3", "--units", "mm, N"],
+            "Winkel is in mm, but the run's angle is in deg",
+        ),
+        (
+            ["--x", "=2", "--y", "=3", "--json", "/no/such/folder/a.json"],
+            "there is no such folder; make it",
+        ),
     ],
 )
 def test_bad_input_leaves_with_two(run, german, capsys, more, words):

@@ -11,7 +11,6 @@ import pytest
 
 from shellcut import warmup
 from shellcut.command_line import doctor, main
-from shellcut.models.warmup import MODELS
 from shellcut.numerics.kernel_cache import KernelCache
 
 
@@ -129,9 +128,9 @@ def test_what_has_been_compiled_is_not_compiled_again():
     assert told == []
 
 
-def test_of_other_models_nothing_is_listed():
-    assert "tensile" not in MODELS
-    warmup(["tensile"], told=lambda *_: pytest.fail("it has no kernels"))
+def test_what_is_no_model_is_refused():
+    with pytest.raises(ValueError, match="tensile: the models are opening, guillotine"):
+        warmup(["tensile"])
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def test_the_last_key_keeps_the_energy():
     [
         (["cohesive.plateau", "motion.axis"], {}, False, "no such key"),
         (["plateau"], {}, False, "written SECTION.KEY"),
-        (["cohesive.joint"], {}, False, "must be a number above 0"),
+        (["cohesive.joint"], {}, False, "cohesive.joint is no number, but"),
         ([PLATEAU], {PLATEAU: (13.0, 20.0)}, False, "around its start, 12"),
         ([PLATEAU], {OPENING: (1.0, 5.0)}, False, "not among the free keys"),
         ([PLATEAU], {}, True, "two or more keys"),

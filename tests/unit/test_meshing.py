@@ -299,4 +299,9 @@ def test_damping_shortens_the_step():
     free = sc.mesh_quality(mesh, damping_beta=0.0)
     damped = sc.mesh_quality(mesh, damping_beta=2e-7)
     assert (damped.step < free.step).all()
-    assert sorted(sc.mesh_quality(rectangle(2.0, 1.0, n_x=2, n_y=1)).worst) == [0, 1]
+
+
+def test_of_alike_quads_none_is_the_worst():
+    quality = sc.mesh_quality(rectangle(4.0, 2.0, n_x=4, n_y=2))
+    assert quality.worst.size == 0
+    assert "below 0.9 of the median" not in str(quality)

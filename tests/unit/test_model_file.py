@@ -40,6 +40,18 @@ def refusal(name, overrides=None):
     return str(found.value).splitlines()
 
 
+def test_words_of_python_are_told_as_keys():
+    assert read_model("opening").words("a smaller Stepping.safety or CohesiveLaw.plateau") == (
+        "a smaller time.safety or cohesive.plateau"
+    )
+    said = 'young 1.678e+06 MPa: young is in MPa unless a unit is given: 1.678 GPa is 1678; or "x"'
+    model = read_model("opening", {"material.young": "1678 GPa"})
+    assert model.words(said) == (
+        'young 1.678e+06 MPa: you gave 1678 GPa; did you mean 1.678 GPa?; or "x"'
+    )
+    assert read_model("opening", {"material.young": 1678e3}).words(said) == said
+
+
 def test_all_problems_at_once_each_with_its_line(write):
     name = write(
         """model = "opening"
@@ -110,8 +122,8 @@ def test_files_of_windows_editors_are_read(tmp_path):
     [
         ("model = 3", "model must be one of"),
         ("[tool]\nteeth = 3", "model must be given"),
-        ("model = 'opening'\nmodel = 'free'", "x.toml:2: is not valid TOML"),
-        ("model = 'opening'\n[tool\n", "x.toml:2: is not valid TOML"),
+        ("model = 'opening'\nmodel = 'free'", "x.toml:2: is not a model file (TOML)"),
+        ("model = 'opening'\n[tool\n", "x.toml:2: is not a model file (TOML)"),
         ("model = 'opening'\n[[tool]]\nteeth = 3", "x.toml:2: [tool] can occur only once"),
         (
             "model = 'opening'\n[loads]\nvalue = 3",
@@ -126,7 +138,11 @@ def test_files_of_windows_editors_are_read(tmp_path):
         ("model = 'opening'\n[tool]\nkind = 'blade'", "[tool].kind 'blade' is unknown; there are"),
         (
             "model = 'free'\n[tool]\nteeth = 4\nedge_angle_deg = 90",
-            'x.toml:4: key [tool].edge_angle_deg belongs to kind = "blade", not to kind = "teeth"',
+            "x.toml:4: [tool].edge_angle_deg and [tool].teeth exclude each other: leave out one",
+        ),
+        (
+            "model = 'free'\n[tool]\nteeth = 4\nlength = 3",
+            'x.toml:4: key [tool].length belongs to kind = "blade", not to kind = "teeth"',
         ),
         ("model = 'free'\n[motion]\npitch = 3", "x.toml:2: [motion].duration must be given"),
         ("model = 'opening'\nname = '../x'", "x.toml:2: name must be letters"),
@@ -294,7 +310,16 @@ def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeyp
         ({"tol.teeth": 3}, "set tol.teeth=3: there is no section [tol]; did you mean tool?"),
         ({"tool.teeth": "many"}, "set tool.teeth=many: [tool].teeth must be a whole number"),
         ({"tool.teeth": 0}, "set tool.teeth=0: [tool].teeth must be 1 or more, got 0"),
-        ({"tool.teeth": 3, "tool.file": "x.stl"}, "[tool].file belongs to kind"),
+        (
+            {"tool.teeth": 3, "tool.file": "x.stl"},
+            "[tool].file and [tool].teeth exclude",
+        ),
+        ({"membrane.mesh": "M1", "membrane.file": "x.inp"}, "[membrane].file and [membrane].mesh"),
+        (
+            {"density": 1000},
+            "set density=1000: [material]: density must be in t/mm³, got 1000.0, heavier than any "
+            "matter: 1000 kg/m³, or 1 g/cm³, is 1e-9 t/mm³",
+        ),
         ({"loads.value": 3}, "[[loads]] can occur several times: write it in the file"),
     ],
 )

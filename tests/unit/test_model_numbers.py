@@ -46,7 +46,7 @@ STRIP = 'model = "guillotine"\n[membrane]\nlength = 6.0\nwidth = 4.0\nsize = 1.0
             r"\[output\].rows must be a whole number up to 1,000,00",
         ),
         (f"[output]\nrows = {10**400}", "must hold whole numbers up to 9223372036854775807"),
-        (f"[output]\nrows = 1{'0' * 5000}", "is not valid TOML: Exceeds the limit"),
+        (f"[output]\nrows = 1{'0' * 5000}", r"is not a model file \(TOML\): Exceeds the limit"),
         (f"x = {'[' * 3000}{']' * 3000}", "must nest tables and arrays to 8 lev"),
         (f"x.{'y.' * 20}z = 1", "must nest tables and arrays to 8 levels"),
         (f"x.{'y.' * 100_000}z = 1", "a key must have 100 parts at most, got 100,002"),

@@ -137,15 +137,15 @@ def test_every_number_of_a_summary_is_a_name_that_a_search_knows(tmp_path):
     [
         ({"minimise": "a", "maximise": "b"}, "either minimise or maximise"),
         ({}, "either minimise or maximise"),
-        ({"minimise": "a", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
-        ({"minimise": "a", "subject_to": ["n_loose = 1"]}, "a limit must be FIGURE <= NUMBER"),
+        ({"minimise": "force_peak", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
         (
-            {"minimise": "torqe_peak"},
-            "there is no figure torqe_peak; did you mean torque_peak",
+            {"minimise": "force_peak", "subject_to": ["n_loose = 1"]},
+            "a limit must be FIGURE <= NUMBER",
         ),
         ({"minimise": "crack_length", "subject_to": ["flasp==0"]}, "did you mean n_flap"),
-        ({"minimise": "crack_length", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
-        ({"minimise": "crack_length", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
+        ({"minimise": "force_paek"}, "no figure force_paek; did you mean force_peak_N"),
+        ({"minimise": "force_peak", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
+        ({"minimise": "force_peak", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
     ],
 )
 def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):

@@ -12,6 +12,7 @@ import shellcut
 from shellcut import Anisotropy, meshing, tool_shapes
 from shellcut.arguments import declared
 from shellcut.model_file.section_table import LISTS, SECTIONS
+from shellcut.recording.run_options import RunOptions
 from shellcut.tensile.specimen import SpecimenSize
 from shellcut.tool.round_bar import round_bar
 
@@ -83,3 +84,10 @@ def test_its_docstring_tells_them(owner):
 def test_all_that_is_wrong_is_told_at_once():
     with pytest.raises(ValueError, match=r"along must be a number.*; across must be positive"):
         Anisotropy(direction=(1.0, 0.0, 0.0), along="x", across=-1.0)
+
+
+def test_an_argument_that_there_is_not_is_told_with_those_that_are():
+    with pytest.raises(TypeError, match="no argument safty; did you mean safety"):
+        shellcut.Stepping(safty=0.5)
+    with pytest.raises(ValueError, match=r"no argument overwrite; there are n_row, .*replace"):
+        RunOptions(overwrite=True)

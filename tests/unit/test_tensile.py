@@ -314,7 +314,7 @@ class TestColumns:
         path = machine(tmp_path / "film.csv", *case)
         if headings is None:
             path.write_text(path.read_text().split("\n", 1)[1])
-        with pytest.raises(ValueError, match=r"needs a column .*--columns.* --units|--columns"):
+        with pytest.raises(ValueError, match=r"needs a column .*columns=.* units=|columns="):
             self.evaluated(path)
         if given:
             self.check(self.evaluated(path, units=given.replace("N", "MPa")))
@@ -328,7 +328,7 @@ class TestColumns:
             ("Strain 1 [%];Strain 2 [%];Stress [MPa]", {}, "may be column 1: .* or 2:"),
             ("way [mm];Load cell A [N];Load cell B [N]", {}, "force may be column 2: .* or 3:"),
             ("way [mm];Force [N];Travel [mm];Load [N]", {}, "extension may .*; the force may be"),
-            ("Strain;Force (kg)", {}, "2: 'Force .kg.'; choose .* and give the units by --units"),
+            ("Strain;Force (kg)", {}, "2: 'Force .kg.'; choose .* and give units="),
             ("Strain [%];Stress [MPa]", {"columns": "Strian, 3"}, "mean 'Strain'.*; column must"),
             ("Strain [%];Stress [MPa]", {"columns": "1"}, "needs one of stress"),
             ("a;b;c", {"units": "%, MPa, N, s"}, "units must be 3, .* or two, .* got 4"),
@@ -453,8 +453,8 @@ class TestRefusals:
     @pytest.mark.parametrize(
         ("text", "words"),
         [
-            ("0;0\n1;2\n2;3\n", "2 columns without headings; choose .* give the units by --units"),
-            ("strain;stress\n0;0\n1;2\n", "1: 'strain', 2: 'stress'; choose .* the units by --uni"),
+            ("0;0\n1;2\n2;3\n", "2 columns without headings; choose .* give units="),
+            ("strain;stress\n0;0\n1;2\n", "1: 'strain', 2: 'stress'; choose .* units="),
             ("time [s];stress [MPa]\n0;0\n1;2\n", "needs a column of strain"),
             (
                 "1 [%];2 [%];1 [MPa];2 [MPa];3 [MPa]\n0;0;0;0;0\n1;1;1;1;1\n",

@@ -180,11 +180,6 @@ class Kind:
         """Second name of the sign."""
         return self.keys[self.sign].also if self.sign else ""
 
-    @property
-    def word(self) -> str:
-        """What it is, in a word."""
-        return f'kind = "{self.name}"' if self.name else self.sign
-
     def names(self) -> list[str]:
         """Return all names allowed in the section, including second names."""
         own = ["kind"] if self.name else []

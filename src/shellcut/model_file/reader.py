@@ -295,13 +295,7 @@ class _Reading:
         return kinds[0]
 
     def unknown_key(
-        self,
-        name: str,
-        cls: Kind,
-        kinds: Kinds,
-        table: dict[str, Any],
-        path: KeyPath,
-        model: str,
+        self, name: str, cls: Kind, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
     ) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
         owner = ".".join(map(str, path))
@@ -310,13 +304,12 @@ class _Reading:
             return
         for kind in kinds:
             if kind is not cls and name in kind.names():
-                if name in (kind.sign, kind.also_sign) and cls.sign in table:
-                    both = f"{shown} and {_shown(path)}{cls.sign} exclude each other"
-                    self.say(place, f"{both} ({kind.word}, or {cls.word}): leave out one")
-                    return
                 chosen = f'kind = "{cls.name}"' if cls.name else "this one"
                 theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
-                self.say(place, f"key {shown} belongs to {theirs}, not to {chosen}")
+                text = f"key {shown} belongs to {theirs}, not to {chosen}"
+                if name in (kind.sign, kind.also_sign) and cls.sign in table:
+                    text = f"{shown} and {_shown(path)}{cls.sign} exclude each other: leave out one"
+                self.say(place, text)
                 return
         owners = [
             title

@@ -254,7 +254,7 @@ def _missing(
         if one.dimension is None
         and any(pattern.search(word) for word in one.core for pattern in _NAMED.values())
     ]
-    units = ' and give the units by --units "%, MPa"' if unknown or not table.headings else ""
+    units = ' and give units="%, MPa"' if unknown or not table.headings else ""
     return (
         f"a tensile test needs {wanted}, told by name and unit of its heading; there are "
         f"{table.listing()}; {_BY_NUMBER}{units}"
