@@ -227,12 +227,14 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
         (["run", "opening", "-o", "file/out"], "file/out: Not a directory"),
         (["warmup", "openign"], "openign: the models are opening, guillotine"),
         (["view", "out", "-o", "a.xyz"], "must end with one of .html, .mp4"),
-        (["report", "out", "-o", "none/r.html"], "none: there is no such folder; make it"),
         (["converge", "opening", "-o", "o", "--figures", "torqe_peak"], "did you mean torque_peak"),
         (["sweep", "opening", "-o", "o", "--design", "lhs"], "such as --n 16"),
         (["resume", "nowhere"], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
-        (["preview", "opening", "--set", "mesh=quick", "-o", "gone/x.png"], "gone"),
+        (
+            ["preview", "opening", "--set", "mesh=quick", "-o", "gone/x.png"],
+            "gone: there is no such folder",
+        ),
     ],
 )
 def test_bad_input_is_told_without_a_traceback(tmp_path, monkeypatch, capsys, arguments, said):

@@ -129,7 +129,7 @@ def test_the_window_takes_a_sawtooth_away_and_leaves_lines_and_the_work(tmp_path
 def test_refusals(run):
     with pytest.raises(ValueError, match=r"share a range of angle, measured is 95 to 99 deg"):
         shellcut.compare(run, measured([1.0, 2.0], [95.0, 99.0]))
-    with pytest.raises(ValueError, match=r"x is in mm, but the run's angle is in deg: is this"):
+    with pytest.raises(ValueError, match=r"x is in mm, but the run's angle is in deg; y is in N"):
         shellcut.compare(run, MeasuredCurve([0.0, 1.0], [0.0, 1.0], "mm", "N"))
     with pytest.raises(ValueError, match=r"'way' in the history; no 'power'.*there are time, angl"):
         shellcut.compare(run, measured([0, 1], [0, 1]), x="way", y="power")

@@ -146,8 +146,8 @@ class Case:
         interruption.deliver()
 
     def interrupted(self, recorder: Recorder) -> str:
-        """Return where a run stands that was interrupted, and how it is continued."""
+        """Return where a run stopped that was interrupted, and how it is continued."""
         folder = recorder.folder
-        by_command = (folder / USED).exists()
-        how = f": shellcut resume {folder}" if by_command else f" from {folder}: resume=True"
-        return f"interrupted at {recorder.place()}; to continue{how}"
+        is_of_command = (folder / USED).exists()
+        how = f": shellcut resume {folder}" if is_of_command else f" it in {folder}: resume=True"
+        return f"{self.name} stopped at {recorder.place()}; to continue{how}"

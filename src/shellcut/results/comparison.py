@@ -407,10 +407,9 @@ def in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> Br
         try:
             values.append(np.asarray(ours) * conversion(own, unit))
         except ValueError:
-            wants = f"the run's {name} is in {unit}"
-            problems.append(f"{column} is in {own}, but {wants}: is this the right model?")
+            problems.append(f"{column} is in {own}, but the run's {name} is in {unit}")
     if problems:
-        raise ValueError("; ".join(problems))
+        raise ValueError(f"{'; '.join(problems)}: is this the right model?")
     return BrokenLine(*values)
 
 
