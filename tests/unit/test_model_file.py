@@ -142,8 +142,9 @@ def test_files_of_windows_editors_are_read(tmp_path):
             "edge_angle_deg, or teeth",
         ),
         (
-            "model = 'free'\n[membrane]\nmesh = 'M1'\nwidth = 3",
-            'key [membrane].width belongs to kind = "rectangle", not to kind = "opening": leave it',
+            "model = 'free'\n[tool]\nedge_angle_deg = 90\nedge_inclination_deg = 60",
+            'x.toml:4: key [tool].edge_inclination_deg belongs to kind = "teeth", not to '
+            'kind = "blade": leave it out',
         ),
         ("model = 'free'\n[motion]\npitch = 3", "x.toml:2: [motion].duration must be given"),
         ("model = 'opening'\nname = '../x'", "x.toml:2: name must be letters"),

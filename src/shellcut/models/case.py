@@ -148,6 +148,7 @@ class Case:
     def interrupted(self, recorder: Recorder) -> str:
         """Return where a run stopped that was interrupted, and how it is continued."""
         folder = recorder.folder
-        is_of_command = (folder / USED).exists()
-        how = f": shellcut resume {folder}" if is_of_command else f" it in {folder}: resume=True"
+        how = f", resume from the checkpoint in {folder}"
+        if (folder / USED).exists():  # of a command
+            how = f": shellcut resume {folder}"
         return f"{self.name} stopped at {recorder.place()}; to continue{how}"
