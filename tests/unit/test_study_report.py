@@ -451,6 +451,6 @@ def test_the_command_lists_the_runs(capsys):
     assert main(["sweep", "guillotine", setting, "--set=notch=1", "--dry-run"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "2 runs, 0 of them done before"
-    assert lines[2].endswith(f"{WEDGE}=14, {SPEED}=800")
+    assert lines[2].endswith(f"{WEDGE} = 14, {SPEED} = 800")
     assert main(["sweep", "guillotine", f"--set={WEDGE},{SPEED}=10:500,14", "--dry-run"]) == 2
     assert "must have 2 values together" in capsys.readouterr().err
