@@ -105,15 +105,16 @@ _KINDS: tuple[tuple[Sizes, Exponents], ...] = (
     (STRESS, (-2, 1, 0, 0)),
     (ENERGY, (1, 1, 0, 0)),
 )
-_FACTORS: dict[str, tuple[Fraction, Exponents]] = {
+NAMES: dict[str, tuple[Fraction, Exponents]] = {
     name: (size, exponents) for sizes, exponents in _KINDS for name, size in sizes.items()
 }
+"""Size and exponents of each unit of which others are products."""
 _QUOTIENTS: Mapping[Exponents, str] = {(0, 0, 0, 0): "ratio", (-2, 1, 0, 0): "stress"}
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
 _SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "⁻": "-", "·": "*"})
 _LARGEST_POWER = 9
 
-_WORDS = {
+WORDS = {
     **{
         word.lower(): word
         for word in (
@@ -137,6 +138,7 @@ _WORDS = {
     **dict.fromkeys(("percent", "pct", "prozent"), "%"),
     **dict.fromkeys(("ue", "uε", "ustrain", "microstrain"), "um/m"),
 }
+"""Other spellings of units, in any case."""
 _SPELLINGS = {
     **{name: name for sizes in DIMENSIONS.values() for name in sizes},
     **{name.replace("*", ""): name for name in TORQUE},
@@ -161,8 +163,8 @@ def canonical(unit: str) -> str | None:
     text = unit.strip().replace("µ", "u").replace("μ", "u")
     if text in _SPELLINGS:
         return _SPELLINGS[text]
-    if text.lower() in _WORDS:
-        return _WORDS[text.lower()]
+    if text.lower() in WORDS:
+        return WORDS[text.lower()]
     return _SPELLINGS.get(re.sub(r"[\s*·⋅×.\-]", "", text))
 
 
@@ -195,15 +197,15 @@ def parsed(unit: str) -> tuple[Fraction, Exponents]:
             continue
         found = _FACTOR.fullmatch(piece)
         name = found[1] if found else ""
-        name = name if name in _FACTORS else canonical(name) or ""
-        if found is None or name not in _FACTORS:
-            raise ValueError(f"must have a unit made of {', '.join(_FACTORS)}, got {unit!r}")
+        name = name if name in NAMES else canonical(name) or ""
+        if found is None or name not in NAMES:
+            raise ValueError(f"must have a unit made of {', '.join(NAMES)}, got {unit!r}")
         if len((found[2] or "").lstrip("-0")) > 1:
             raise ValueError(
                 f"must have a unit to a power of {_LARGEST_POWER} at most, got {unit!r}"
             )
         power = int(found[2] or 1) * (-1 if divides else 1)
-        one, exponents = _FACTORS[name]
+        one, exponents = NAMES[name]
         size *= one**power
         length, force, time, angle = (d + power * e for d, e in zip(total, exponents, strict=True))
         total = (length, force, time, angle)

@@ -42,6 +42,9 @@ def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
     found = read_error_bars(out / "error_bars.json")
     assert str(found) in said
     peak, crack = found.bars
+    # Its runs are too fast: each says so with its part of the error bar.
+    assert found.missing["doubts"][0].startswith("as given is distrusted: The motion is too fast")
+    assert any("mesh is distrusted: The motion" in one for one in found.missing["mesh"])
     assert set(peak.parts) == {"mesh", "speed", "chance"}
     assert all(width > 0.0 for width in peak.parts.values())
     assert 0.0 < peak.half_width < peak.value

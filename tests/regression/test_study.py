@@ -51,7 +51,12 @@ def test_a_study_gives_a_row_a_run(done):
     assert all(force > 0.0 for force in forces)
     assert len(set(forces)) == 4
     table = done.table.read_text(encoding="utf-8-sig").splitlines()
-    assert table[0].startswith("run,wedge_half_angle_deg,status,force_peak_N")
+    assert table[0].startswith("run,wedge_half_angle_deg,status,doubts,force_peak_N")
+    for line, run in zip(table[1:], done.plan.runs, strict=True):
+        told = sc.read(run.folder(done.folder)).summary["verdict"]
+        (doubt,) = (one["text"] for one in told if one["kind"] == "doubt")
+        assert line.split(",")[3] == "1"
+        assert f"distrust: {doubt.partition('. ')[0]}" in line
     assert "wall_s" not in table[0]
     assert len(table) == 5
 
@@ -188,3 +193,18 @@ def test_a_stop_that_was_left_behind_stops_nothing(part):
     (out / STOP).touch()
     assert study(out).count("done") == 4
     assert not (out / STOP).exists()
+
+
+def test_a_combination_that_cannot_be_fails_in_its_run_and_the_others_go_on(tmp_path):
+    settings = SETTINGS | {"cohesive.plateau": 12}
+    strength = {"cohesive.strength": [18, 10]}  # below the plateau: no law
+    found = sc.sweep("guillotine", strength, tmp_path, settings=settings, executor=1, say=str)
+    assert [found.outcomes[k].status for k in range(2)] == ["done", "failed"]
+    row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
+    assert row.startswith("1,10,failed")
+    assert "[cohesive]: the law must decrease" in row
+    with pytest.raises(sc.ModelFileError, match="the law must decrease"):
+        sc.sweep("guillotine", {"cohesive.strength": [9, 10]}, tmp_path / "no", settings=settings)
+    with pytest.raises(sc.ModelFileError, match="must be positive"):
+        sc.sweep("guillotine", {"cohesive.strength": [18, -10]}, tmp_path / "no", settings=settings)
+    assert not (tmp_path / "no").exists()

@@ -127,6 +127,9 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
     assert found.rms < 0.2 * found.rms_at_start
     assert found.n_run <= 12
     assert "the parameters no longer change" in found.notes[0]
+    (doubt,) = (note for note in found.notes if note.startswith("distrust, at the fitted values: "))
+    assert "The motion is too fast" in doubt
+    assert any(note.startswith("the verdict distrusts ") for note in found.notes)
     assert (tmp_path / "fit.json").exists()
     assert (tmp_path / "fit.png").exists()
     lines.clear()

@@ -138,12 +138,13 @@ def test_files_of_windows_editors_are_read(tmp_path):
         ("model = 'opening'\n[tool]\nkind = 'blade'", "[tool].kind 'blade' is unknown; there are"),
         (
             "model = 'free'\n[tool]\nteeth = 4\nedge_angle_deg = 90",
-            "x.toml:4: [tool].edge_angle_deg and [tool].teeth exclude each other: leave out one",
+            "x.toml:4: [tool].edge_angle_deg and [tool].teeth exclude each other: leave out "
+            "edge_angle_deg, or teeth",
         ),
         (
             "model = 'free'\n[tool]\nedge_angle_deg = 90\nedge_inclination_deg = 60",
             'x.toml:4: key [tool].edge_inclination_deg belongs to kind = "teeth", not to '
-            'kind = "blade"',
+            'kind = "blade": leave it out',
         ),
         ("model = 'free'\n[motion]\npitch = 3", "x.toml:2: [motion].duration must be given"),
         ("model = 'opening'\nname = '../x'", "x.toml:2: name must be letters"),
@@ -474,3 +475,58 @@ def test_the_model_on_the_page_reads(write):
     model = read_model(write(re.search(r"```toml\n(.*?)```", page, re.S)[1]))
     assert model.sections["membrane"].clamp == ("rim",)
     assert model.sections["motion"].duration == 6e-3
+
+
+@pytest.mark.parametrize(
+    ("model", "line", "drop"),
+    [
+        (
+            "opening",
+            'file = "disc.msh"',
+            "[membrane].mesh exclude each other: leave out file, or mesh",
+        ),
+        (
+            "opening",
+            'file = "cap.stl"',
+            "[tool].teeth exclude each other: leave out file, or teeth, radius, "
+            "edge_inclination_deg, wedge_half_angle_deg, half_thickness",
+        ),
+        (
+            "free",
+            'file = "film.msh"',
+            "[membrane].length exclude each other: leave out file, or length, width, size",
+        ),
+        (
+            "free",
+            'file = "knife.step"',
+            "[tool].edge_angle_deg exclude each other: leave out file, or kind, edge_angle_deg, "
+            "wedge_half_angle_deg, half_thickness, length, height",
+        ),
+        (
+            "free",
+            'file = "motion.csv"',
+            "[motion].direction exclude each other: leave out file, or kind, direction, speed",
+        ),
+    ],
+)
+def test_a_line_of_a_template_that_is_switched_on_says_what_to_drop(write, model, line, drop):
+    text = shipped_models()[model]
+    assert f"# {line}" in text
+    (said,) = refusal(write(text.replace(f"# {line}", line)))
+    assert drop in said
+
+
+def test_an_override_says_which_keys_of_the_file_give_way(write, caplog):
+    path = write('model = "opening"\n[membrane]\nfile = "gone.msh"\nunit = "mm"\nclamp = "rim"')
+    assert read_model(path, {"mesh": "quick"}).sections["membrane"].mesh == "quick"
+    (said,) = caplog.messages
+    assert "set mesh=quick: takes the place of file, unit, clamp in [membrane] (" in said
+    assert "x.toml:3)" in said
+    caplog.clear()
+    read_model("free", {"membrane.mesh": "quick"})  # of the package: no file of the user's
+    assert caplog.messages == []
+
+
+def test_the_ending_of_a_file_is_no_key_but_file_is():
+    (said,) = refusal("opening", {"tool.step": "x.step"})
+    assert "unknown key [tool].step; did you mean file?" in said

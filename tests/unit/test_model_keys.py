@@ -29,6 +29,7 @@ from shellcut.model_file.schema import schema
 from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS
 from shellcut.models import Case
 from shellcut.recording.run_options import RunOptions
+from shellcut.study.study_file import study_schema
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool_shapes import round_bar
 
@@ -428,3 +429,66 @@ def test_the_schema_takes_what_is_read_and_refuses_what_is_not(name, tmp_path):
         {"loads": [{"value": "much", "kind": "gust"}]},
     ):
         assert not valid(tomllib.loads(text) | wrong), wrong
+
+
+def problems(of, whole):
+    """Return what a validator says of each key, by its place."""
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.Draft7Validator.check_schema(of)
+    found = jsonschema.Draft7Validator(of).iter_errors(whole)
+    return {".".join(map(str, one.path)): one.message for one in found}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "place", "said"),
+    [
+        ({"tool": {"teehs": 4}}, "tool", "'teehs' was unexpected"),
+        ({"tool": {"stl": "x.stl", "teeth": 4}}, "tool", "'stl' was unexpected"),
+        ({"tool": {"kind": "file", "teeth": 4}}, "tool", "'teeth' was unexpected"),
+        ({"tool": {"kind": "blade"}}, "tool.kind", "'blade' is not one of ['teeth', 'file']"),
+        ({"tool": {"half_thickness": "0.3 kg"}}, "tool.half_thickness", "'0.3 kg' does not match"),
+        ({"tool": {"shift": [0, 0, "3 s"]}}, "tool.shift.2", "'3 s' does not match"),
+        ({"material": {"density": "1 mm"}}, "material.density", "'1 mm' does not match"),
+        ({"material": {"layers": [{"yung": 3}]}}, "material.layers.0", "'yung' was unexpected"),
+        ({"material": "pett"}, "material", "'pett' is not one of"),
+    ],
+)
+def test_the_schema_names_the_key_that_is_wrong(wrong, place, said):
+    found = problems(schema(), tomllib.loads(shipped_models()["opening"]) | wrong)
+    assert said in found[place]
+
+
+@pytest.mark.parametrize(
+    "good",
+    [
+        {"tool": {"half_thickness": "300 µm", "radius": "0.37 Inch", "shift": [0, "1 mm", 3]}},
+        {"tool": {"kind": "file", "stl": "x.stl", "unit": "mm"}},
+        {"material": {"density": "0.92 g/cm³", "young": "1.7e3 mpa"}},
+        {"material": "pet"},
+    ],
+)
+def test_the_schema_takes_units_as_the_reader_does(good):
+    assert problems(schema(), tomllib.loads(shipped_models()["opening"]) | good) == {}
+
+
+def test_the_schema_of_studies_knows_the_keys_of_models():
+    study = {
+        "model": "opening",
+        "set": {"mesh": "quick", "membrane.clamp": "rim", "material": "pet", "threads": 1},
+        "factors": {
+            "tool.teeth": [3, 4],
+            "motion.pitch": "12 mm : 20 mm",
+            "tool.file": "caps/*.stl",
+            "cohesive.plateau, cohesive.strength": [[12, 18], [10, 15]],
+        },
+    }
+    assert problems(study_schema(), study) == {}
+    for where, wrong, said in (
+        ("set", {"tool.teehs": 3}, "'tool.teehs' was unexpected"),
+        ("set", {"loads.value": 3}, "'loads.value' was unexpected"),
+        ("factors", {"tool.teehs": [3]}, "'tool.teehs' does not match"),
+        ("set", {"tool.teeth": "four"}, "'four' is not of type 'integer'"),
+        ("factors", {"tool.half_thickness": [0.2, "3 kg"]}, "'3 kg' does not match"),
+    ):
+        found = problems(study_schema(), study | {where: wrong})
+        assert any(said in text for text in found.values()), (wrong, found)

@@ -8,6 +8,8 @@ import pytest
 
 import shellcut as sc
 from shellcut.command_line import main
+from shellcut.results.cut_quality import UNITS
+from shellcut.results.summary_figures import known_figure
 from shellcut.study.optimise import OPTIMUM, Optimum, Trial
 from tiny_study import SETTINGS, in_words
 
@@ -28,6 +30,7 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
             subject_to=["cohesive_work >= 0.75", "n_loose == 0"],
             settings=SETTINGS,
             max_runs=9,
+            allow_doubts=True,  # the runs are too fast
             executor=1,
             say=lines.append,
         )
@@ -53,10 +56,12 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
 def test_the_command_confirms_on_another_mesh(tmp_path, capsys):
     asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
     asked += [*in_words(SETTINGS), "--vary", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
+    asked += ["--allow-doubts"]
     assert main([*asked, "--confirm", "size=1"]) == 0
     said = capsys.readouterr().out
     assert "force, peak: " in said
     assert "confirmed: force, peak: " in said
+    assert "confirmed: distrust at best: The motion is too fast" in said
     kept = json.loads((tmp_path / OPTIMUM).read_text())["confirmed"]
     assert [sc.read(one["folder"]).frame(0).quads.shape[0] for one in kept] == [24, 24]
 
@@ -65,15 +70,66 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
     trials = (Trial({}, "a", 3.0, 0.5), Trial({"k": 1}, "b", reason="refused"))
     optimum = Optimum("force_peak_N", 1, ("n_loose == 1",), trials)
     assert optimum.best is None
-    assert str(optimum).startswith(
-        "none of 2 runs keeps to n_loose == 1; the nearest, run 1, misses by 0.5: loosen the limit"
-    )
+    assert str(optimum).startswith("no run is the best: 2 runs, 1 failed, 1 beyond the limits")
     within = Optimum("force_peak_N", -1, (), (*trials, Trial({"k": 2}, "c", 2.0)))
     assert within.best.folder == "c"
     beyond, inside, best = (np.asarray(one.values, float) for one in within.diagram().curves)
+    assert [one.name for one in within.diagram().curves] == [
+        "beyond the limits",
+        "within",
+        "best so far",
+    ]
     np.testing.assert_array_equal(np.isnan(beyond), [False, True, True])
     np.testing.assert_array_equal(np.isnan(inside), [True, True, False])
     assert best[2] == 2.0
+
+
+def test_what_a_verdict_distrusts_is_not_the_best_unless_that_is_allowed(tmp_path, capsys):
+    asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "5"]
+    asked += [*in_words(SETTINGS), "--vary=motion.speed=2500:3500", "--maximise=force_peak"]
+    assert main(asked) == 0
+    said = capsys.readouterr().out
+    trials = json.loads((tmp_path / OPTIMUM).read_text())["trials"]
+    doubts = {bool(one["doubts"]) for one in trials}
+    assert doubts == {True, False}
+    for one in trials:
+        summary = sc.read(one["folder"]).summary
+        assert len(one["doubts"]) == sum(line["kind"] == "doubt" for line in summary["verdict"])
+    trusted = max(one["figure"] for one in trials if not one["doubts"])
+    n = sum(bool(one["doubts"]) for one in trials)
+    assert f"{trusted:.4g} N at best" in said
+    assert f"5 runs, {n} distrusted" in said
+    assert main([*asked, "--allow-doubts"]) == 0
+    largest = max(trials, key=lambda one: one["figure"])
+    said = capsys.readouterr().out
+    assert f"{largest['figure']:.4g} N at best" in said
+    assert f"distrust at best: {largest['doubts'][0]}" in said
+
+
+def test_where_no_run_keeps_to_the_limits_the_nearest_is_told_with_four(tmp_path, capsys):
+    asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
+    asked += [*in_words(SETTINGS), "--vary", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
+    assert main([*asked, "--subject-to", "crack length >= 500", "--subject-to=flaps==0"]) == 4
+    said = capsys.readouterr().out
+    assert "no run is the best: 2 runs, 2 beyond the limits" in said
+    assert "the nearest to crack length >= 500, flaps==0 is run 1 with crack length 1.5 mm" in said
+    assert main(asked) == 4
+    said = capsys.readouterr().out
+    assert "2 runs, 2 distrusted" in said
+    assert "distrust: The motion is too fast" in said
+    assert "--allow-doubts" in said
+
+
+def test_every_number_of_a_summary_is_a_name_that_a_search_knows(tmp_path):
+    values = {PLATEAU: [6, 12]}
+    study = sc.sweep("guillotine", values, tmp_path, settings=SETTINGS, executor=1, say=str)
+    names = [name for name, value in study.rows[0].items() if name != PLATEAU]
+    assert {"doubts", "force_peak_N"} <= set(names)
+    asked = [*names, "piercing_force_12", "flaps", "bridges", "loose pieces"]
+    assert [known_figure(one, UNITS) for one in asked[:-4]] == names
+    assert [known_figure(one, UNITS) for one in asked[-4:]] == [
+        *("piercing_force_12_N", "n_flap", "n_bridge", "n_loose")
+    ]
 
 
 @pytest.mark.parametrize(
@@ -86,6 +142,7 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
             {"minimise": "force_peak", "subject_to": ["n_loose = 1"]},
             "a limit must be FIGURE <= NUMBER",
         ),
+        ({"minimise": "crack_length", "subject_to": ["flasp==0"]}, "did you mean n_flap"),
         ({"minimise": "force_paek"}, "no figure force_paek; did you mean force_peak_N"),
         ({"minimise": "force_peak", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
         ({"minimise": "force_peak", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
@@ -99,7 +156,7 @@ def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
 
 
 def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
-    with pytest.raises(ValueError, match="no figure torque_peak; did you mean force_peak_N"):
+    with pytest.raises(RuntimeError, match=r"there is no figure torque_peak; .*force_peak"):
         sc.optimise(
             "guillotine",
             {PLATEAU: "6:12"},

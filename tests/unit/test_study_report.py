@@ -46,7 +46,7 @@ def _quick(monkeypatch):
     monkeypatch.setattr(analysis, "is_there", lambda: False)
 
 
-def made(folder, figures, *, n=24, failed=(), chosen="", waiting=0):
+def made(folder, figures, *, n=24, failed=(), chosen="", waiting=0, doubted=()):
     """Write the files of a study whose figures are functions of its factors."""
     folder.mkdir()
     (folder / "study.toml").write_text(STUDY.format(figures=chosen), encoding="utf-8")
@@ -66,7 +66,8 @@ def made(folder, figures, *, n=24, failed=(), chosen="", waiting=0):
             elif k >= n - waiting:
                 rest = ["waits", *[""] * len(figures), key, ""]
             else:
-                rest = ["done", *(float(v[k]) for v in values.values()), key, ""]
+                reason = "distrust: The motion is too <fast>" if k in doubted else ""
+                rest = ["done", *(float(v[k]) for v in values.values()), key, reason]
             rows.writerow([*inputs, *rest])
     return folder
 
@@ -136,6 +137,19 @@ class TestPage:
         eta, pitch = np.meshgrid(np.linspace(40, 80, 400), np.linspace(8, 24, 400))
         rest = np.var(pitch / np.tan(np.radians(eta)))
         assert first == pytest.approx(100.0 / (100.0 + rest), abs=0.06)
+
+
+def test_runs_that_their_verdict_distrusts_are_marked_wherever_they_are(tmp_path):
+    doubts = {"doubts": lambda eta, pitch, other: np.isin(np.arange(len(eta)), (2, 5))}
+    page = page_of(made(tmp_path / "s", doubts | THREE, doubted=(2, 5)))
+    said = [text for kind, text in sentences(page) if kind == "doubt"]
+    assert said[0].startswith("2 of 24 done runs are distrusted by their own verdict")
+    assert "The first: distrust: The motion is too &lt;fast&gt;." in said[0]
+    assert page.count('<td class="status doubted">done<small>distrust: The motion is') == 2
+    hollow = [found.count("circle-open") for found in re.findall(r'"symbol":\[(.*?)\]', page)]
+    assert set(hollow) == {2}
+    assert "run 5, distrusted: " in page
+    assert "run 6: " in page
 
 
 class TestWhatIsMissing:
@@ -414,6 +428,8 @@ def test_a_plan_goes_into_its_study_file_and_comes_back(tmp_path):
         (14, 800),
     ]
     write_study(tmp_path / "study.toml", planned)
+    text = (tmp_path / "study.toml").read_text()
+    assert text.startswith("#:schema ./shellcut-study.schema.json\n")
     again = read_study(tmp_path / "study.toml").plan()
     assert [run.key for run in again.runs] == [run.key for run in planned.runs]
     assert len({run.key for run in planned.runs}) == 4
@@ -435,6 +451,6 @@ def test_the_command_lists_the_runs(capsys):
     assert main(["sweep", "guillotine", setting, "--set=notch=1", "--dry-run"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "2 runs, 0 of them done before"
-    assert lines[2].endswith(f"{WEDGE}=14, {SPEED}=800")
+    assert lines[2].endswith(f"{WEDGE} = 14, {SPEED} = 800")
     assert main(["sweep", "guillotine", f"--set={WEDGE},{SPEED}=10:500,14", "--dry-run"]) == 2
     assert "must have 2 values together" in capsys.readouterr().err

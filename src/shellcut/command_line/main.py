@@ -63,9 +63,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = parser_of_all()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
         with contextlib.suppress(ImportError):
-            import argcomplete
+            from .completion import complete
 
-            argcomplete.autocomplete(parser)
+            complete(parser)
     arguments = parser.parse_args(argv)
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):

@@ -1,7 +1,8 @@
 """``optimise``: seek the values of keys that make a figure least, or largest.
 
 Seek the values of some keys that make a figure least, or largest, within limits on others. The
-first run is the model as given, Optuna proposes the others. Writes OUT/optimum.json, and with
+first run is the model as given, Optuna proposes the others. A run that its verdict distrusts is not
+the best. Writes OUT/optimum.json, and with
 Matplotlib OUT/optimum.png. Runs are kept: the same call again repeats none, an interrupted search
 goes on.
 
@@ -55,6 +56,11 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-runs", metavar="N", type=int, default=60, help="runs to take at most [60]"
     )
+    parser.add_argument(
+        "--allow-doubts",
+        action="store_true",
+        help="let a run that its verdict distrusts be the best",
+    )
     add_engine_to(parser)
 
 
@@ -75,6 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
             settings=settings_of(arguments),
             confirm={k: parse_value(v) for k, v in map(key_and_value, arguments.confirm)},
             max_runs=arguments.max_runs,
+            allow_doubts=arguments.allow_doubts,
             executor=executor,
         ),
         f"in {arguments.out}: {OPTIMUM}",

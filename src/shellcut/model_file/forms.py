@@ -149,7 +149,8 @@ def _rates(value: Any, unit: str) -> tuple[tuple[str, float], ...]:
 
 _ARRAY = {"type": "array"}
 _TEXT = {"type": "string"}
-_NUMBERS = {"type": "array", "items": {"type": ["number", "string"]}}
+NUMBER = {"type": ["number", "string"]}
+_NUMBERS = {"type": "array", "items": NUMBER}
 _WHOLES = {"type": "array", "items": {"type": "integer"}}
 _3_NUMBERS = _several("3 numbers", _component, 3)
 _WHOLE_NUMBERS = _several("whole numbers", _whole)

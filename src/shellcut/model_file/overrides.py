@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,8 +16,13 @@ from .source import KeyPath, Source, beyond_all
 _LONGEST_PLACE = 80  # characters of a setting in a message
 
 
-def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
-    """Return a source with keys replaced; each must be in one section, else a ModelFileError."""
+def overridden(
+    source: Source, overrides: Mapping[str, object], say: Callable[[str], object] = str
+) -> Source:
+    """Return a source with keys replaced; each must be in one section, else a ModelFileError.
+
+    ``say`` is told which keys of the user's file give way to another kind of section.
+    """
     if not overrides:
         return source
     source = named_material(source)
@@ -49,7 +54,11 @@ def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
                 problems.append(Problem(source.place((title,)), f"[{title}] must be a section"))
                 continue
             others = {str(path[1]) for path in settings if path[0] == title and len(path) == 2}
-            values[title] = {**_fitting(table, key, kinds, others), key: value}
+            rest = _fitting(table, key, kinds, others)
+            if gone := [n for n in table if n not in rest and (title, n) in source.lines]:
+                where = source.place((title, gone[0]))
+                say(f"{place}: takes the place of {', '.join(gone)} in [{title}] ({where})")
+            values[title] = {**rest, key: value}
         settings[path] = place
     if problems:
         raise ModelFileError(problems)

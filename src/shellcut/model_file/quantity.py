@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from shellcut.unit import Exponents, parsed
+from shellcut.unit import NAMES, WORDS, Exponents, parsed
 
 _NAMES = ("mm", "N", "s", "deg")
 
@@ -51,6 +51,28 @@ def quantity(text: str, unit: str) -> float:
         return float(number * size / target)
     except OverflowError:
         raise ValueError(f"must be {wants} {WITHIN_A_DOUBLE}, got {text!r}") from None
+
+
+def pattern(unit: str) -> str:
+    """Return a regular expression of texts that :func:`quantity` reads in ``unit``.
+
+    It knows units that stand alone; a product or power of units passes, whatever its dimension.
+
+    Examples
+    --------
+    >>> [bool(re.match(pattern("mm"), text)) for text in ("12 um", "1 Inch", "3", "3 kg", "mm")]
+    [True, True, True, False, False]
+    """
+    wanted = parsed(unit)[1]
+    alone = [f"[µμ]{n[1:]}|{n}" if n[0] == "u" else n for n in NAMES if parsed(n)[1] == wanted]
+    alone += [
+        "".join(f"[{c}{c.upper()}]" if c.isalpha() else re.escape(c) for c in word)
+        for word, of in WORDS.items()
+        if of in NAMES and parsed(of)[1] == wanted
+    ]
+    product = r"[A-Za-zµμ°1/].*[\s\d*/·^²³].*"
+    number = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
+    return rf"^\s*{number}\s*({'|'.join([*alone, product])})?\s*$"
 
 
 def _written(dimension: Exponents) -> str:

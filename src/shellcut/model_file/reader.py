@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -23,10 +24,15 @@ from .presets import presets
 from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 
+_log = logging.getLogger(__name__)
+
 FILES = "files"
 """Section of a ``used.toml`` with the digests of the files that the model reads."""
 
 _LARGEST = 10_000_000  # bytes of a model file; the shipped ones have a few thousand
+
+_ENDINGS = {"step", "stp", "iges", "igs", "obj", "ply", "msh", "inp", "k", "vtu", "csv"}
+"""Of files; those who know ``stl`` try them as keys."""
 
 _LONGEST_TEXT = 1000  # characters of a problem; it may quote a value of any length
 
@@ -62,7 +68,7 @@ def read_model(
     ('opening', 6.0)
     """
     source = _source(name_or_path)
-    return _Reading(overridden(source, overrides or {})).model()
+    return _Reading(overridden(source, overrides or {}, _log.warning)).model()
 
 
 def model_of_text(text: str, name: str) -> Model:
@@ -93,7 +99,7 @@ class ModelVariants:
     ) -> None:
         self._source = _source(name_or_path)
         self._overrides = dict(overrides or {})
-        overridden(self._source, self._overrides)
+        overridden(self._source, self._overrides, _log.warning)
 
     def read(self, overrides: Mapping[str, object], *, try_out: bool = True) -> Model:
         """Return the model with further overrides.
@@ -306,9 +312,12 @@ class _Reading:
             if kind is not cls and name in kind.names():
                 chosen = f'kind = "{cls.name}"' if cls.name else "this one"
                 theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
-                text = f"key {shown} belongs to {theirs}, not to {chosen}"
-                if name in (kind.sign, kind.also_sign) and cls.sign in table:
-                    text = f"{shown} and {_shown(path)}{cls.sign} exclude each other: leave out one"
+                text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
+                if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
+                    other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
+                    fits = set(kind.names()) - {"kind"}
+                    rest = ", ".join(one for one in table if one not in fits)
+                    text = f"{shown} and {other} exclude each other: leave out {name}, or {rest}"
                 self.say(place, text)
                 return
         owners = [
@@ -317,6 +326,8 @@ class _Reading:
             if title != (path[0] if path else "") and any(name in k.names() for k in others)
         ]
         hint = guess(name, cls.names())
+        if name in _ENDINGS and any("file" in kind.keys for kind in kinds):
+            hint = "; did you mean file?"
         if not hint and owners:
             hint = f"; there is [{owners[0]}].{name}"
         self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")

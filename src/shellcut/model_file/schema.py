@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from .forms import NUMBER
 from .key import REQUIRED, Key, Kind
+from .key_index import tables
 from .presets import preset_names
+from .quantity import pattern
 from .section_table import HEAD, LISTS, SECTIONS, Kinds
+
+DRAFT = "http://json-schema.org/draft-07/schema#"
 
 _BOUNDS = {
     "above": "exclusiveMinimum",
@@ -24,11 +29,11 @@ def schema() -> dict[str, Any]:
     Examples
     --------
     >>> opening = schema()["allOf"][0]["then"]["properties"]
-    >>> opening["tool"]["anyOf"][0]["properties"]["radius"]["description"]
+    >>> opening["tool"]["then"]["properties"]["radius"]["description"]
     '[mm] of the cutting circle'
     """
     return {
-        "$schema": "http://json-schema.org/draft-07/schema#",
+        "$schema": DRAFT,
         "title": "Model file of shellcut",
         "type": "object",
         "required": ["model"],
@@ -37,13 +42,47 @@ def schema() -> dict[str, Any]:
             {"if": {"properties": {"model": {"const": model}}}, "then": _model(model)}
             for model in SECTIONS
         ],
+        "definitions": quantities(),
+    }
+
+
+def quantities() -> dict[str, Any]:
+    """Return the definitions to which the schemas of keys refer: numbers, or texts with a unit."""
+    units = {key.option.unit for table in tables() for key in table.keys.values()}
+    return {
+        _name(unit): {"type": ["number", "string"], "pattern": pattern(unit)}
+        for unit in sorted(units)
+    }
+
+
+def settings() -> dict[str, Any]:
+    """Return the schema of each key that a study may set, by section and key and by key alone."""
+    found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
+    told: dict[str, str] = {}
+    for table in tables():
+        if table.title.startswith("[["):
+            continue
+        title = f"{table.title.strip('[]')}."
+        kind = {"kind": {"const": table.kind.name}} if table.kind.name else {}
+        for name, of in (kind | _properties(table.kind)).items():
+            # Kinds and models may give a key other defaults and meanings.
+            bare = {word: v for word, v in of.items() if word not in ("default", "description")}
+            for key in {name, f"{title}{name}".lstrip(".")}:
+                told.setdefault(key, of.get("description", ""))
+                if bare not in found.setdefault(key, []):
+                    found[key].append(bare)
+    return {
+        key: {"description": told.get(key, ""), **(of[0] if len(of) == 1 else {"anyOf": of})}
+        for key, of in sorted(found.items())
     }
 
 
 def _model(model: str) -> dict[str, Any]:
     found = _section((HEAD,))
     sections = {title: _section(kinds) for title, kinds in SECTIONS[model].items()}
-    sections["material"]["anyOf"].append({"enum": list(preset_names())})
+    film = sections["material"]
+    named = {"enum": list(preset_names())}
+    sections["material"] = {"if": {"type": "string"}, "then": named, "else": film}
     several = {
         title: {"type": "array", "items": _section(kinds)} for title, kinds in LISTS[model].items()
     }
@@ -52,30 +91,44 @@ def _model(model: str) -> dict[str, Any]:
 
 
 def _section(kinds: Kinds) -> dict[str, Any]:
-    return schema_of(kinds[0]) if len(kinds) == 1 else {"anyOf": [*map(schema_of, kinds)]}
+    """Return the schema of a section: that of its kind, chosen as the reader does it."""
+    found = schema_of(kinds[0])
+    for kind in reversed(kinds if len(kinds) > 1 else ()):
+        named = {"properties": {"kind": {"const": kind.name}}, "required": ["kind"]}
+        signs = [one for one in (kind.sign, kind.also_sign) if one]
+        signed = {"anyOf": [{"required": [one]} for one in signs]} if signs else False
+        chosen = {"if": {"required": ["kind"]}, "then": named, "else": signed}
+        found = {"if": chosen, "then": schema_of(kind), "else": found}
+    names = [kind.name for kind in kinds if kind.name]
+    return found | {"properties": {"kind": {"enum": names}}} if "if" in found else found
 
 
 def schema_of(kind: Kind) -> dict[str, Any]:
     """Return the schema of a section, or of one kind of it."""
-    keys: dict[str, Any] = {"kind": {"const": kind.name}} if kind.name else {}
-    for name, key in kind.keys.items():
-        keys |= {one: _key(key) for one in (name, key.also) if one}
     # What a preset fills in, or a second name gives, need not be there.
     free = "preset" in kind.keys
     must = [n for n, k in kind.keys.items() if k.default is REQUIRED and not (free or k.also)]
     return {
         "type": "object",
         "description": kind.doc,
-        "properties": keys,
+        "properties": ({"kind": {"const": kind.name}} if kind.name else {}) | _properties(kind),
         "required": must,
         "additionalProperties": False,
     }
 
 
+def _properties(kind: Kind) -> dict[str, Any]:
+    each = kind.keys.items()
+    return {one: _key(key) for name, key in each for one in (name, key.also) if one}
+
+
 def _key(key: Key) -> dict[str, Any]:
     option, found = key.option, dict(key.form.schema)
+    quantity = {"$ref": f"#/definitions/{_name(option.unit)}"}
     if found.get("type") == "number":
-        found["type"] = ["number", "string"]  # a text with a unit
+        found = {"allOf": [quantity]}  # beside a reference a validator reads nothing
+    elif found.get("items") == NUMBER:
+        found["items"] = quantity
     if key.tables is not None:
         found["items"] = schema_of(key.tables)
     bounds = {word: getattr(option, name) for name, word in _BOUNDS.items()}
@@ -83,3 +136,7 @@ def _key(key: Key) -> dict[str, Any]:
     default = {} if key.default in (REQUIRED, None) else {"default": key.default}
     told = {"description": f"{unit}{option.text}", **default}
     return found | {word: value for word, value in bounds.items() if value is not None} | told
+
+
+def _name(unit: str) -> str:
+    return f"number in {unit}".replace("/", " per ").replace("^", "") if unit else "number"

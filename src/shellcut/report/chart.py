@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Bools, Floats
 from shellcut.scene_page.packed_run import as_json
 from shellcut.unit import after, in_unit
 from shellcut.view.curves import STYLES, Diagram, outline
@@ -92,15 +92,18 @@ def panel(
     lines: Sequence[tuple[Floats, Floats, str]] = (),
     ground: Mapping[str, Any] | None = None,
     crosses: tuple[Floats, Floats] | None = None,
+    hollow: Bools | None = None,
 ) -> str:
     """Return a small figure of points that say something when pointed at.
 
     There may be a colour for each point, or with a ``ground``, a contour trace of plotly.js behind
     them, a value on its scale; lines behind the points, by their places and style; and crosses
-    where runs have no figure.
+    where runs have no figure. ``hollow`` says which points are so.
     """
     every = slice(None, None, -(-len(said) // MOST_POINTS) or 1)
     marker: dict[str, Any] = {"size": 8, "line": {"width": 1, "color": "#ffffffb0"}}
+    if hollow is not None:
+        marker["symbol"] = ["circle-open" if one else "circle" for one in hollow[every]]
     if colors is None:
         marker["color"] = STYLES["contact"]["color"]
     elif ground is None:

@@ -9,8 +9,8 @@ from html import escape
 import numpy as np
 
 from shellcut.frame import Frame
+from shellcut.results.cut_quality import LABELS, cut_quality
 from shellcut.results.cut_quality import UNITS as CUT_UNITS
-from shellcut.results.cut_quality import cut_quality
 from shellcut.results.summary_figures import conclusion, key_figures
 from shellcut.results.verdict import Line, verdict
 from shellcut.unit import in_unit, shown
@@ -21,20 +21,6 @@ from .markup import missing, sentences, table
 
 _NOTHING = 5e-4  # of lengths and areas over those of the whole, of angles [deg], of numbers
 _N_QUALITY = 5  # frames for which the quality of the cut is listed
-
-_QUALITY = {
-    "crack_length": "crack length",
-    "cut_share": "share of the line that is cut",
-    "n_bridge": "uncut bridges",
-    "bridge_width": "bridges, total width",
-    "bridge_width_least": "narrowest bridge",
-    "slit_width_mean": "slit, mean width",
-    "n_flap": "flaps",
-    "flap_angle_largest": "opening of a flap, largest",
-    "cutout_angle": "tipping of the cut-out",
-    "n_loose": "loose pieces",
-    "loose_area": "loose area",
-}
 
 
 def what_was_run(run: Gathered) -> str:
@@ -84,7 +70,7 @@ def quality(run: Gathered) -> str:
     part = 0.04 * float(np.linalg.norm(np.ptp(frames[0].reference, axis=0)))
     least = {"mm": _NOTHING * part, "mm^2": _NOTHING * part * part}
     lines = []
-    for name, label in _QUALITY.items():
+    for name, label in LABELS.items():
         unit, factor = shown(CUT_UNITS[name])
         floor = least.get(CUT_UNITS[name], _NOTHING)
         values = (factor * row[name] if abs(row[name]) >= floor else 0.0 for row in rows)

@@ -138,6 +138,20 @@ _FIGURES: dict[str, tuple[str, Callable[[CutQuality], float]]] = {
 }
 UNITS = {name: unit for name, (unit, _) in _FIGURES.items()}
 """Names and units of :meth:`CutQuality.figures`."""
+LABELS = {
+    "crack_length": "crack length",
+    "cut_share": "share of the line that is cut",
+    "n_bridge": "uncut bridges",
+    "bridge_width": "bridges, total width",
+    "bridge_width_least": "narrowest bridge",
+    "slit_width_mean": "slit, mean width",
+    "n_flap": "flaps",
+    "flap_angle_largest": "opening of a flap, largest",
+    "cutout_angle": "tipping of the cut-out",
+    "n_loose": "loose pieces",
+    "loose_area": "loose area",
+}
+"""Words of those that reports show, in that order."""
 
 
 def cut_quality(frame: Frame) -> CutQuality:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from shellcut.arguments import guess, listed
+from shellcut.arguments import listed
 from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
+from .cut_quality import LABELS as OF_THE_CUT
 from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
 from .verdict import force_across_factor
 
@@ -21,6 +23,7 @@ _STEADY = " over {window}"
 """Placeholder for the steady window in a label."""
 
 LABELS = {
+    "doubts": "checks that distrust the run",
     "torque_plateau_Nmm": f"torque, mean{_STEADY}",
     "torque_peak_Nmm": "torque, peak",
     "torque_peak_at_deg": "torque, peak at",
@@ -168,7 +171,7 @@ def unit_of(key: str) -> str:
 
 
 def figure_name(name: str, figures: Mapping[str, Any]) -> str:
-    """Return the full name of a figure that may be given without its unit.
+    """Return the full name of a figure, which may be given without its unit or in a report's words.
 
     Raises ValueError if no figure that is a number has this name.
 
@@ -176,12 +179,16 @@ def figure_name(name: str, figures: Mapping[str, Any]) -> str:
     --------
     >>> figure_name("torque_peak", {"torque_peak_at_deg": 76.4, "torque_peak_Nmm": 202.3})
     'torque_peak_Nmm'
+    >>> figure_name("loose pieces", {"n_loose": 1}), figure_name("flaps", {"n_flap": 4})
+    ('n_loose', 'n_flap')
     """
-    numbers = [key for key, value in figures.items() if isinstance(value, int | float)]
-    for key in numbers:
-        if key in (name, *(name + ending for ending in _UNITS)):
-            return key
-    raise ValueError(f"there is no figure {name}{guess(name, numbers) or listed(sorted(numbers))}")
+    numbers = sorted(key for key, value in figures.items() if isinstance(value, int | float))
+    spelled = {word: key for key in numbers for word in _spellings(key)}
+    if (asked := _plain(name)) in spelled:
+        return spelled[asked]
+    close = difflib.get_close_matches(asked, spelled, n=1)
+    hint = f"; did you mean {spelled[close[0]]}?" if close else listed(numbers)
+    raise ValueError(f"there is no figure {name}{hint}")
 
 
 def known_figure(name: str, more: Iterable[str] = ()) -> str:
@@ -197,7 +204,20 @@ def known_figure(name: str, more: Iterable[str] = ()) -> str:
     first = re.sub(r"_\d+(?=_|$)", "_1", name)
     known = (*LABELS, *_ELSEWHERE, *_OF_TEETH, *more)
     full = figure_name(first, dict.fromkeys(known, 0.0)) if name else ""
-    return name + full[len(first) :]
+    return full if first == name else name + full[len(first) :]
+
+
+def _spellings(key: str) -> set[str]:
+    """Return a figure's name, that without its unit, and its words in the reports."""
+    bare = key.removesuffix(next((ending for ending in _UNITS if key.endswith(ending)), ""))
+    words = {key, bare, label_of(key, ""), OF_THE_CUT.get(key, "")}
+    if key.startswith("n_"):
+        words.add(f"{bare.removeprefix('n_')}s")  # what is counted: flaps, bridges
+    return {_plain(one) for one in words if one}
+
+
+def _plain(name: str) -> str:
+    return name.casefold().replace("_", " ").strip()
 
 
 def label_of(key: str, window: str) -> str:

@@ -97,6 +97,12 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
     return sorted(lines, key=lambda line: order[line.kind])
 
 
+def doubts_in(summary: Figures) -> tuple[str, ...]:
+    """Return what the verdict in a ``summary.json`` distrusts, without the remedies."""
+    lines = (line for line in summary.get("verdict", ()) if line["kind"] == "doubt")
+    return tuple(line["text"].partition(". ")[0].removesuffix(".") for line in lines)
+
+
 def say(lines: Iterable[Line]) -> None:
     """Log the lines of a verdict."""
     for line in lines:

@@ -85,9 +85,11 @@ def converge(
     if each[0].status != "done":
         raise RuntimeError(f"the run as given must be done: {each[0].reason or each[0].status}")
     for run, one in zip(runs, each, strict=True):
+        reasons = [f"{run.name} is distrusted: {doubt}" for doubt in one.doubts]
         if one.status != "done":
-            why = f"{run.name} is not done: {one.reason or one.status}"
-            missing.setdefault(run.part, []).append(why)
+            reasons = [f"{run.name} is not done: {one.reason or one.status}"]
+        if reasons:
+            missing.setdefault(run.part or "doubts", []).extend(reasons)
     there = {name: v for name, v in each[0].figures.items() if isinstance(v, int | float)}
     chosen, lacking = of_interest(figures, there)
     if lacking or not chosen:

@@ -191,6 +191,10 @@ def _judged(
             )
         if min(best[k] - low[k], high[k] - best[k]) < 1e-3:
             notes.append(f"{one.key} lies at a bound, {one.value:.4g} {one.unit}: widen it")
+    here, n_doubted = runs.doubts(best)
+    notes += [f"distrust, at the fitted values: {doubt}" for doubt in here]
+    if n_doubted:
+        notes.append(f"the verdict distrusts {n_doubted} of {len(runs.tried()[0])} sets of values")
     if runs.failures:
         notes.append(f"{len(runs.failures)} sets of values could not be run: {runs.failures[0]}")
     return notes

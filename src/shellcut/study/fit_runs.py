@@ -51,6 +51,7 @@ class FitRuns:
         """Runs so far, those found done included."""
         self.failures: list[str] = []
         """Why runs failed."""
+        self._doubts: dict[tuple[float, ...], list[str]] = {}
 
     @property
     def left(self) -> int:
@@ -125,6 +126,10 @@ class FitRuns:
         """Return residuals and comparisons of a set that has been run."""
         return self._known[_key(logs)]
 
+    def doubts(self, logs: Floats) -> tuple[list[str], int]:
+        """Return what verdicts distrust at a set that has been run, and at how many sets any do."""
+        return self._doubts.get(_key(logs), []), len(self._doubts)
+
     def _run(self, values: Sequence[dict[str, float]]) -> list[list[tuple[Outcome, Path]]]:
         """Run sets of values with all settings; return outcome and folder by set and setting."""
         combined = [{**settings, **one} for one in values for settings in self._settings]
@@ -150,6 +155,8 @@ class FitRuns:
             self._fail(point, str(problem))
             return
         self._known[_key(point)] = residuals(comparisons), comparisons
+        if doubts := [doubt for one, _ in done for doubt in one.doubts]:
+            self._doubts[_key(point)] = doubts
 
     def _fail(self, point: Floats, reason: str) -> None:
         """Give a set that cannot be run a misfit that the fit turns away from."""

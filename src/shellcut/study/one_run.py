@@ -25,6 +25,7 @@ from shellcut.models.case import Case, check_length
 from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.recorder import Recorder, RunEnded
 from shellcut.recording.run_log import RunLog
+from shellcut.results.verdict import doubts_in
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
 
@@ -67,9 +68,20 @@ class Outcome:
     reason: str = ""
     """Of a failure, in one line."""
     figures: Mapping[str, Any] = field(default_factory=dict)
-    """Of ``summary.json``."""
+    """Of ``summary.json``, and ``doubts``, their number."""
     seconds: float = 0.0
     """That this call took [s]; 0 for a run that was found done."""
+
+    @classmethod
+    def done(cls, summary: Mapping[str, Any], seconds: float = 0.0) -> Outcome:
+        """Return the outcome of a run that is done."""
+        figures = {**summary, "doubts": len(doubts_in(summary))}
+        return cls("done", figures=figures, seconds=seconds)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What its verdict distrusts, a sentence each."""
+        return doubts_in(self.figures)
 
 
 def run_one(task: Task) -> Outcome:
@@ -102,7 +114,7 @@ def run_one(task: Task) -> Outcome:
     seconds = time.perf_counter() - began
     if figures is None:
         return Outcome("stopped", seconds=seconds)
-    return Outcome("done", figures=figures, seconds=seconds)
+    return Outcome.done(figures, seconds)
 
 
 def outcome_in(folder: Path, key: str) -> Outcome | None:
@@ -110,7 +122,7 @@ def outcome_in(folder: Path, key: str) -> Outcome | None:
     try:
         kept = json.loads(read_regular(folder / OUTCOME))
         if kept["key"] == key:
-            return Outcome("done", figures=kept["figures"])
+            return Outcome.done(kept["figures"])
     except (OSError, ValueError, KeyError, TypeError):  # none, or cut short by a full disk
         pass
     return None
@@ -172,4 +184,6 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
 
 
 def _one_line(error: BaseException) -> str:
+    if isinstance(error, ModelFileError):  # its places are in a file that only shellcut has read
+        return "; ".join(problem.text for problem in error.problems)
     return "; ".join(str(error).splitlines()) or type(error).__name__

@@ -11,9 +11,9 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,9 +44,13 @@ if TYPE_CHECKING:
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
+_STEADY = "the steady window"
 _AT_A_TIME = 4  # sets proposed before their results are told: keeps four processes busy
 _DIGITS = 4  # of a value: nobody makes a tooth more precisely
-_LIMIT = re.compile(r"\s*(\w+)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
+_LIMIT = re.compile(r"\s*(\w[^<>=]*?)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
+
+_FAILED, _BEYOND, _DISTRUSTED = "failed", "beyond the limits", "distrusted"
+"""Why a trial cannot be the best, in the order in which it is asked."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,10 @@ class Trial:
     """How far it is beyond the limits, in their units, together; 0 within all."""
     reason: str = ""
     """Why it failed."""
+    limited: Mapping[str, float] = field(default_factory=dict)
+    """The figures that have limits."""
+    doubts: tuple[str, ...] = ()
+    """What the verdict of its run distrusts."""
 
 
 @dataclass(frozen=True)
@@ -87,45 +95,69 @@ class Optimum:
     """In the order in which they were proposed, the model as given first."""
     confirmed: tuple[Trial, ...] = field(default=())
     """The first and the best again, with the settings that confirm them."""
+    allow_doubts: bool = False
+    """Whether a run that its verdict distrusts may be the best."""
 
     @property
     def best(self) -> Trial | None:
-        """The best within all limits; None if there is none."""
+        """The best within all limits of those that can be trusted; None if there is none."""
         return min(
-            (one for one in self.trials if one.figure is not None and one.missed == 0.0),
+            (one for one in self.trials if not self.state(one)),
             key=lambda one: self.sign * (one.figure or 0.0),
             default=None,
         )
 
+    def state(self, one: Trial) -> str:
+        """Return why a trial cannot be the best; "" if it can."""
+        if one.figure is None:
+            return _FAILED
+        if one.missed > 0.0:
+            return _BEYOND
+        return _DISTRUSTED if one.doubts and not self.allow_doubts else ""
+
     def __str__(self) -> str:
         """Return the best values, and how much better than the model they are."""
-        best, n_failed = self.best, sum(one.figure is None for one in self.trials)
+        best, states = self.best, [self.state(one) for one in self.trials]
+        counts = ((states.count(why), why) for why in (_FAILED, _BEYOND, _DISTRUSTED))
+        n_run = ", ".join([f"{len(states)} runs", *(f"{n} {why}" for n, why in counts if n)])
         if best is None:
-            each = ((k, one) for k, one in enumerate(self.trials, 1) if one.figure is not None)
-            k, near = min(each, key=lambda one: one[1].missed)
-            return (
-                f"none of {len(self.trials)} runs keeps to {', '.join(self.limits)}; the nearest, "
-                f"run {k}, misses by {near.missed:.4g}: loosen the limit, widen the ranges, or "
-                "take more runs"
-            )
+            return "\n".join([f"no run is the best: {n_run}", *self._why_none(states)])
         lines = [f"{key} = {value}" for key, value in best.values.items()]
         lines = lines or ["the model as given is the best"]
-        lines.append(self._against(self.trials[0], best))
+        lines += self._against(self.trials[0], best)
         if len(self.confirmed) == 2:
-            lines.append(f"confirmed: {self._against(*self.confirmed)}")
-        failed = f", {n_failed} of them failed" if n_failed else ""
-        return "\n".join([*lines, f"{len(self.trials)} runs{failed}"])
+            lines += [f"confirmed: {line}" for line in self._against(*self.confirmed)]
+        return "\n".join([*lines, n_run])
 
-    def _against(self, start: Trial, best: Trial) -> str:
-        name = label_of(self.figure, "the steady window")
+    def _why_none(self, states: Sequence[str]) -> Iterator[str]:
+        """Yield how near the nearest run came to the limits, and what makes others distrusted."""
+        if _BEYOND in states:
+            beyond = [one for one in self.trials if one.missed > 0.0]
+            near = min(beyond, key=lambda one: one.missed)
+            said = ((label_of(n, _STEADY), with_unit(n, v)) for n, v in near.limited.items())
+            figures = ", ".join(f"{name} {value}" for name, value in said)
+            yield (
+                f"the nearest to {', '.join(self.limits)} is run {self.trials.index(near) + 1} "
+                f"with {figures}: loosen a limit, widen a range or take more runs"
+            )
+        if _DISTRUSTED in states:
+            first = self.trials[states.index(_DISTRUSTED)]
+            yield from (f"distrust: {doubt}" for doubt in first.doubts)
+            yield "to let a distrusted run be the best: allow_doubts, or --allow-doubts"
+
+    def _against(self, start: Trial, best: Trial) -> Iterator[str]:
+        name = label_of(self.figure, _STEADY)
         if start.figure is None or best.figure is None:
-            return f"{name}: {start.reason or best.reason}"
+            yield f"{name}: {start.reason or best.reason}"
+            return
         change = 100.0 * (best.figure / start.figure - 1.0) if start.figure else float("nan")
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
-        return (
+        yield (
             f"{name}: {with_unit(self.figure, start.figure)} as given, "
             f"{with_unit(self.figure, best.figure)} at best ({change:+.1f} %){beyond}"
         )
+        for which, one in {"as given": start, "at best": best}.items():
+            yield from (f"distrust {which}: {doubt}" for doubt in one.doubts)
 
     def write(self, folder: Path) -> None:
         """Write ``optimum.json`` and, with Matplotlib, ``optimum.png``."""
@@ -137,14 +169,20 @@ class Optimum:
         """Return the figure of each run over its number, and the best so far."""
         n = np.arange(1.0, len(self.trials) + 1.0)
         values = np.array([np.nan if t.figure is None else t.figure for t in self.trials])
-        within = np.array([t.missed == 0.0 for t in self.trials]) & ~np.isnan(values)
-        least = np.minimum.accumulate(np.where(within, self.sign * values, np.inf))
+        states = np.array([self.state(one) for one in self.trials])
+        least = np.minimum.accumulate(np.where(states == "", self.sign * values, np.inf))
+        looks = {
+            _DISTRUSTED: ("doubt", _DISTRUSTED),
+            _BEYOND: ("p4", _BEYOND),
+            "": ("p0", "within"),
+        }
         curves = [
-            Curve("beyond the limits", np.where(within, np.nan, values), "p4"),
-            Curve("within", np.where(within, values, np.nan), "p0"),
-            Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)),
+            Curve(name, np.where(states == state, values, np.nan), style)
+            for state, (style, name) in looks.items()
+            if state in states
         ]
-        name = label_of(self.figure, "the steady window")
+        curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
+        name = label_of(self.figure, _STEADY)
         unit = unit_of(self.figure)
         return Diagram(n, curves, "run", "", name, unit, zero=False)
 
@@ -160,6 +198,7 @@ def optimise(
     settings: Mapping[str, object] | None = None,
     confirm: Mapping[str, object] | None = None,
     max_runs: int = 60,
+    allow_doubts: bool = False,
     executor: int | Executor | Client | None = None,
     say: Callable[[str], None] | None = None,
 ) -> Optimum:
@@ -175,7 +214,7 @@ def optimise(
         Folder for the runs, ``optimum.json`` and, with Matplotlib, ``optimum.png``.
     minimise, maximise : str
         One of them: a figure of ``summary.json`` or of :class:`shellcut.CutQuality` at the end, as
-        ``torque_peak_Nmm``; its unit may be left out.
+        ``torque_peak_Nmm``; its unit may be left out, and the words of the reports are names, too.
     subject_to : sequence of str
         Limits on such figures: ``"n_loose == 1"``, ``"crack_length >= 58"``.
     settings, confirm : mapping, optional
@@ -183,6 +222,9 @@ def optimise(
         as given and of the best values, as on a finer mesh.
     max_runs : int
         Runs to take at most.
+    allow_doubts : bool
+        Whether a run that its verdict distrusts may be the best; by default it counts as beyond the
+        limits.
     executor, say
         As of :func:`shellcut.sweep`.
 
@@ -197,7 +239,7 @@ def optimise(
     ValueError
         If keys, figures or limits do not fit.
     RuntimeError
-        If the run of the model as given fails.
+        If the run of the model as given fails, or has not the figures.
     ImportError
         If Optuna is not installed.
 
@@ -214,8 +256,9 @@ def optimise(
         raise ValueError("give either minimise or maximise, the name of a figure")
     if max_runs < 2:
         raise ValueError(f"max_runs must be 2 or more, got {max_runs}")
+    sign, wanted = (1 if minimise else -1), minimise or maximise
     limits = [_limit(text) for text in subject_to]
-    for name in (minimise or maximise, *(name for name, _, _ in limits)):
+    for name in (wanted, *(name for name, _, _ in limits)):
         known_figure(name, UNITS)
     factors, single = factors_of(keys)
     if not factors:
@@ -227,7 +270,7 @@ def optimise(
             variants.read(factor.settings(value), try_out=False)
     engine, folder = engine_of(executor), folder_named(out)
     study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=0))
-    sign, wanted, trials = (1 if minimise else -1), minimise or maximise, list[Trial]()
+    trials = list[Trial]()
 
     def run(several: Sequence[Mapping[str, object]], more: Mapping[str, object]) -> list[Trial]:
         these = ModelVariants(model, {**given, **more})
@@ -237,21 +280,24 @@ def optimise(
     with taken(folder, [OPTIMUM, PICTURE]):
         trials += run([{}], {})
         if trials[0].figure is None:
-            raise RuntimeError(f"the model as given must run: {trials[0].reason}")
+            raise RuntimeError(
+                f"the model as given must run and have all these figures: {trials[0].reason}"
+            )
+        figure = figure_name(wanted, _figures(trials[0].folder, [wanted]))
         while len(trials) < max_runs:
             asked = [study.ask() for _ in range(min(_AT_A_TIME, max_runs - len(trials)))]
             done = run([_proposed(one, factors) for one in asked], {})
             for one, trial in zip(asked, done, strict=True):
                 one.set_constraint("limits", trial.missed)
+                one.set_constraint("doubts", 0.0 if allow_doubts else len(trial.doubts))
                 failed = trial.figure is None
                 value = None if trial.figure is None else sign * trial.figure
                 study.tell(one, value, optuna.trial.TrialState.FAIL if failed else None)
             trials += done
-        figure = figure_name(wanted, _figures(trials[0].folder, [wanted]))
-        found = Optimum(figure, sign, tuple(subject_to), tuple(trials))
+        of = tuple(subject_to), tuple(trials)
+        found = Optimum(figure, sign, *of, allow_doubts=allow_doubts)
         if confirm and found.best:
-            again = run([{}, found.best.values], confirm)
-            found = Optimum(figure, sign, tuple(subject_to), tuple(trials), tuple(again))
+            found = replace(found, confirmed=tuple(run([{}, found.best.values], confirm)))
         found.write(folder)
     return found
 
@@ -301,13 +347,19 @@ def _trial(
     folder = str(run.folder(study))
     if outcome.status != "done":
         return Trial(run.values, folder, reason=outcome.reason or outcome.status)
-    names = wanted, *(name for name, _, _ in limits)
+    names = [wanted, *(name for name, _, _ in limits)]
     figures = {**_figures(folder, names), **outcome.figures}
+    try:
+        sought, *keys = (figure_name(name, figures) for name in names)
+    except ValueError as problem:
+        why = f"; no steady window: {figures['no_window']}" if "no_window" in figures else ""
+        return Trial(run.values, folder, reason=f"{problem}{why}")
+    limited = {key: float(figures[key]) for key in keys}
     missed = 0.0
-    for name, sign, bound in limits:
-        beyond = float(figures[figure_name(name, figures)]) - bound
+    for key, (_, sign, bound) in zip(keys, limits, strict=True):
+        beyond = limited[key] - bound
         missed += {"<=": max(beyond, 0.0), ">=": max(-beyond, 0.0), "==": abs(beyond)}[sign]
-    return Trial(run.values, folder, float(figures[figure_name(wanted, figures)]), missed)
+    return Trial(run.values, folder, float(figures[sought]), missed, "", limited, outcome.doubts)
 
 
 def _figures(folder: str, names: Iterable[str]) -> dict[str, Any]:

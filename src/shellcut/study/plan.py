@@ -66,8 +66,8 @@ class Definition:
         """Return the runs, with further settings; nothing is built or written.
 
         Every value of a list and both ends of a range are tried with the first values of the
-        others. What fails only in other combinations fails in its run. Raises ModelFileError with
-        every problem of the file and of the values.
+        others. Raises ModelFileError with every problem of the file, and of values that a key
+        cannot take, or if no combination can be run; one that cannot fails in its run.
         """
         factors, single = factors_of(self.factors)
         whole = replace(self, settings={**self.settings, **(settings or {}), **single})
@@ -115,17 +115,30 @@ def planned_runs(
 def _try_values(
     variants: ModelVariants, factors: Sequence[Factor], combined: Sequence[Mapping[str, object]]
 ) -> None:
-    """Read the model with every single value of the factors."""
+    """Read the model with every single value of the factors.
+
+    What a key cannot take is refused. Values that do not go together fail in their run, as long as
+    there is a run without them.
+    """
     first = dict(combined[0])
-    problems: dict[Problem, None] = {}
     each = [first | factor.settings(value) for factor in factors for value in factor.probes()]
-    for values in (first, *(values for values in each if values != first)):
-        try:
-            variants.read(values)
-        except ModelFileError as error:
-            problems |= dict.fromkeys(error.problems)
-    if problems:
-        raise ModelFileError(list(problems))
+    for try_out in (False, True):
+        refused = [_refused(variants, values, try_out) for values in (first, *each)]
+        wrong = dict.fromkeys(problem for problems in refused for problem in problems)
+        is_wrong = all(refused) and all(_refused(variants, values) for values in combined)
+        if wrong and (is_wrong or not try_out):
+            raise ModelFileError(list(wrong))
+
+
+def _refused(
+    variants: ModelVariants, values: Mapping[str, object], try_out: bool = True
+) -> Sequence[Problem]:
+    """Return the problems of a model with some values."""
+    try:
+        variants.read(values, try_out=try_out)
+    except ModelFileError as error:
+        return error.problems
+    return ()
 
 
 def _key(model: Model, digest: Callable[[str], str]) -> str:

@@ -13,6 +13,7 @@ from shellcut.view.progress import duration
 
 from .one_run import Outcome
 from .plan import Plan
+from .table import TABLE
 
 _SHOWN = ("torque_plateau_Nmm", "force_plateau_N", "torque_peak_Nmm", "force_peak_N")
 """Figures of which the first that a run has is shown."""
@@ -39,6 +40,8 @@ class StudyProgress:
             shown = [name for name in _SHOWN if name in outcome.figures][:1]
             figures = key_figures(outcome.figures, shown)
             said = f"{outcome.seconds:.1f} s" + "".join(f", {name} {v}" for name, v in figures)
+            if n := len(outcome.doubts):
+                said += f", distrusted by {n} check" + "s" * (n > 1)
         left, new = self._n_run - n_ended, n_ended - self._done_before
         if left > 0 and new > 0:
             said += f"; {duration((time.monotonic() - self._began) / new * left)} left"
@@ -49,6 +52,8 @@ class StudyProgress:
         ended = [one.status for one in outcomes.values()]
         counts = ((ended.count(status), status) for status in ("done", "failed", "stopped"))
         said = ", ".join(f"{n} {status}" for n, status in counts if n)
+        if n := sum(bool(one.doubts) for one in outcomes.values()):
+            said += f", {n} distrusted (see {TABLE})"
         self.say(f"{said}, in {duration(time.monotonic() - self._began)}")
 
 

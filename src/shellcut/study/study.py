@@ -117,7 +117,8 @@ def sweep(
     Raises
     ------
     ModelFileError
-        With all that is wrong with the model or a value, before anything runs.
+        With all that is wrong with the model or a value, or if no combination can be run, before
+        anything runs.
     ValueError
         If factors and design do not fit together.
     FolderInUse

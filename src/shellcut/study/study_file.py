@@ -29,7 +29,7 @@ from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.forms import written
 from shellcut.model_file.key import Kind, keys_of
 from shellcut.model_file.reader import read_section
-from shellcut.model_file.schema import schema_of
+from shellcut.model_file.schema import DRAFT, quantities, schema_of, settings
 from shellcut.model_file.source import parse
 
 from .design import Design
@@ -85,15 +85,27 @@ def read_study(path: str | os.PathLike[str]) -> Definition:
 
 def study_schema() -> dict[str, Any]:
     """Return a JSON Schema of study files, of draft 7."""
-    types = {dict: "object", str: "string", list: "array"}
+    keys = settings()
+    refers = {key: {"$ref": f"#/definitions/{key}"} for key in keys}
+    several = {
+        key: {"if": {"type": "array"}, "then": {"items": one}} for key, one in refers.items()
+    }
+    together = {",": {"type": ["array", "string"]}}  # keys whose values go together
+    one_each = {"type": "object", "additionalProperties": False}
     return {
-        "$schema": "http://json-schema.org/draft-07/schema#",
+        "$schema": DRAFT,
         "title": "Study file of shellcut",
         "type": "object",
         "required": ["model", "factors"],
-        "properties": {name: {"type": types[kind]} for name, kind in _SECTIONS.items()}
-        | {"design": schema_of(_DESIGN)},
+        "properties": {
+            "model": {"type": "string"},
+            "figures": {"type": "array", "items": {"type": "string"}},
+            "set": {**one_each, "properties": refers},
+            "factors": {**one_each, "properties": several, "patternProperties": together},
+            "design": schema_of(_DESIGN),
+        },
         "additionalProperties": False,
+        "definitions": quantities() | keys,
     }
 
 
@@ -102,6 +114,7 @@ def write_study(path: Path, planned: Plan) -> None:
     study = planned.definition
     model = Path(study.model)
     lines = [
+        "#:schema ./shellcut-study.schema.json",
         "# The study whose runs are beside this file: `shellcut sweep` finds them again by it.",
         f"model = {written(str(model.resolve()) if model.is_file() else study.model)}",
         *_figures_line(path, planned),

@@ -30,8 +30,8 @@ def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], 
 def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Path:
     """Write the table as CSV: a row a run, a blank where a run has no such figure.
 
-    ``reason`` says why a run failed, or has no mean. Numbers are written with all their digits, so
-    that the same runs give the same bytes.
+    ``reason`` says why a run failed, what its verdict distrusts, or why it has no mean.
+    Numbers are written with all their digits, so that the same runs give the same bytes.
     """
     keys, figures = columns_of(plan, outcomes)
     text = io.StringIO()
@@ -52,9 +52,10 @@ def _row(
     if outcome is None:
         return [run.number, *inputs, "waits", *[""] * len(figures), run.key, ""]
     given = [outcome.figures.get(name, "") for name in figures]
-    lacks_mean = str(outcome.figures.get("no_window", ""))
-    reason = outcome.reason or (lacks_mean and f"no steady window: {lacks_mean}")
-    return [run.number, *inputs, outcome.status, *given, run.key, reason]
+    reasons = [outcome.reason] * bool(outcome.reason) + [f"distrust: {d}" for d in outcome.doubts]
+    if lacks_mean := outcome.figures.get("no_window"):
+        reasons.append(f"no steady window: {lacks_mean}")
+    return [run.number, *inputs, outcome.status, *given, run.key, "; ".join(reasons)]
 
 
 def _is_number(outcome: Outcome, name: str) -> bool:

@@ -42,6 +42,7 @@ STYLES: dict[str, dict[str, Any]] = {
     **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
     **{f"law{k}": {"color": color, "width": 2.4} for k, color in enumerate(PALETTE)},
     **{f"a{k}": {"color": color, "width": 1.6} for k, color in enumerate(_AREAS)},
+    "doubt": {"color": PALETTE[6], "width": 0.0, "marker": "x"},
     **{f"p{k}": {"color": c, "width": 0.0, "marker": "o"} for k, c in enumerate(PALETTE)},
 }
 """How lines look, by name."""

@@ -48,7 +48,7 @@ def _effect(study: Study, one: Analysed, k: int) -> str:
     x = Axis(factor.name, factor.unit, factor.values[one.rows], factor.names)
     y = Axis(one.figure.name, one.figure.unit, one.figure.values[one.rows])
     lines = [(*_alone(one, k), "effect")] if one.predicts else []
-    return panel(x, y, said_of(study, one), lines=lines)
+    return panel(x, y, said_of(study, one), lines=lines, hollow=study.doubted[one.rows])
 
 
 def _alone(one: Analysed, k: int) -> tuple[Floats, Floats]:
@@ -68,7 +68,7 @@ def said_of(study: Study, one: Analysed) -> list[str]:
 def said_of_row(study: Study, row: int) -> str:
     """Return number and inputs of a run."""
     inputs = ", ".join(f"{f.name} {_text(f, row)}" for f in study.inputs)
-    return f"run {study.numbers[row]}: {inputs}"
+    return f"run {study.numbers[row]}{', distrusted' * bool(study.doubted[row])}: {inputs}"
 
 
 def _text(factor: Studied, row: int) -> str:
@@ -92,6 +92,7 @@ def pairs(study: Study, analyses: Sequence[Analysed]) -> str:
                 Axis(b.figure.name, b.figure.unit, b.figure.values[both]),
                 [said_of_row(study, row) for row in np.flatnonzero(both).tolist()],
                 colors=[by.color(int(group)) for group in by.group],
+                hollow=study.doubted[both],
             )
         )
     if not pictures:

@@ -91,6 +91,12 @@ class Study:
         return np.array([status == "done" for status in self.status], bool)
 
     @property
+    def doubted(self) -> Bools:
+        """Which runs their verdicts distrust, shape (n_run,)."""
+        doubts = self.all_figures.get("doubts")
+        return self.failed & False if doubts is None else doubts > 0.0
+
+    @property
     def failed(self) -> Bools:
         """Which runs have failed, shape (n_run,)."""
         return np.array([status == "failed" for status in self.status], bool)

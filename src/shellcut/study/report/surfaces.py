@@ -132,6 +132,7 @@ def _left_out(study: Study, one: Analysed) -> str:
         Axis("the run", one.figure.unit, figure),
         said,
         lines=[(ends, ends, "same")],
+        hollow=study.doubted[one.rows][surface.rows],
     )
 
 
@@ -173,6 +174,7 @@ def _maps(study: Study, one: Analysed) -> list[str]:
                 colors=figure,
                 ground=ground,
                 crosses=(a.values[lost], b.values[lost]),
+                hollow=study.doubted[one.rows],
             )
         )
     return pictures

@@ -55,6 +55,15 @@ def _said(study: Study) -> Iterator[tuple[str, str, str]]:
         yield "good" if n_done == n else "note", "done", f"{n_done} of {n} runs are done."
     else:
         yield "doubt", "nothing", "No run is done, so there are no figures: see the table for why."
+    if n_doubt := int(study.doubted.sum()):
+        first = study.reasons[int(np.argmax(study.doubted))]
+        yield (
+            "doubt",
+            "distrust",
+            f"{n_doubt} of {n_done} done runs are distrusted by their own verdict, and count in "
+            "all pictures, surfaces and sensitivities below: the table says why, hollow points are "
+            f"theirs. The first: {first}.",
+        )
     for name in study.lacking:
         yield "doubt", "missing", f"{STUDY} asks for the figure {name}, which no run has."
     if n_done and not study.figures:
@@ -97,7 +106,7 @@ def _row(study: Study, row: int, page: Path) -> str:
     for one in study.inputs:
         cells.append(_cell(one.texts[row] if one.names else one.values[row]))
     cells += [_cell(figure.values[row]) for figure in study.figures]
-    kind = {"failed": "bad", "done": ""}.get(status, "waits")
+    kind = {"failed": "bad", "done": "doubted" * bool(study.doubted[row])}.get(status, "waits")
     reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""
     cells.append(f'<td class="status {kind}">{escape(status)}{reason}</td>')
     folder = study.run_folder(row)
