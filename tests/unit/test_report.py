@@ -17,6 +17,7 @@ from shellcut.command_line import main
 from shellcut.report import pictures, report_run, scene
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
+from shellcut.results.run_curves import resistance_diagram
 from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
@@ -301,12 +302,23 @@ class TestChart:
 
     def test_areas_are_stacked_and_a_crowd_is_switched_together(self):
         layers = [Curve(name, self.X, f"a{k}", True) for k, name in enumerate("ab")]
-        teeth = [Curve("each", self.X, "tooth")] * 3
-        traces, _ = drawn(self.draw(*layers, *teeth))
+        crowd = [Curve("each", self.X, "c0")] * 3
+        traces, _ = drawn(self.draw(*layers, *crowd))
         assert [trace.get("stackgroup") for trace in traces] == ["areas"] * 2 + [None] * 3
         assert [trace["showlegend"] for trace in traces] == [True] * 3 + [False] * 2
         assert {trace["legendgroup"] for trace in traces[2:]} == {"each"}
         assert [trace.get("hoverinfo") for trace in traces] == [None] * 2 + ["skip"] * 3
+
+    def test_the_teeth_have_names_and_colours_of_their_own_and_are_switched_together(self):
+        columns = ("total", "torque_joints", "torque_tooth_1", "torque_tooth_2", "torque_tooth_3")
+        history = {"time": self.X, "angle": self.X, "torque": self.X}
+        history |= {name: k * self.X for k, name in enumerate(columns)}
+        diagram = resistance_diagram(history, {"angle": "deg", "torque": "N*mm"})
+        teeth = [trace for trace in drawn(chart(diagram, "a"))[0] if "tooth" in trace["name"]]
+        assert [trace["name"] for trace in teeth] == ["tooth 1", "tooth 2", "tooth 3"]
+        assert {(trace["legendgroup"], trace["showlegend"]) for trace in teeth} == {("teeth", True)}
+        assert len({trace["line"]["color"] for trace in teeth}) == 3
+        assert not any("hoverinfo" in trace for trace in teeth)
 
     def test_names_are_escaped(self):
         html = self.draw(Curve("</script><b>", self.X, "total"))
