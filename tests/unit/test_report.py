@@ -19,6 +19,7 @@ from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
 from shellcut.results.run_curves import resistance_diagram
 from shellcut.results.summary_figures import key_figures, with_unit
+from shellcut.unit import showing
 from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
 
@@ -143,6 +144,24 @@ def undrawn(monkeypatch, out):
     monkeypatch.setattr(
         pictures, "draw_crack_map", lambda path, *_, **__: path.write_bytes(picture)
     )
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(out, tmp_path):
+    summary = json.loads((out / "summary.json").read_text())
+    kept = "keeps mm, N and s"
+    page = report_run(out, tmp_path / "mm.html").read_text(encoding="utf-8")
+    lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
+    assert f"up to path {summary['path_end_mm']:.4g} mm, " in lead
+    assert kept not in lead
+    with showing("in, lbf"):
+        page = report_run(out, tmp_path / "in.html").read_text(encoding="utf-8")
+    lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
+    assert f"up to path {summary['path_end_mm'] / 25.4:.4g} in, " in lead
+    assert kept in lead
+    # Only where there is no JavaScript the scene asks for it.
+    assert page.count("needs JavaScript") == 1
+    assert re.search("<noscript>[^/]*needs JavaScript", page)
 
 
 @pytest.mark.usefixtures("undrawn")
