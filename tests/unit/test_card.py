@@ -29,7 +29,7 @@ def simulation():
 
 def test_a_notch_is_drawn_in_the_card_of_its_mesh():
     x, y, _ = MESH.nodes.T
-    notched = MESH.cut(np.flatnonzero((y == 1.0) & (x < 1.2))[:3])
+    notched = MESH.cut(np.flatnonzero((y == 0.0) & (x < 1.2))[:3])
     drawn, before = (
         ElementTree.fromstring(m._repr_html_()).findall(".//polyline") for m in (notched, MESH)
     )

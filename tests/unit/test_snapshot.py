@@ -263,9 +263,10 @@ def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, mon
         "shellcut.view.snapshot.add_color_bar",
         lambda _figure, scale, _shown, _box, label: ends.append((*scale.get_clim(), label)),
     )
-    case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, law=CohesiveLaw(strength=12.0))
+    strip = {"length": 6.0, "width": 4.0, "notch": 1.0, "travel": 0.2, "speed": 8000.0}
+    case = guillotine(1.0, **strip, law=CohesiveLaw(strength=12.0))
     with showing("in, lbf"):
-        case.run(tmp_path / "run", n_snapshot=1, progress=False, until=1e-5)
+        case.run(tmp_path / "run", n_snapshot=1, curves=False, progress=False)
     low, high, label = ends[0]
     assert low == 0.0
     assert high == pytest.approx(12.0 * 145.0377, rel=1e-6)

@@ -161,7 +161,7 @@ def _light(x: float, y: float, z: float) -> float:
     facing = max(facing, -_THROUGH * facing)
     half = max(0.0, x * _HALF[0] + y * _HALF[1] + z * _HALF[2])
     bright = _AMBIENT + _HEAD * z + (1.0 - _AMBIENT - _HEAD) * facing / _LAMP[2]
-    return bright * (1.0 + _GLEAM * half**_GLOSS)
+    return float(bright * (1.0 + _GLEAM * half**_GLOSS))
 
 
 @kernel

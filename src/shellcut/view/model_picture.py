@@ -165,8 +165,9 @@ def _draw_pose(axes: Any, model: ModelView, pose: int, axes_ids: tuple[int, int]
         label = "path of the edges through the film"
         axes.plot(*model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label)
     if len(model.notch):
-        label = {"color": _NOTCH_COLOR, "label": "notch"}
-        add(LineCollection(list(model.notch[..., [i, j]]), linewidths=2.0, **label))
+        cut = LineCollection(list(model.notch[..., [i, j]]), colors=_NOTCH_COLOR, linewidths=2.0)
+        cut.set_label("notch")
+        add(cut)
     for k, (at, toward) in enumerate(model.pulls):
         _draw_pull(axes, at, _ARROW * np.ptp(model.nodes, axis=0).max() * unit(toward), i, j)
         if k == 0:
