@@ -21,6 +21,7 @@ FILM, TOOL = "#7fb5c9", "#c3c7cf"
 """Colours of film and tool in a drawing."""
 
 _WIDTH, _HEIGHT = 260.0, 170.0  # of a picture [pixel]
+_LINE = 16.0  # of names [pixel]
 _MOST = 3000  # faces in a picture; of more the rim, and of a closed surface what is seen best
 _TOWARD = np.array([0.371, -0.643, 0.669])  # to the viewer, as in the pictures of a run
 _RIGHT = np.array([0.866, 0.5, 0.0])
@@ -94,7 +95,9 @@ def extent(points: Floats) -> tuple[str, str, str]:
 
 
 def drawing(
-    parts: Sequence[tuple[Floats, Numbers, str]], lines: Sequence[Floats] | Floats = ()
+    parts: Sequence[tuple[Floats, Numbers, str]],
+    lines: Sequence[Floats] | Floats = (),
+    color: str = "#e6001a",
 ) -> str:
     """Return faces as an SVG, the near ones before the far ones, and lines over them.
 
@@ -129,13 +132,37 @@ def drawing(
         drawn += [(z, text(face), color) for z, face in zip(depth, corners, strict=True)]
     shapes = [f'<polygon points="{at}" fill="{color}"/>' for _, at, color in sorted(drawn)]
     shapes += [
-        f'<polyline points="{text(line)}" stroke="#e6001a" stroke-width="1.5"/>' for line in lines
+        f'<polyline points="{text(line)}" stroke="{color}" stroke-width="1.5"/>' for line in lines
     ]
     width, height = (size[:2] * scale + 2.0).round().astype(int)
     line = 0.4 if len(drawn) < 0.5 * _MOST else 0.1
     return (
         f'<svg width="{width}" height="{height}" viewBox="-1 -1 {width} {height}" '
         f'stroke="#3a3f46" stroke-width="{line}">{"".join(shapes)}</svg>'
+    )
+
+
+def section(layers: Sequence[tuple[str, float]]) -> str:
+    """Return a cut through layers, the first at the bottom, to scale, with their names, as an SVG.
+
+    layers : name and thickness of each.
+    """
+    whole, drawn, top = sum(thickness for _, thickness in layers), [], _HEIGHT
+    name_at = _HEIGHT + _LINE
+    for k, (name, thickness) in enumerate(layers):
+        high = _HEIGHT * thickness / whole
+        top -= high
+        name_at = min(top + 0.5 * high + 5.0, name_at - _LINE)  # of thin layers, too, a line each
+        drawn.append(
+            f'<polygon points="0 {top:.1f} 80 {top:.1f} 80 {top + high:.1f} 0 {top + high:.1f}" '
+            f'fill="{(FILM, TOOL)[k % 2]}" stroke="#3a3f46" stroke-width="0.4"/>'
+            f'<text x="88" y="{name_at:.1f}" font-size="13" fill="currentColor">{escape(name)}'
+            "</text>"
+        )
+    first = min(0.0, name_at - _LINE)
+    return (
+        f'<svg width="{_WIDTH:g}" height="{_HEIGHT + 2.0 - first:g}" '
+        f'viewBox="-1 {first - 1.0:g} {_WIDTH:g} {_HEIGHT + 2.0 - first:g}">{"".join(drawn)}</svg>'
     )
 
 

@@ -27,6 +27,25 @@ def simulation():
     return sim
 
 
+def test_a_notch_is_drawn_in_the_card_of_its_mesh():
+    x, y, _ = MESH.nodes.T
+    notched = MESH.cut(np.flatnonzero((y == 0.0) & (x < 1.2))[:3])
+    drawn, before = (
+        ElementTree.fromstring(m._repr_html_()).findall(".//polyline") for m in (notched, MESH)
+    )
+    assert len(drawn) == 2
+    assert not before
+
+
+def test_layers_are_drawn_to_scale_with_their_names():
+    page = ElementTree.fromstring(LAMINATE._repr_html_())
+    ends = [[float(y) for y in one.get("points").split()[1::2]] for one in page.iter("polygon")]
+    heights = [max(y) - min(y) for y in ends]
+    assert heights[0] / heights[1] == pytest.approx(0.065 / 0.009, rel=0.01)
+    assert min(ends[0]) == max(ends[1])  # the second layer lies on the first
+    assert [text.text for text in page.iter("text")] == ["layer 1: Elastic", "layer 2: Plastic"]
+
+
 @pytest.mark.parametrize(
     ("shown", "rows", "faces"),
     [
@@ -52,12 +71,17 @@ def test_results_show_their_last_frame_and_what_of_them_holds(tmp_path):
     results = sc.read(folder)
     results.summary = {
         "crack_length_mm": 2.5,
-        "verdict": [{"kind": "good", "text": "a"}, {"kind": "doubt", "text": "too <fast>"}],
+        "verdict": [
+            {"kind": "good", "text": "a"},
+            {"kind": "doubt", "text": "too <fast>"},
+            {"kind": "note", "text": "Rotary inertia is scaled, so waves are slow. Refine."},
+        ],
     }
     html = results._repr_html_()
     assert "Results of a &amp; b" in html
     assert re.search(r"crack length</th><td[^>]*>2.5 mm", html)
     assert "distrust: too &lt;fast&gt;</p>" in html
+    assert "note: Rotary inertia is scaled</p>" in html
     assert "1 checks hold" not in html
     assert "1 check holds" in html
     assert "data:image/png;base64," in html

@@ -50,9 +50,13 @@ PARTS = {
 }
 
 
-def test_torque_with_its_parts_and_others(tmp_path, figures):
+@pytest.mark.parametrize(
+    ("second", "teeth"),
+    [(0.499, ["each of 2 teeth, all alike"]), (0.45, ["tooth 1", "tooth 2"])],
+)
+def test_torque_with_its_parts_and_others(tmp_path, figures, second, teeth):
     path = tmp_path / "torque.png"
-    diagram = resistance_diagram(PARTS, UNITS)
+    diagram = resistance_diagram(PARTS | {"torque_tooth_2": second * TORQUE}, UNITS)
     mean = Curve("mean", [143.6, 143.6], "mean", x=[27.44, 63.09])
     diagram = dataclasses.replace(diagram, curves=[*diagram.curves, mean], title="opening")
     draw_curves(path, [diagram], dpi=50)
@@ -60,12 +64,13 @@ def test_torque_with_its_parts_and_others(tmp_path, figures):
     (axes,) = figures[0].axes
     assert axes.get_xlabel() == "angle [°]"
     assert axes.get_ylabel() == "torque [N·mm]"
-    parts = ["each of 2 teeth", "from contact", "from cables at the edge", "total"]
+    parts = [*teeth, "from contact", "from cables at the edge", "total"]
     assert labels(axes) == [*parts, "mean"]
     assert axes.get_legend().get_title().get_text() == "opening"
     lines = {line.get_label(): line for line in axes.lines}
     assert lines["mean"].get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
     np.testing.assert_array_equal(lines["total"].get_ydata(), TORQUE)
+    assert len({line.get_color() for line in axes.lines}) == len(axes.lines)
     np.testing.assert_allclose(lines["from contact"].get_ydata(), 0.05 * TORQUE, atol=1e-9)
 
 

@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut import Simulation, Stepping, Support, Tool, mesh_quality, opening_test, preview
+from shellcut import (
+    Simulation,
+    Stepping,
+    Support,
+    Tool,
+    mesh_quality,
+    opening_test,
+    preview,
+    trouser,
+)
 from shellcut.models.preview import ModelParts, preview_parts
 from shellcut.tool.shapes import tooth_ring
 from shellcut.view import model_picture
@@ -133,7 +142,7 @@ def test_cutting_edges_are_drawn_by_what_becomes_of_them(drawn, angle, label):
     (view,) = drawn
     meeting, never = view.edges
     assert label in meeting.label
-    assert "never meet the film" in never.label
+    assert never.label == "1 cutting edge never meets the film"
     tool = case.simulation.tool
     assert meeting.segments.tolist() == tool.edges[tool.edge_chain == 0].tolist()
     assert never.segments.tolist() == tool.edges[tool.edge_chain == 1].tolist()
@@ -156,3 +165,34 @@ def test_of_a_model_that_is_refused_what_there_is_is_drawn(drawn):
     assert len(film_only.tool) == 0
     with pytest.raises(ValueError, match="neither film nor tool"):
         preview_parts(ModelParts(), "never.png")
+
+
+def test_notch_and_supports_that_move_are_drawn(drawn):
+    case = trouser(1.0, length=10.0, notch=3.0)
+    preview(case.simulation, "never.png", time=case.duration)
+    (view,) = drawn
+    assert np.abs(view.notch[:, :, 1:]).max() < 1e-12
+    assert (view.notch[..., 0].min(), view.notch[..., 0].max()) == pytest.approx((0.0, 3.0))
+    (up, up_way), (down, down_way) = view.pulls
+    assert up[1] > 0.0 > down[1]
+    assert up_way.tolist() == [0.0, 0.0, 2500.0]
+    assert down_way.tolist() == [0.0, 0.0, -2500.0]
+    assert not up[[0, 2]].any()
+    assert not down[[0, 2]].any()
+
+
+def test_the_picture_of_a_pull_tells_its_cost_below(tmp_path, monkeypatch):
+    kept = []
+    monkeypatch.setattr(model_picture, "save", lambda figure, _: kept.append(figure))
+    case = trouser(1.0, length=10.0, notch=3.0)
+    report = preview(case.simulation, tmp_path / "model.png", time=case.duration)
+    (figure,) = kept
+    caption = next(text for text in figure.texts if "film  " in text.get_text())
+    told = caption.get_text().splitlines()
+    assert [line.split()[0] for line in told] == ["film", "run", "cracks"]
+    assert set(told) <= set(report.splitlines())
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {"notch", "2 supports that move"} <= set(labels)
+    figure.draw_without_rendering()
+    box = caption.get_window_extent()
+    assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)

@@ -17,7 +17,9 @@ from shellcut.command_line import main
 from shellcut.report import pictures, report_run, scene
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
+from shellcut.results.run_curves import resistance_diagram
 from shellcut.results.summary_figures import key_figures, with_unit
+from shellcut.unit import showing
 from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
 
@@ -142,6 +144,24 @@ def undrawn(monkeypatch, out):
     monkeypatch.setattr(
         pictures, "draw_crack_map", lambda path, *_, **__: path.write_bytes(picture)
     )
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(out, tmp_path):
+    summary = json.loads((out / "summary.json").read_text())
+    kept = "keeps mm, N and s"
+    page = report_run(out, tmp_path / "mm.html").read_text(encoding="utf-8")
+    lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
+    assert f"up to path {summary['path_end_mm']:.4g} mm, " in lead
+    assert kept not in lead
+    with showing("in, lbf"):
+        page = report_run(out, tmp_path / "in.html").read_text(encoding="utf-8")
+    lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
+    assert f"up to path {summary['path_end_mm'] / 25.4:.4g} in, " in lead
+    assert kept in lead
+    # Only where there is no JavaScript the scene asks for it.
+    assert page.count("needs JavaScript") == 1
+    assert re.search("<noscript>[^/]*needs JavaScript", page)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -301,12 +321,23 @@ class TestChart:
 
     def test_areas_are_stacked_and_a_crowd_is_switched_together(self):
         layers = [Curve(name, self.X, f"a{k}", True) for k, name in enumerate("ab")]
-        teeth = [Curve("each", self.X, "tooth")] * 3
-        traces, _ = drawn(self.draw(*layers, *teeth))
+        crowd = [Curve("each", self.X, "c0")] * 3
+        traces, _ = drawn(self.draw(*layers, *crowd))
         assert [trace.get("stackgroup") for trace in traces] == ["areas"] * 2 + [None] * 3
         assert [trace["showlegend"] for trace in traces] == [True] * 3 + [False] * 2
         assert {trace["legendgroup"] for trace in traces[2:]} == {"each"}
         assert [trace.get("hoverinfo") for trace in traces] == [None] * 2 + ["skip"] * 3
+
+    def test_the_teeth_have_names_and_colours_of_their_own_and_are_switched_together(self):
+        columns = ("total", "torque_joints", "torque_tooth_1", "torque_tooth_2", "torque_tooth_3")
+        history = {"time": self.X, "angle": self.X, "torque": self.X}
+        history |= {name: k * self.X for k, name in enumerate(columns)}
+        diagram = resistance_diagram(history, {"angle": "deg", "torque": "N*mm"})
+        teeth = [trace for trace in drawn(chart(diagram, "a"))[0] if "tooth" in trace["name"]]
+        assert [trace["name"] for trace in teeth] == ["tooth 1", "tooth 2", "tooth 3"]
+        assert {(trace["legendgroup"], trace["showlegend"]) for trace in teeth} == {("teeth", True)}
+        assert len({trace["line"]["color"] for trace in teeth}) == 3
+        assert not any("hoverinfo" in trace for trace in teeth)
 
     def test_names_are_escaped(self):
         html = self.draw(Curve("</script><b>", self.X, "total"))

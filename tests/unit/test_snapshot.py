@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from opening_frame import EDGE_COLOR, RADIUS, opening_frame
+from shellcut import CohesiveLaw, guillotine
 from shellcut.frame import Frame
+from shellcut.unit import showing
 from shellcut.view import Look, draw_scene
 from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
 from shellcut.view.fields import field_limits
-from shellcut.view.snapshot import close_camera, whole_camera
+from shellcut.view.snapshot import close_camera, tooth_ball, whole_camera
 
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -212,3 +214,60 @@ def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
         [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True
     )
     assert "pip install shellcut[plot]" in done.stdout
+
+
+@pytest.mark.parametrize("angle", [0.0, 45.0, 80.0])
+def test_the_close_up_holds_the_tooth_and_the_whole_holds_its_circle(angle):
+    frame = opening_frame(angle, n_side=10)
+    centre, radius = tooth_ball(frame)
+    tooth = frame.tool_points[frame.tool_triangles[frame.tool_tooth == 1]].reshape(-1, 3)
+    assert np.linalg.norm(tooth - centre, axis=1).max() < radius
+    # One scale for all pictures of a run.
+    assert radius == pytest.approx(tooth_ball(opening_frame(20.0, n_side=10))[1], rel=1e-6)
+    whole = whole_camera([frame], (300, 400), Look(), [(centre, radius)])
+    height, width = whole.shape
+    x, y, _ = whole.project(centre)
+    assert whole.scale * radius < min(x, y, width - x, height - y)
+
+
+@pytest.mark.parametrize("colormap", ["viridis", "inferno", "turbo"])
+def test_light_keeps_the_hue_of_the_map(colormap):
+    if colormap != "viridis":
+        pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    colors = Look(colormap=colormap).colors()
+    corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
+    rng = np.random.default_rng(3)
+    for color in colors[::16]:
+        canvas = Canvas((40, 40))
+        canvas.draw(corners, color, normals=rng.normal(size=(1, 3, 3)))
+        seen = canvas.color[np.isfinite(canvas.depth)]
+        assert seen.max() <= 1.0 + 1e-6
+        factor = seen @ color / (color @ color)
+        np.testing.assert_allclose(seen, factor[:, None] * color, atol=1e-6)
+        assert np.ptp(factor) > 0.05
+
+
+def test_what_cannot_be_written_or_read_is_refused(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    with pytest.raises(ValueError, match=r"ends with \.png, .*a page's with \.html; got 'a\.xyz'"):
+        draw_scene(tmp_path / "a.xyz", membrane_only())
+    with pytest.raises(ValueError, match=r"at least 160 x 160 pixels, got \(10, 10\)"):
+        draw_scene(tmp_path / "a.png", membrane_only(), size=(10, 10))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    ends = []
+    monkeypatch.setattr(
+        "shellcut.view.snapshot.add_color_bar",
+        lambda _figure, scale, _shown, _box, label: ends.append((*scale.get_clim(), label)),
+    )
+    strip = {"length": 6.0, "width": 4.0, "notch": 1.0, "travel": 0.2, "speed": 8000.0}
+    case = guillotine(1.0, **strip, law=CohesiveLaw(strength=12.0))
+    with showing("in, lbf"):
+        case.run(tmp_path / "run", n_snapshot=1, curves=False, progress=False)
+    low, high, label = ends[0]
+    assert low == 0.0
+    assert high == pytest.approx(12.0 * 145.0377, rel=1e-6)
+    assert label == "largest principal stress [lbf/in²]"

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import cycle
 from typing import Annotated, TypeAlias
 
 import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product
-from shellcut.card import FILM, TOOL, Figures, card, drawing, figures_of
+from shellcut.card import Figures, card, figures_of, section
 
 from .elastic import Elastic
 from .material import Material, refuse
@@ -123,16 +122,12 @@ class ShellMaterial:
             ("mass over area", self.area_density, "t/mm^2"),
             ("stiffness in tension, Σ E h", self.stretching_stiffness, "N/mm"),
         ]
+        named = []
         for number, layer in enumerate(self.layers, 1):
             name = f"layer {number}: {type(layer.material).__name__}"
             figures += [(name, layer.thickness, "mm"), *figures_of(layer.material)]
-        tops = np.cumsum([layer.thickness for layer in self.layers])
-        corner = self.thickness * np.array([[0, 0, 0], [5, 0, 0], [5, 0, 0], [0, 0, 0]])
-        parts = []
-        for bottom, top, color in zip([0, *tops], tops, cycle((FILM, TOOL)), strict=False):
-            heights = np.array([[0, 0, z] for z in (bottom, bottom, top, top)])
-            parts.append((corner + heights, np.arange(4)[None], color))
-        return card("Film, layers from the bottom", figures, picture=drawing(parts))
+            named.append((name, layer.thickness))
+        return card("Film, layers from the bottom", figures, picture=section(named))
 
     @classmethod
     @checked

@@ -109,7 +109,13 @@ class Mesh:
             extent(self.nodes),
             ("sets", ", ".join([*self.node_sets, *self.quad_sets]) or "none", ""),
         ]
-        return card("Mesh", figures, picture=drawing([(self.nodes, self.quads, FILM)]))
+        ends = self._edges.nodes[self._edges.n_quad == 1]
+        _, first, count = np.unique(
+            np.sort(self.origin[ends], axis=1), axis=0, return_index=True, return_counts=True
+        )
+        notch = self.nodes[ends[first[count == 2]]]
+        picture = drawing([(self.nodes, self.quads, FILM)], notch, "#000000")
+        return card("Mesh", figures, picture=picture)
 
     @classmethod
     @checked

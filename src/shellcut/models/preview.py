@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.checks.finding import Finding
 from shellcut.formats.errors import counted
+from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import CLEARLY, MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
+from shellcut.recording.frame_capture import Exposure
 from shellcut.recording.status_line import crack_line, how_long
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
@@ -46,6 +48,10 @@ class ModelParts:
     motion: Motion | None = None
     duration: float | None = None
     """[s]"""
+    pulls: Sequence[tuple[Floats, Floats]] = ()
+    """Middle [mm] and direction of every support that moves."""
+    notch: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    """Where the film is cut, shape (n, 2, 3) [mm]."""
 
     def sweep(self) -> Sweep | None:
         """Return the path of the cutting edges, if all parts for it exist."""
@@ -107,9 +113,21 @@ def preview(
         check = check_model(sim, time)
     sweep = check.sweep if check is not None else None
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
-    parts = ModelParts(mesh=mesh, held=held, tool=sim.tool, motion=sim.motion, duration=time)
-    film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64))
-    lines = [film, *_film_lines(mesh), *step_lines, *([_run_line(sim, time)] if time else [])]
+    coordinate = {"coordinate": 0.0, "coordinate_name": "path", "coordinate_unit": "mm"}
+    film_now = Exposure.of(sim, **coordinate).frame()
+    parts = ModelParts(
+        mesh=mesh,
+        held=held,
+        tool=sim.tool,
+        motion=sim.motion,
+        duration=time,
+        pulls=list(_pulls(sim, time)) if time else (),
+        notch=film_now.reference[film_now.crack_edges[:, 0]],
+    )
+    cost = [_run_line(sim, time)] if time else []
+    told = [*cost, crack_line(sim)]
+    film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), told=told)
+    lines = [film, *_film_lines(mesh), *step_lines, *cost]
     lines += [*others, crack_line(sim), *_worst_lines(quality)]
     lines += [said(finding) for finding in check.findings] if check is not None else []
     return "\n".join(lines)
@@ -135,8 +153,9 @@ def _draw(
     sweep: Sweep | None,
     worst: Ints,
     title: str = "the model before its run",
+    told: Sequence[str] = (),
 ) -> list[str]:
-    """Draw the parts; return a list of them, one per line."""
+    """Draw the parts, and what is told below them; return a list of them, one per line."""
     mesh, tool = parts.mesh, parts.tool
     poses, titles = _poses(parts)
     lines = []
@@ -165,10 +184,12 @@ def _draw(
             way=none if sweep is None else sweep.place,
             track=_track(parts),
             titles=titles,
+            pulls=parts.pulls,
+            notch=parts.notch,
         ),
         path,
         title=title,
-        caption="\n".join(lines),
+        caption="\n".join([*lines, *told]),
     )
     return lines
 
@@ -203,20 +224,33 @@ def _track(parts: ModelParts) -> Floats:
     return np.concatenate([pose.to_space(lowest) for pose in poses])
 
 
+def _pulls(sim: Simulation, time: float) -> Iterator[tuple[Floats, Floats]]:
+    """Yield the middle of each support that moves, and the velocity of its fastest moment."""
+    supports: Sequence[Support] = sim.inputs["supports"]  # type: ignore[assignment]
+    times = np.linspace(0.0, time, _ON_WAY).tolist()
+    for one in supports:
+        rates = [one.velocity.get(axis) for axis in "xyz"]
+        each = np.array([[rate(at) if rate else 0.0 for rate in rates] for at in times])
+        fastest = each[np.argmax(norm(each))]
+        if fastest.any():
+            yield sim.mesh.nodes[choose_nodes(sim.mesh, one.nodes)].mean(axis=0), fastest
+
+
 def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
     """Yield the cutting edges grouped by whether they stay in the film."""
     if sweep is None:
-        yield EdgeGroup(f"{tool.n_chain} cutting edges", np.asarray(tool.edges), _STAYS)
+        yield EdgeGroup(counted(tool.n_chain, "cutting edge"), np.asarray(tool.edges), _STAYS)
         return
     groups = (
-        ("in the film to the end", _STAYS, [f.chain for f in sweep.fates if f.stays]),
-        ("leave the film", _LEAVES, [f.chain for f in sweep.fates if f.meets and not f.stays]),
-        ("never meet the film", _NEVER, [f.chain for f in sweep.fates if not f.meets]),
+        ("stay{} in the film to the end", _STAYS, [f.chain for f in sweep.fates if f.stays]),
+        ("leave{} the film", _LEAVES, [f.chain for f in sweep.fates if f.meets and not f.stays]),
+        ("never meet{} the film", _NEVER, [f.chain for f in sweep.fates if not f.meets]),
     )
     for what, color, chains in groups:
         if chains:
             mine = np.isin(tool.edge_chain, chains)
-            label = f"{counted(len(chains), 'cutting edge')}: {what}"
+            does = what.format("s" * (len(chains) == 1))
+            label = f"{counted(len(chains), 'cutting edge')} {does}"
             yield EdgeGroup(label, np.asarray(tool.edges[mine]), color, dashed=color != _STAYS)
 
 

@@ -31,6 +31,7 @@ from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
+from shellcut.unit import shown
 from shellcut.view import Look, can_draw, draw_scene
 from shellcut.view.progress import Progress
 
@@ -386,7 +387,8 @@ class Recorder:
             return
         began = time.perf_counter()
         path = self._files.new_picture(self._schedule.n_picture)
-        look = Look(low=0.0, high=self._strength)
+        high = None if self._strength is None else shown("MPa")[1] * self._strength
+        look = Look(low=0.0, high=high)
         draw_scene(path, frame, look=look, close_up=True, size=(1170, 630))
         self._schedule.n_picture += 1
         self._schedule.drawing += time.perf_counter() - began

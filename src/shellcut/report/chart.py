@@ -40,8 +40,8 @@ class Axis:
 def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
     """Return a figure of curves that a reader switches, reads and looks at closely.
 
-    The diagram's abscissae ascend, two or more; curves with the same name are switched together.
-    The text is for screen readers, the height in pixels.
+    The diagram's abscissae ascend, two or more. The text is for screen readers, the height in
+    pixels.
     """
     diagram = diagram.shown()
     x, curves = np.asarray(diagram.x, float), diagram.curves
@@ -64,7 +64,7 @@ def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
         traces.append(
             {
                 "name": name,
-                "legendgroup": name,
+                "legendgroup": curve.group or name,
                 "showlegend": all(name != trace["name"] for trace in traces),
                 **_trace("lines", places[rows], y[rows], 5, line=line),
                 **({"hoverinfo": "skip"} if silent else said),

@@ -14,7 +14,7 @@ const LAYOUT = {
   plot_bgcolor: "transparent",
   showlegend: false,
 };
-const AXIS = { automargin: true, ticklabelstandoff: 4, zeroline: false };
+const AXIS = { automargin: true, exponentformat: "power", ticklabelstandoff: 4, zeroline: false };
 const CONFIG = {
   displaylogo: false,
   modeBarButtonsToRemove: ["sendChartToCloud", "select2d", "lasso2d", "autoScale2d"],

@@ -11,7 +11,7 @@ from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.scene_page import scene_scripts, scene_style
-from shellcut.unit import with_unit
+from shellcut.unit import LIBRARY_UNITS, shown, with_unit
 
 from . import curves, pictures, scene, words
 from .error_bars import error_bars
@@ -87,11 +87,13 @@ def _lead(run: Gathered) -> str:
     parts = [f"Report of the run in {run.folder.resolve()}"]
     if run.history:
         name, unit = run.coordinate
-        end = run.history[name][-1]
+        end = run.figures.get(f"{name}_end_{unit}", run.history[name][-1])
         parts.append(f"up to {name} {with_unit(end, unit)}")
     if run.results is not None:
         parts.append(f"{run.results.n_frame} frames")
-    return ", ".join(parts) + "."
+    kept = "What the run has said keeps mm, N and s; its pictures keep the units they bear."
+    converted = any(shown(unit)[1] != 1.0 for unit in LIBRARY_UNITS.values())
+    return ", ".join(parts) + "." + f" {kept}" * converted
 
 
 def _body(run: Gathered) -> str:

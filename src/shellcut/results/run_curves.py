@@ -15,13 +15,22 @@ from .energy_account import PUT_IN, energy_shares, is_pulled, total, trusted_row
 # step between work and energy cause it.
 _NEGATIVE_SHARE = 0.01
 
+# Teeth whose curves differ by less than this part of the largest value are drawn as one.
+_ALIKE = 0.01
+
 
 def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
     """Return torque or force over the coordinate: in total, in parts and of each tooth."""
     _, x, name, *_ = history
     teeth = [column for column in history if column.startswith(f"{name}_tooth_")]
-    label = f"each of {len(teeth)} teeth"
-    curves = [Curve(label, history[column], "tooth") for column in teeth if len(teeth) > 1]
+    each = {f"tooth {c.rpartition('_')[2]}": history[c] for c in teeth if len(teeth) > 1}
+    values = np.array(list(each.values()))
+    if len(each) and np.ptp(values, axis=0).max() <= _ALIKE * np.abs(values).max():
+        each = {f"each of {len(teeth)} teeth, all alike": values.mean(axis=0)}
+    curves = [
+        Curve(said, numbers, f"tooth{k % 8}", group="teeth")
+        for k, (said, numbers) in enumerate(each.items())
+    ]
     if not is_pulled(history):
         joints = history[f"{name}_joints"]
         curves += [

@@ -102,9 +102,12 @@ class Results:
         figures: Figures = [("frames", self.n_frame, "")]
         figures += [(label, shown, "") for label, shown in key_figures(self.summary, names)]
         lines = [Line(**line) for line in self.summary.get("verdict", ())]
-        doubts = [(line.kind, str(line)) for line in lines if line.kind == "doubt"]
         n_good = sum(line.kind == "good" for line in lines)
-        said = [*doubts, ("good", counted(n_good, "check holds", "checks hold"))]
+        said = [(line.kind, str(line)) for line in lines if line.kind == "doubt"]
+        said.append(("good", counted(n_good, "check holds", "checks hold")))
+        # Of a note what it is about; report and summary have all of it.
+        heads = (re.split(r"[:,] |\. ", line.text)[0] for line in lines if line.kind == "note")
+        said += [("note", f"note: {head.removesuffix('.')}") for head in heads]
         if not lines:
             said = [("note", "There is no verdict: the run has not ended.")]
         picture = ""

@@ -43,6 +43,7 @@ class SceneView {
     const side = THREE.DoubleSide;
     const behind = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     const film = new THREE.MeshLambertMaterial({ vertexColors: true, side, ...behind });
+    film.onBeforeCompile = (shader) => (shader.fragmentShader = keepingHue(shader.fragmentShader));
     const lines = new THREE.LineBasicMaterial({ color: 0x1a1a26, transparent: true, opacity: 0.3 });
     this.film = new Film(film, lines);
     this.film.mesh.castShadow = this.film.mesh.receiveShadow = true;
@@ -212,6 +213,13 @@ class SceneView {
   unmark() {
     this.mark.visible = this.dot.visible = false;
   }
+}
+
+// The shader of a surface whose light ends where red, green or blue is full: its hue is read.
+function keepingHue(shader) {
+  const out = "#include <opaque_fragment>";
+  const most = "max(max(outgoingLight.r, outgoingLight.g), outgoingLight.b)";
+  return shader.replace(out, `outgoingLight /= max(1.0, ${most});\n${out}`);
 }
 
 // The least and the greatest coordinate of places along an axis.

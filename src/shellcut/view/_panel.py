@@ -121,10 +121,16 @@ def _normals(corners: Floats, nodes: Ints, n: int) -> Floats:
     return np.stack([np.bincount(nodes.ravel(), axis, n) for axis in each.T], axis=1)
 
 
-def whole_camera(frames: Sequence[Frame], shape: tuple[int, int], look: Look) -> Camera:
+def whole_camera(
+    frames: Sequence[Frame],
+    shape: tuple[int, int],
+    look: Look,
+    balls: Sequence[tuple[Floats, float]] = (),
+) -> Camera:
     """Return a camera that shows film and edges of all frames, and the tool near them.
 
-    shape : height and width of the picture [pixel].
+    shape : height and width of the picture [pixel].  balls : centre and radius [mm] of what is to
+    be within the picture, too.
     """
     elevation, azimuth = np.radians((look.elevation, look.azimuth))
     level = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
@@ -136,7 +142,8 @@ def whole_camera(frames: Sequence[Frame], shape: tuple[int, int], look: Look) ->
     room = _ROOM_FOR_TOOL * np.ptp(points, axis=0).max()
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
     near = [f.tool_points.clip(low, high) for f in frames]
-    across = np.concatenate([points, *near]) @ axes.T
+    round_balls = [at + r * sign * axes for at, r in balls for sign in (-1.0, 1.0)]
+    across = np.concatenate([points, *near, *round_balls]) @ axes.T
     low, high = across.min(axis=0), across.max(axis=0)
     height, width = (OVERSAMPLING * n for n in shape)
     room = 0.94 * np.array([width, height]) / (high - low)[:2].clip(1e-12)
@@ -241,6 +248,7 @@ def add_color_bar(
         orientation="horizontal",
         extend=extend.get((below, above), "both"),
     )
+    bar.ax.locator_params(nbins=4)  # numbers of five digits stay apart
     bar.set_label(label, labelpad=1)
 
 

@@ -147,21 +147,21 @@ class Canvas:
 
 
 @inline
-def _light(x: float, y: float, z: float) -> tuple[float, float]:
-    """Return how bright a surface is (Lambert), and the gleam on it (Blinn and Phong).
+def _light(x: float, y: float, z: float) -> float:
+    """Return how bright a surface is (Lambert), with the gleam on it (Blinn and Phong).
 
     Its normal, of any length, is turned toward the viewer.
     """
     length = np.sqrt(x * x + y * y + z * z)
     if length == 0.0:
-        return 1.0, 0.0
+        return 1.0
     length = length if z >= 0.0 else -length
     x, y, z = x / length, y / length, z / length
     facing = x * _LAMP[0] + y * _LAMP[1] + z * _LAMP[2]
     facing = max(facing, -_THROUGH * facing)
     half = max(0.0, x * _HALF[0] + y * _HALF[1] + z * _HALF[2])
     bright = _AMBIENT + _HEAD * z + (1.0 - _AMBIENT - _HEAD) * facing / _LAMP[2]
-    return bright, _GLEAM * half**_GLOSS
+    return float(bright * (1.0 + _GLEAM * half**_GLOSS))
 
 
 @kernel
@@ -221,10 +221,13 @@ def _fill(
                     depth[pixel] = z
                     for k in range(1, 5):
                         at[k] = plane[k, 0] * x + (plane[k, 1] * y + plane[k, 2])
-                    bright, gleam = _light(at[2], at[3], at[4]) if lit else (1.0, 0.0)
+                    bright = _light(at[2], at[3], at[4]) if lit else 1.0
                     place = int(min(max(at[1], 0.0), 1.0) * (len(table) - 1) + 0.5)
+                    # Light up to where one of the three is full keeps the hue, which is read.
+                    most = max(table[place, 0], table[place, 1], table[place, 2])
+                    bright = min(bright, 1.0 / most) if most > 0.0 else 0.0
                     for m in range(3):
-                        pixels[pixel, m] = table[place, m] * bright + gleam
+                        pixels[pixel, m] = table[place, m] * bright
 
 
 @kernel

@@ -27,11 +27,14 @@ INK = "#1b1f24"
 # Okabe and Ito: distinguishable for colour-blind readers, calm enough for areas.
 _AREAS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#999999")
 
+# Thin lines below those of the sums, in none of their colours.
+_TEETH = ("#2c9c62", "#8a63c9", "#a58a12", "#9c5a3c", "#159aa0", "#c565ae", "#5f6b78", "#a9b0b8")
+
 STYLES: dict[str, dict[str, Any]] = {
     "total": {"color": "#cf3a44", "width": 2.2},
     "joints": {"color": "#e08030", "width": 1.4},
     "contact": {"color": "#3d83c8", "width": 1.4},
-    "tooth": {"color": "#99a1aa", "width": 0.9},
+    **{f"tooth{k}": {"color": color, "width": 0.9} for k, color in enumerate(_TEETH)},
     "measured": {"color": INK, "width": 2.0, "dash": "dash"},
     "other": {"color": INK, "width": 1.6, "dash": "dash"},
     "work": {"color": INK, "width": 1.8, "dash": "dash"},
@@ -61,6 +64,8 @@ class Curve:
     values: npt.ArrayLike
     style: str = "total"
     area: bool = False
+    group: str = ""
+    """Curves of one group are switched together on a page; by default those of one name."""
     x: npt.ArrayLike | None = None
     """Its own abscissae; by default those of the diagram."""
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm, unit
+from shellcut.formats.errors import counted
 from shellcut.unit import in_unit, shown
 
 from ._figure import new_figure, save
@@ -21,6 +22,9 @@ _WORST_COLOR = "#f4a259"
 _TOOL_COLOR = "#a8b0ba"
 _WAY_COLOR = "#2a9d8f"
 _TRACK_COLOR = "#3d3d3d"
+_NOTCH_COLOR = "#111111"
+_PULL_COLOR = "#d1495b"
+_ARROW = 0.12  # length over the film's extent
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +63,10 @@ class ModelView:
     """Title of each pose."""
     track: Floats
     """How a point of the tool moves from the start to the end, shape (n, 3)."""
+    pulls: Sequence[tuple[Floats, Floats]]
+    """Place and direction of arrows, shape (3,) each."""
+    notch: Floats
+    """Ends of the edges at which the film is cut, shape (n, 2, 3)."""
 
 
 def draw_model(
@@ -93,8 +101,9 @@ def draw_model(
     figure.suptitle(title, fontsize=13)
     figure.text(0.06, 0.01, caption, va="bottom", fontsize=9, family="monospace")
     unit, factor = shown("mm")
-    lengths = {name: factor * getattr(model, name) for name in ("nodes", "way", "track")}
-    model = replace(model, **lengths, tool=[factor * pose for pose in model.tool])
+    lengths = {name: factor * getattr(model, name) for name in ("nodes", "way", "track", "notch")}
+    pulls = [(factor * at, toward) for at, toward in model.pulls]
+    model = replace(model, **lengths, tool=[factor * pose for pose in model.tool], pulls=pulls)
     # A refused model may lack its film.
     extent = np.ptp(model.nodes if len(model.nodes) else model.tool[0], axis=0)
     across = np.argsort(-extent, kind="stable")
@@ -102,8 +111,8 @@ def draw_model(
     for k in range(n_pose):
         left, width = 0.06 + 0.94 / n_pose * k, 0.94 / n_pose - 0.07
         for axes_ids, bottom, height in (
-            ((across[0], across[1]), 0.40, 0.50),
-            ((across[0], across[2]), 0.14, 0.20),
+            ((across[0], across[1]), 0.41, 0.49),
+            ((across[0], across[2]), 0.17, 0.18),
         ):
             axes = figure.add_axes((left, bottom, width, height))
             _draw_pose(axes, model, k, axes_ids)
@@ -155,9 +164,31 @@ def _draw_pose(axes: Any, model: ModelView, pose: int, axes_ids: tuple[int, int]
     if len(model.way):
         label = "path of the edges through the film"
         axes.plot(*model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label)
+    if len(model.notch):
+        cut = LineCollection(list(model.notch[..., [i, j]]), colors=_NOTCH_COLOR, linewidths=2.0)
+        cut.set_label("notch")
+        add(cut)
+    for k, (at, toward) in enumerate(model.pulls):
+        _draw_pull(axes, at, _ARROW * np.ptp(model.nodes, axis=0).max() * unit(toward), i, j)
+        if k == 0:
+            label = counted(len(model.pulls), "support that moves", "supports that move")
+            axes.plot([], [], color=_PULL_COLOR, marker=">", label=label)
     if pose == 0 and len(model.track):
         track, color = model.track[:, [i, j]], _TRACK_COLOR
         label = "way of an end of the tool's edge"
         axes.plot(*track.T, color=color, lw=1.2, zorder=4, label=label)
         arrow = {"arrowstyle": "-|>", "color": color}
         axes.annotate("", track[-1], track[-2], arrowprops=arrow, zorder=4)
+
+
+def _draw_pull(axes: Any, at: Floats, way: Floats, i: int, j: int) -> None:
+    """Draw an arrow from a point; one along the line of sight is a circle with a dot or a cross."""
+    start, end = at[[i, j]], (at + way)[[i, j]]
+    if norm(end - start) > 0.1 * norm(way):
+        arrow = {"arrowstyle": "-|>", "color": _PULL_COLOR, "lw": 1.8}
+        axes.annotate("", end, start, arrowprops=arrow, zorder=5)
+        axes.update_datalim([end])
+        return
+    toward_viewer = np.cross(np.eye(3)[i], np.eye(3)[j]) @ way > 0.0
+    mark = r"$\odot$" if toward_viewer else r"$\otimes$"
+    axes.plot(*start, marker=mark, ms=13, mew=0.4, color=_PULL_COLOR, zorder=5)

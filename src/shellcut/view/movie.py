@@ -66,7 +66,7 @@ def draw_movie(
         problems.append(f"a movie's file ends with {' or '.join(MOVIES)}, got {path.name!r}")
     if not len(frames):
         problems.append("a movie needs at least one frame, got none")
-    if size[0] % 2 or size[1] % 2 or min(size) < 2:
+    if size[0] % 2 or size[1] % 2:
         problems.append(f"width and height must be even numbers of pixels, got {size}")
     if not fps > 0.0:
         problems.append(f"fps must be positive, got {fps}")

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TextIO
 
 from shellcut.unit import with_unit
@@ -21,6 +21,7 @@ BAR_INTERVAL = 0.2
 """Shortest time between two drawings of the bar [s]."""
 LINE_INTERVAL = 10.0
 """Shortest time between two plain lines [s]."""
+_BAR_WIDTH = 12
 _ROUND_OFF = 1e-9
 """Round-off: a share of 0.2 may arrive as 0.19999999999999998."""
 
@@ -29,9 +30,9 @@ class Progress:
     """Show progress of a run, its figures, its speed and the time left.
 
     Figures are shown in ``figure_units``, by name, steps by their name in the plural. The stream is
-    standard error by default: on a terminal a bar is drawn in place, elsewhere plain lines are
-    written, at most one every :data:`LINE_INTERVAL`. ``log`` receives every line of text shown, but
-    not the bar.
+    standard error by default: on a terminal a bar is drawn in place, with as many figures as there
+    is room for and the first two of them without names; elsewhere plain lines are written, at most
+    one every :data:`LINE_INTERVAL`. ``log`` receives every line of text shown, but not the bar.
     """
 
     def __init__(
@@ -127,24 +128,23 @@ class Progress:
         self._latest = None
         now = self._clock()
         began, start = self._first
-        texts = []
+        left, speeds = [], []
         if share > start:
-            left = (now - began) * (1.0 - share) / (share - start)
-            texts.append(f"{duration(left)} left")
-        texts += [
-            f"{name} {with_unit(value, self._figure_units.get(name, ''))}"
-            for name, value in figures.items()
-        ]
+            seconds = (now - began) * (1.0 - share) / (share - start)
+            left.append(f"{duration(seconds)} left")
+        values = [with_unit(v, self._figure_units.get(name, "")) for name, v in figures.items()]
+        named = [f"{name} {value}" for name, value in zip(figures, values, strict=True)]
         if self._shown is not None and now > self._shown[0] and step > self._shown[1]:
             speed = (step - self._shown[1]) / (now - self._shown[0])
             how_fast = f"{speed:,.0f}" if speed >= 10.0 else f"{speed:.2g}"
-            texts.append(f"{how_fast} {self._step_name}/s")
+            speeds.append(f"{how_fast} {self._step_name}/s")
         self._shown = now, step
-        text = ", ".join(texts)
         if self._bar:
-            self._bar.draw(share, text)
+            # The units tell the first two figures apart, the line is short.
+            first = [" ".join(values[:2])] if values else []
+            self._bar.draw(share, [*first, *left, *named[2:], *speeds])
         else:
-            line = f"{percent(share)} %: {text}"
+            line = f"{percent(share)} %: {', '.join([*left, *named, *speeds])}"
             if self._log is not None:
                 self._log(line)
             self._write(line)
@@ -159,6 +159,7 @@ class _Bar:
 
     def __init__(self, bar: Any, label: str) -> None:
         self._bar = bar
+        self._taken = len(label) + _BAR_WIDTH + len("100 %") + 3  # a blank before each column
         self._task = bar.add_task(label, total=1.0, done=0, text="")
         bar.start()
 
@@ -177,18 +178,21 @@ class _Bar:
         whole = Column(no_wrap=True)
         columns = (
             TextColumn("{task.description}", table_column=whole),
-            BarColumn(bar_width=12),
+            BarColumn(bar_width=_BAR_WIDTH),
             TextColumn("{task.fields[done]} %", table_column=whole),
-            TextColumn(  # it gives way first on a narrow terminal
-                "{task.fields[text]}",
-                markup=False,
-                table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1),
-            ),
+            TextColumn("{task.fields[text]}", markup=False, table_column=Column(ratio=1)),
         )
         return cls(RichProgress(*columns, console=console, auto_refresh=False, expand=True), label)
 
-    def draw(self, share: float, text: str) -> None:
-        done = percent(share)
+    def draw(self, share: float, texts: Sequence[str]) -> None:
+        # As many of the texts as the line has room for.
+        done, room = percent(share), self._bar.console.width - self._taken
+        text = ""
+        for one in texts:
+            longer = f"{text}, {one}" if text else one
+            if len(longer) > room:
+                break
+            text = longer
         self._bar.update(self._task, completed=share, done=done, text=text, refresh=True)
 
     def note(self, text: str) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 from shellcut.unit import in_unit
@@ -33,14 +33,17 @@ from ._panel import (
     whole_camera,
 )
 from ._raster import Camera
-from ._teeth import teeth_of
 from .look import Look
 
 # Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
 _ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
 _INCHES = 10.5  # width of a figure: its text is legible where it is shown 700 pixels wide
+_SMALLEST = 160  # height and width [pixel]: less cannot be read
 _LOOK = Look()
+# Radius of what a close-up shows: over that of the tooth, in edges of quads at least, over the
+# film's extent at most.
+_AROUND, _QUADS, _MOST = 1.1, 4.0, 0.3
 
 
 def draw_scene(
@@ -79,12 +82,18 @@ def draw_scene(
     ImportError
         If Matplotlib is not installed.
     ValueError
-        If there is no such field or colour map.
+        If there is no such field, colour map or suffix, or the picture is too small to be read.
     """
     series = SnapshotSeries([frame, *together_with], look=look, size=size, close_up=close_up)
     from PIL import Image
 
-    with atomic_write(Path(path)) as temporary:
+    path = Path(path)
+    if Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
+        raise ValueError(
+            "a picture's file ends with .png, .jpg, .tif, .pdf or another suffix that Pillow "
+            f"writes, a movie's with .mp4, .webp or .gif, a page's with .html; got {path.name!r}"
+        )
+    with atomic_write(path) as temporary:
         Image.fromarray(series.image(frame)).save(temporary)
 
 
@@ -108,12 +117,15 @@ class SnapshotSeries:
     def __init__(
         self, seen: Sequence[Frame], *, look: Look, size: tuple[int, int], close_up: bool = False
     ) -> None:
+        if min(size) < _SMALLEST:
+            raise ValueError(f"a picture has at least {_SMALLEST} x {_SMALLEST} pixels, got {size}")
         dpi = size[0] / _INCHES
         # Half a pixel more, because the canvas rounds down and round-off could lose a whole pixel.
         inches = (size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi
         with_edge = close_up and any(len(frame.edge_points) for frame in seen)
         box = _LEFT_BOX if with_edge else _ONLY_BOX
-        self._camera = whole_camera(seen, pixels_of(box, inches, dpi), look)
+        balls = [tooth_ball(f) for f in seen if with_edge and len(f.edge_points)]
+        self._camera = whole_camera(seen, pixels_of(box, inches, dpi), look, balls)
         self._close_shape = pixels_of(_RIGHT_BOX, inches, dpi)
         self._look, (self._limits, values) = look, limits_of(seen, look)
         self._figure = new_figure(inches, dpi)
@@ -161,7 +173,7 @@ class SnapshotSeries:
         from matplotlib.patches import Circle
 
         at = self._camera.project(close.centre)[:2] / OVERSAMPLING
-        radius = 0.5 * close.shape[0] / close.scale * self._camera.scale / OVERSAMPLING
+        radius = 0.5 * min(close.shape) / close.scale * self._camera.scale / OVERSAMPLING
         look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25"}
         self._left.add_patch(Circle(tuple(at), radius, **look))
 
@@ -174,16 +186,37 @@ def limits_of(seen: Sequence[Frame], look: Look) -> tuple[tuple[float, float], l
 
 
 def close_camera(frame: Frame, whole: Camera, shape: tuple[int, int]) -> Camera:
-    """Return a camera that looks the same way at where the edge of the first tooth meets the film.
+    """Return a camera that looks the same way at the first tooth.
 
     shape : height and width of the picture [pixel].
     """
-    edge = frame.edge_points[teeth_of(frame.edge_points) == 0]
+    centre, radius = tooth_ball(frame)
+    height, width = (OVERSAMPLING * n for n in shape)
+    scale = min(height, width) / (2.0 * radius)
+    return replace(whole, centre=centre, scale=scale, shape=(height, width))
+
+
+def tooth_ball(frame: Frame) -> tuple[Floats, float]:
+    """Return centre and radius [mm] of what a close-up shows: the first tooth, near its edge.
+
+    Of a tooth that is large beside the film, it is where its edge meets the film. The radius is the
+    same in all frames of a run, so all its close-ups have one scale.
+    """
+    edge = frame.edge_points[frame.edge_tooth == frame.edge_tooth[0]]
+    faces = frame.tool_triangles[frame.tool_tooth == frame.edge_tooth[0]]
+    # Along the tool's own axes, where a tooth keeps its place.
+    ends, body = (
+        (points.reshape(-1, 3) - frame.tool_translation) @ frame.tool_rotation
+        for points in (edge, frame.tool_points[faces])
+    )
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    reach = np.linalg.norm(high - low)
+    points = np.concatenate([ends, body.clip(low - reach, high + reach)])
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    radius = max(_AROUND * norm(points - middle).max(), _QUADS * edge_length(frame))
+    most = _MOST * np.ptp(frame.reference, axis=0).max()
+    if radius <= most:
+        return middle @ frame.tool_rotation.T + frame.tool_translation, float(radius)
     middles = edge.mean(axis=1)
     distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
-    focus = middles[np.argmin(distance.min(axis=1))]
-    length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
-    # From constant data only, so that all pictures of a run have the same scale.
-    across = max(1.25 * length, 8.0 * edge_length(frame))
-    height, width = (OVERSAMPLING * n for n in shape)
-    return replace(whole, centre=focus, scale=height / across, shape=(height, width))
+    return middles[np.argmin(distance.min(axis=1))], float(most)
