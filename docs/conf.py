@@ -113,6 +113,7 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "within_subsection_order": "gallery_run.InOrder",
     "reset_argv": QuickSettings(),
+    "capture_repr": ("_repr_html_",),
     "reset_modules": (),
     "abort_on_example_error": True,
     "remove_config_comments": True,

@@ -2,7 +2,7 @@
 ================
 
 Two legs of a notched strip are pulled apart, out of its plane, and tear it. In theory the forces on
-the two legs add up to G h = 2.304 N: each end moves by as much as the crack grows. ::
+the two legs add up to G h = 2.296 N: each end moves by as much as the crack grows. ::
 
     python examples/trouser.py --size 0.5 --out DIR
 

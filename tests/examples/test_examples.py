@@ -73,7 +73,7 @@ def test_trouser(run_example, tmp_path):
     run_example("trouser.py", tmp_path, "--size", "0.75", "--length", "15")
     summary = figures(tmp_path / "summary.json")
     # G h of both legs within 5 %: discretisation, a crack of eight edges; measured 2.35.
-    assert summary["force_plateau_N"] == pytest.approx(2.304, rel=0.05)
+    assert summary["force_plateau_N"] == pytest.approx(2.296, rel=0.05)
     assert (tmp_path / "force.png").stat().st_size > 10_000
 
 
