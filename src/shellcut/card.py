@@ -97,7 +97,7 @@ def extent(points: Floats) -> tuple[str, str, str]:
 def drawing(
     parts: Sequence[tuple[Floats, Numbers, str]],
     lines: Sequence[Floats] | Floats = (),
-    color: str = "#e6001a",
+    stroke: str = "#e6001a",
 ) -> str:
     """Return faces as an SVG, the near ones before the far ones, and lines over them.
 
@@ -132,7 +132,7 @@ def drawing(
         drawn += [(z, text(face), color) for z, face in zip(depth, corners, strict=True)]
     shapes = [f'<polygon points="{at}" fill="{color}"/>' for _, at, color in sorted(drawn)]
     shapes += [
-        f'<polyline points="{text(line)}" stroke="{color}" stroke-width="1.5"/>' for line in lines
+        f'<polyline points="{text(line)}" stroke="{stroke}" stroke-width="1.5"/>' for line in lines
     ]
     width, height = (size[:2] * scale + 2.0).round().astype(int)
     line = 0.4 if len(drawn) < 0.5 * _MOST else 0.1

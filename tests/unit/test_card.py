@@ -33,8 +33,10 @@ def test_a_notch_is_drawn_in_the_card_of_its_mesh():
     drawn, before = (
         ElementTree.fromstring(m._repr_html_()).findall(".//polyline") for m in (notched, MESH)
     )
-    assert len(drawn) == 2
+    assert [line.get("stroke") for line in drawn] == ["#000000"] * 2
     assert not before
+    (edge, *_) = ElementTree.fromstring(BLADE._repr_html_()).findall(".//polyline")
+    assert edge.get("stroke") == "#e6001a"
 
 
 def test_layers_are_drawn_to_scale_with_their_names():
