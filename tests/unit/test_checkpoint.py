@@ -629,7 +629,7 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
 def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
     blown = case(stepping=Stepping(fixed=3e-7))
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
-        blown.run(tmp_path, checkpoint_every=0.0, **RECORDS)
+        blown.run(tmp_path, checkpoint_every=0.0, force=True, **RECORDS)
     died = blown.simulation.state.step
     assert not blown.simulation.between_steps
     with pytest.raises(RuntimeError, match=r"step \d+ was not completed"):

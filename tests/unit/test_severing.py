@@ -78,7 +78,7 @@ def test_the_process_zone_of_a_sharp_edge_is_checked():
         said.append([f.came for f in case.check.findings if f.severity == DOUBT])
     # l_U = 0.393 and 3.38 mm on quads of 0.5 mm.
     assert [len(doubts) for doubts in said] == [1, 0]
-    assert "opening_u 0.3934 mm and edges of 0.5 mm on the path" in said[0][0]
+    assert "opening_u 0.3934 mm and sides of 0.5 mm on the path" in said[0][0]
 
 
 def test_a_razor_has_no_radius():

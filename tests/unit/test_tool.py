@@ -232,7 +232,7 @@ class TestRefusals:
     def test_inside_out_tooth_is_named_with_the_remedy(self):
         (vertices, triangles), second = wedge(), wedge(at=(5.0, 0.0, 0.0))
         message = refusal(*joined((vertices, triangles), (second[0], second[1][:, ::-1])))
-        assert "negative volume of tooth 1 (of 2)" in message
+        assert "negative volume of tooth 2 (of 2)" in message
         assert "vertices, triangles[:, ::-1] for the triangles of that tooth" in message
         assert "give vertices, triangles[:, ::-1]" in refusal(vertices, triangles[:, ::-1])
 
@@ -256,7 +256,7 @@ class TestRefusals:
         message = refusal(*joined((first, t[:-1]), (second[0], second[1][:, ::-1])), edges=[(0, 9)])
         assert message.startswith("the surface cannot be a tool:\n- ")
         assert "3 open edges" in message
-        assert "negative volume of tooth 1" in message
+        assert "negative volume of tooth 2" in message
         assert "1 given cutting edge not an edge" in message
 
 

@@ -106,7 +106,7 @@ VALUE_CASES: dict[str, Case] = {
     ),
     "density in g/cm³": (
         lambda: ShellMaterial.homogeneous(density=0.92),
-        ("density must be in t/mm³", "got 0.92", "1 g/cm³ is 1e-9 t/mm³"),
+        ("density must be in t/mm³", "got 0.92", "1 g/cm³, is 1e-9 t/mm³"),
     ),
     "no layer": (lambda: ShellMaterial([]), ("at least one layer",)),
     "mass damping": (lambda: _simulate(damping_alpha=-0.1), ("damping_alpha", "got -0.1")),

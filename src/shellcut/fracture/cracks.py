@@ -85,7 +85,10 @@ class Cracks:
         """Carries them out."""
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every
-        self._shell, self._loads, self._contact = shell, loads, contact
+        self._shell, self._loads = shell, loads
+        # A blade acts by the cables that its edge bends, too: against its contact, which alone
+        # would tell less than neither.
+        self._contact = () if tool is not None and tool.n_edge else contact
         self._pose = Pose.at_origin()
         self._known = KnownTopology()
         self._checked = False
