@@ -61,7 +61,7 @@ def test_classical_cables_only_feel_the_blades_width(tmp_path):
 
 @pytest.mark.slow
 def test_a_process_zone_shorter_than_two_edges_costs_work(tmp_path):
-    # Over half the way of a 0.8 mm strip: 1.005, 1.05 and 1.15 (docs/limits.md).
+    # Over half the way of a 0.8 mm strip: 1.003, 1.013 and 1.039 (docs/limits.md).
     ratios = []
     for rungs in (5.0, 2.0, 0.5):
         part = rungs * 0.8 / 4.0
@@ -72,5 +72,4 @@ def test_a_process_zone_shorter_than_two_edges_costs_work(tmp_path):
         late = history["path"] > 8.0
         work, cables = (np.ptp(history[name][late]) for name in ("tool_work", "cohesive_work"))
         ratios.append(work / cables)
-    assert ratios[0] < 1.02
-    assert 1.02 < ratios[1] < 1.08 < ratios[2]
+    assert ratios[0] < 1.008 < ratios[1] < 1.02 < ratios[2] < 1.06

@@ -85,7 +85,7 @@ def check_path(
     if law.opening_u < RUNGS * h:
         yield doubt(
             f"opening_u must be at least {RUNGS:g} sides of the quads along the path long, or the "
-            "force is too high by a tenth and more",
+            "force is too high, in the opening test by a tenth at half of that",
             f"opening_u {law.opening_u:.4g} mm and sides of {h:.3g} mm on the path, "
             f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",

@@ -6,9 +6,9 @@ film hangs down as a flap that bends easily; on the other side the bar presses a
 the crack, stretches the film there and tears it across, until the crack has come to its other side
 ([Roman2003], [Audoly2005]). docs/theory/oscillating.md says what of it has been measured.
 
-The quads must be small beside two lengths: that over which a film bends at its crack,
-h sqrt(E / 12 G), 0.8 mm here, and the process zone, E G / sigma_F², 1.8 mm here. On quads of 0.75
-and 1 mm some bursts behind bars of 9 to 18 mm end in a tip that points backwards.
+The quads must be small beside two lengths: that over which this film bends at its crack, about 8 h,
+0.8 mm here, and the process zone, E G / sigma_F², 1.8 mm here. On quads of 0.75 and 1 mm some
+bursts behind bars of 9 to 18 mm end in a tip that points backwards.
 """
 
 from __future__ import annotations
