@@ -86,14 +86,14 @@ def main_job(user: User) -> str:
     expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
     # What a user sees: the model, the step, what is compiled, an account every 5 %.
     for pattern in (
-        r"film +612 quads, .* 0\.074 mm thick",
+        r"film +612 quads with sides of .* 0\.074 mm thick",
         r"step +\S+ s at first, so about [\d,]+ steps .* about .* on a free core",
         r"compiling \(first run only",
         r"compiled in \d+ s",
         r" left, angle [\d.]+°, torque \S+ N·mm.* steps/s",
     ):
         expect(re.search(pattern, said), f"nothing like {pattern!r} was said:\n{said}")
-    shares = [int(share) for share in re.findall(r"(\d+) %: .*balance [+-][\d.]+ % \| crack", said)]
+    shares = [int(share) for share in re.findall(r"(\d+) %: .* \| E: .* \| crack", said)]
     expect(set(shares) == set(range(5, 101, 5)), f"an account every 5 %, got {shares}")
     with (user.out / "history.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
