@@ -54,7 +54,7 @@ def _as_given(found: re.Match[str], source: Source) -> str:
     tables = (one for one in source.values.values() if isinstance(one, dict))
     for given in (one[found[1]] for one in tables if found[1] in one):
         if isinstance(given, str) and (quantity := _QUANTITY.fullmatch(given)):
-            smaller = f"{1e-3 * float(quantity[1]):g} {quantity[2]}"
+            smaller = f"{1e-3 * float(quantity[1]):g} {quantity[2]}"  # a slip of one SI prefix
             return f"you gave {given}; did you mean {smaller}?"
     return found[0]
 
