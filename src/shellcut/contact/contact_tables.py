@@ -347,11 +347,8 @@ class PressTerm(ForceTerm):
         wrench = self.touch.wrench.copy()
         return PressForces(wrench, work, stored, int(n_touching), deepest)
 
-    def add_pressure(self, pose: Pose, force: Floats) -> None:
-        """Add the normal forces of the last evaluation to those on the nodes, (n_node, 3) [N].
-
-        pose : of the tool then.
-        """
+    def add_tool_forces(self, _state: State, pose: Pose, force: Floats) -> None:
+        """Add the normal forces of the last evaluation to those on the nodes, (n_node, 3) [N]."""
         on, at = np.flatnonzero(self.carriers.pressure), self.carriers
         pressed = at.pressure[on, None] * product(at.normal[on], pose.rotation.T)
         np.add.at(force, at.node[on], at.weight[on, :, None] * pressed[:, None])

@@ -17,12 +17,12 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.contact.contact_tables import PressTerm
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -63,8 +63,8 @@ class Cracks:
         Give the forces that hold a film together.
     tool, motion : Tool, Motion, optional
         Whose edges cut, and how they move.
-    contact : sequence of PressTerm
-        By which the tool presses on the film.
+    terms : sequence of ForceTerm
+        By which the tool acts on the film.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Cracks:
         loads: LoadSet,
         tool: Tool | None = None,
         motion: Motion | None = None,
-        contact: Sequence[PressTerm] = (),
+        terms: Sequence[ForceTerm] = (),
     ) -> None:
         film, fibres = fracture.anisotropy, fracture.fibres
         if fibres is None:
@@ -86,9 +86,7 @@ class Cracks:
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every
         self._shell, self._loads = shell, loads
-        # A blade acts by the cables that its edge bends, too: against its contact, which alone
-        # would tell less than neither.
-        self._contact = () if tool is not None and tool.n_edge else contact
+        self._terms = terms
         self._pose = Pose.at_origin()
         self._known = KnownTopology()
         self._checked = False
@@ -117,7 +115,7 @@ class Cracks:
             force = fracture.puncture_force
             if force is None:
                 force = puncture_force(shell.material, law, tool.edge_radius)
-            points = next((one for one in contact if isinstance(one, PointContact)), None)
+            points = next((one for one in terms if isinstance(one, PointContact)), None)
             limits, self._chain = (force, law.strength), tool.edge_chain
             self._pierce = Pierce(state, self._path, drive, shell, limits, points, self._chain)
 
@@ -171,8 +169,8 @@ class Cracks:
         """Return along which segment a crack would run that no blade drives."""
         alone, held = not tip.branch, np.zeros((state.n_node, 3))
         self._loads.add_nodal_forces(state, held)
-        for term in self._contact:
-            term.add_pressure(self._pose, held)
+        for term in self._terms:
+            term.add_tool_forces(state, self._pose, held)
         ways = self._direction.ways(state, tip, tips, alone=alone, held=held)
         found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
         segment = next((one for one in found if one is not None), None)

@@ -1,9 +1,10 @@
 """The work of forces at points of the film as it slides: their part in the force on a crack's tip.
 
-A tool presses on nodes and flank points of the film, and nodes may be loaded. Such a force F acts
-on the film that is there. When the reference slides by q(X) e below the film in space and that
-moves by q(X) c (:mod:`.tip_force`), film comes to a place that was q e behind, so that it moves by
-q (c - dx/de) in all, dx/de being what e has become at the point. The forces then do
+A tool presses on nodes and flank points of the film and pulls by the cables that its edge bends,
+and nodes may be loaded. Such a force F acts on the film that is there. When the reference slides by
+q(X) e below the film in space and that moves by q(X) c (:mod:`.tip_force`), film comes to a place
+that was q e behind, so that it moves by q (c - dx/de) in all, dx/de being what e has become at the
+point. The forces then do
 
     work = sum F · q (c - dx/de)
 

@@ -15,7 +15,6 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.contact_tables import PressTerm
 from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import SelfContact
 from shellcut.contact.unfelt_depth import check_tool_outside
@@ -186,12 +185,9 @@ class Simulation:
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         if self.law is not None:
-            press = [one for one in self.terms if isinstance(one, PressTerm)]
-            touching = [one for one in press if one is not self.self_contact]
-            film = self.shell, self.loads
-            self.cracks = Cracks(
-                self.state, self.fracture, self.law, *film, self.tool, self.motion, touching
-            )
+            film, tool = (self.shell, self.loads), (self.tool, self.motion)
+            acting = self.terms.on_tool
+            self.cracks = Cracks(self.state, self.fracture, self.law, *film, *tool, acting)
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
