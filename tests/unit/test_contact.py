@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+import shellcut as sc
 from far_pose import FAR
 from naive import cases
 from naive import contact as naive
@@ -104,6 +106,30 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     np.testing.assert_allclose(result.wrench, wrench, atol=1e-10 * np.abs(wrench).max())
     energies = [2e4 * AREA * smoothed_integral(max(g, 0.0), g_m) for g in depths]
     assert result.stored == pytest.approx(shares @ energies, rel=1e-12)
+
+
+def test_the_nodes_that_count_in_the_step_are_those_near_the_tool_however_it_lies_in_its_frame():
+    turn = Rotation.from_euler("zx", [37.0, 21.0], degrees=True)
+    points = np.random.default_rng(3).uniform([-3.0, -3.0, -2.0], [3.0, 3.0, 4.0], (800, 3))
+    for place in (np.array, lambda rows: turn.apply(np.array(rows))):
+        tool = sc.Tool.from_triangles(place(BLADE.vertices), BLADE.triangles, edges=BLADE.edges)
+        state = nodes_at(place(points))
+        contact = PenaltyContact(tool, Contact(), FILM, EDGE)
+        evaluate(contact, state)
+        counted, way = contact.near_nodes(state), contact.near.half_margin
+        corners = tool.vertices[tool.triangles]
+        away = np.array(
+            [
+                min(np.linalg.norm(p - naive.closest_point(p, one)) for one in corners)
+                for p in state.node.x[: len(points)]
+            ]
+        )
+        inside = [naive.winding_number(p, tool) > 0.5 for p in state.node.x[: len(points)]]
+        away[inside] = 0.0
+        assert np.isin(np.flatnonzero(away < way), counted).all()
+        # Cells tell how far the tool is along their axes only.
+        cell = contact.grid.arrays.cells.size
+        assert away[counted].max() < 3.0**0.5 * (way + 2.0 * cell)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -37,15 +37,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shellcut.arrays import Ints, NodeStiffness, StiffnessBy
+from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce
+from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.vec3 import load
 from shellcut.state import State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import CuttingEdges
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.rounded_depth import ConvexNeighbours
+from shellcut.tool.signed_distance import GridCells, at_least
 from shellcut.tool.tool import Tool
 
 from .contact_tables import (
@@ -142,7 +145,7 @@ class PenaltyContact(PressTerm):
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
         self._hold = Holder()
-        self._call = BoundOnce(add_press_forces)
+        self._call, self._soon = BoundOnce(add_press_forces), BoundOnce(_within)
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
 
@@ -165,7 +168,13 @@ class PenaltyContact(PressTerm):
 
         They depend only on the positions at the last one, not on when the list was made.
         """
-        return self.near.within(state, self._pose) if self._pose else self.near.ids
+        if self._pose is None:
+            return self.near.ids
+        near, way = self.near.within(state, self._pose), self.near.half_margin
+        solid, found = self.solid, np.empty(self.near.ids.size, np.int64)
+        cells, around = solid.grid.cells, solid.empty_around
+        n = self._soon(near, state.node.x, self._pose, cells, around, solid.reach, way, found)
+        return found[:n].copy()
 
     def saved(self) -> dict[str, Any]:
         """Return the list of near nodes, what is known of them, and the last forces."""
@@ -227,3 +236,22 @@ class PenaltyContact(PressTerm):
             around=state.quads_at_nodes(),
         )
         self.tables = self._hold(tables)
+
+
+@kernel
+def _within(
+    ids: Ints,
+    x: Floats,
+    pose: Pose,
+    cells: GridCells,
+    empty_around: SmallInts,
+    reach: float,
+    way: float,
+    found: Ints,
+) -> int:
+    """Write the nodes that may be within a way of the solid to found : (n,), return how many."""
+    pose, count = borrowed(pose), 0
+    for n in ids:
+        found[count] = n
+        count += at_least(to_body(load(x, n), pose), reach, cells, empty_around) <= way
+    return count
