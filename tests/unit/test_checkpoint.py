@@ -659,6 +659,13 @@ def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     with pytest.raises(CheckpointError, match=r"checkpoint\.h5 was saved by hand"):
         Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
     (tmp_path / "checkpoint.h5").write_bytes(kept)
+    history = (tmp_path / "history.csv").read_bytes()
+    for kept_lines in (1, -1):  # what a power cut may leave
+        lost = b"".join(history.splitlines(keepends=True)[:kept_lines])
+        (tmp_path / "history.csv").write_bytes(lost)
+        with pytest.raises(ValueError, match=r"history\.csv must reach to the checkpoint"):
+            Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
+        assert (tmp_path / "history.csv").read_bytes() == lost
     (tmp_path / "cut.vtkhdf").unlink()
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
         Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)

@@ -51,12 +51,14 @@ class HistoryWriter:
         Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
     until : float, optional
         Appends to the file of an interrupted run: an unfinished last line is dropped, and the rows
-        whose first column exceeds this, in its unit. Without it a file that is there is replaced.
+        whose first column exceeds this, in its unit; a row must have just this, unless it is
+        infinite. Without it a file that is there is replaced.
 
     Raises
     ------
     ValueError
-        If a name or unit is invalid in the header, or the file to append to has other columns.
+        If a name or unit is invalid in the header, or the file to append to has other columns or
+        lacks rows.
     """
 
     def __init__(
@@ -153,9 +155,27 @@ class HistoryWriter:
                 f"{self.path} has other columns than this run: {found[:_SHOWN_BYTES]!r}; "
                 "move it away or start anew"
             )
-        while len(lines) > 1 and float(lines[-1].split(b",", 1)[0]) > until:
-            lines.pop()
-        return sum(map(len, lines))
+        at = [-np.inf, *(float(line.split(b",", 1)[0]) for line in lines[1:])]
+        while at[-1] > until:
+            at.pop()
+        require_all(self.path, at[-1], until)
+        return sum(map(len, lines[: len(at)]))
+
+
+def require_all(path: Path, last: float, until: float) -> None:
+    """Refuse the file of an interrupted run that ends before its checkpoint [s].
+
+    Raises
+    ------
+    ValueError
+        If it does; as after a power cut, or when an older copy has been put there.
+    """
+    if last < until < np.inf:
+        end = f"ends at {last:.6g} s" if np.isfinite(last) else "is empty"
+        raise ValueError(
+            f"{path} must reach to the checkpoint, that is to {until:.6g} s, but {end}; run it "
+            "from the beginning"
+        )
 
 
 def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[str, str]]:

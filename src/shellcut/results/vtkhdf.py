@@ -42,6 +42,7 @@ from .frame_digest import (
 )
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
 from .hdf_columns import Columns
+from .history import require_all
 
 _VERSION = (2, 3)
 _TIME = "time [s]"
@@ -292,6 +293,7 @@ class VtkHdfWriter:
         n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
         if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:
             raise ValueError(f"{self.path} is damaged; start anew")
+        require_all(self.path, columns["Steps/Values"][n_frame - 1] if n_frame else -np.inf, until)
         self._file[BESIDE].attrs.modify(ENDED, np.int64(NOT_ENDED))
         # Frames may share cells but never return to older ones: the last frame kept marks the end.
         n_part = n_point = n_cell = n_id = n_cell_row = 0
