@@ -71,7 +71,7 @@ def shell(line, folder, shorter=""):
         timeout=1200,
     )
     assert done.returncode == 0, f"{line}: exit code {done.returncode}\n{done.stdout}"
-    wrong = "Traceback|PROBLEM" if shorter else "Traceback|PROBLEM|distrust"
+    wrong = "Traceback|PROBLEM" if shorter else "Traceback|PROBLEM|distrust:"
     assert not re.search(wrong, done.stdout), f"{line}\n{done.stdout}"
     return f"{time.perf_counter() - begin:6.1f} s  {line}\n{done.stdout}"
 
