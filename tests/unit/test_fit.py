@@ -80,12 +80,21 @@ def test_the_misfit_is_the_mean_square_over_the_peak(known):
     off = compare(known, sc.MeasuredCurve(x, y + 0.1, "mm", "N"))
     missed = residuals([off])
     assert np.sqrt(missed @ missed) == pytest.approx(off.rms / (y + 0.1).max(), rel=1e-9)
-    # White noise counts in full; a constant difference has no noise at all.
     rng = np.random.default_rng(0)
-    white = replace(off, simulated=off.measured + rng.standard_normal(off.x.size))
-    assert independent_points([white]) > 0.6 * off.x.size
-    slow = replace(off, simulated=off.measured + np.sin(3.0 * off.x))
-    assert independent_points([slow]) < 0.1 * off.x.size
+
+    def worth(x, noise, window=None):
+        one = replace(off, x=x, measured=0.0 * x, simulated=noise, window=window)
+        return independent_points([one])
+
+    x, mean = np.arange(100.0), np.ones(20) / 20.0
+    # White noise counts in full; averages over windows of 20 points are worth five at most.
+    white = [worth(x, rng.standard_normal(100)) for _ in range(50)]
+    assert 85.0 < np.mean(white) < max(white) <= 100.0
+    averaged = [
+        worth(x, np.convolve(rng.standard_normal(119), mean, "valid"), 20.0) for _ in range(50)
+    ]
+    assert 4.0 < np.mean(averaged) < max(averaged) < 5.0
+    assert worth(x, np.sin(0.08 * x)) < 10.0
 
 
 def test_a_run_is_compared_at_the_points_of_the_first(known, tmp_path):

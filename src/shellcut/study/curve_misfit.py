@@ -166,15 +166,21 @@ def _weights(one: Comparison) -> Floats:
 def independent_points(comparisons: Sequence[Comparison]) -> float:
     """Return how many independent points the curves are worth.
 
-    Neighbouring points of a curve miss by alike amounts, as far as the miss is the model's and not
-    noise. With the correlation c of neighbours, n points are worth n (1 - c) / (1 + c).
+    Points of a curve that are near each other miss by alike amounts: averages over windows that
+    overlap whatever the noise, and all as far as the miss is the model's. With the correlations c_k
+    of points k apart, n points are worth n / (1 + 2 sum c_k), the sum over pairs of neighbouring k
+    as long as they are positive ([Geyer1992]); and no more than one a window.
     """
     total = 0.0
     for one in comparisons:
         miss = one.simulated - one.measured
         miss = miss - miss.mean()
-        square = float(miss @ miss)
-        near = float(miss[1:] @ miss[:-1]) / square if square > 0.0 else 0.0
-        near = min(max(near, 0.0), 0.999)
-        total += len(miss) * (1.0 - near) / (1.0 + near)
+        n = len(miss)
+        spectrum = np.abs(np.fft.rfft(miss, 2 * n)) ** 2  # padded: its end is not its beginning
+        c = np.fft.irfft(spectrum)[:n]
+        pairs = c[: n - n % 2].reshape(-1, 2).sum(axis=1)
+        stop = int(np.argmin(np.append(pairs, -1.0) > 0.0))
+        alike = 2.0 * pairs[:stop].sum() / c[0] - 1.0 if c[0] > 0.0 else 1.0
+        windows = (one.x[-1] - one.x[0]) / one.window if one.window else n
+        total += min(n / max(alike, 1.0), windows)
     return total

@@ -6,9 +6,10 @@ covariance is
     C = r·r / (n_eff - p) (Jᵀ J)⁻¹,
 
 in the logarithm of the parameters (Gauss-Newton); the 95 % interval is the value times
-exp(± t sqrt(C_kk)), t of Student with n_eff - p degrees of freedom. Residuals whose neighbours are
-correlated count as fewer independent ones (:mod:`.curve_misfit`). It says how well the data
-determine the parameters of *this* model, not whether the model is right.
+exp(± t sqrt(C_kk)). Correlated residuals count as fewer (:mod:`.curve_misfit`). Their squares, from
+which r·r is known, are less alike than they are: of averages over windows 1.5 n_eff of them are
+independent, so that t is Student's with 1.5 n_eff - p degrees of freedom. The interval says how
+well the data determine the parameters of *this* model, not whether the model is right.
 """
 
 from __future__ import annotations
@@ -129,12 +130,12 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     missed, comparisons = runs.at(best)
     start, at_start = runs.at(np.zeros(best.size))
     n_curve = len(comparisons)
-    free = independent_points(comparisons) - best.size
-    covariance = covariance_of(slopes, float(missed @ missed), free)
+    n_eff = independent_points(comparisons)
+    covariance = covariance_of(slopes, float(missed @ missed), n_eff - best.size)
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, max(free, 1.0)))
+    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, max(1.5 * n_eff - best.size, 1.0)))
     values = runs.parameters.values(best.tolist())
     fitted = []
     for k, one in enumerate(runs.parameters.all):
