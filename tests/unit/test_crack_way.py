@@ -235,6 +235,15 @@ def test_a_notch_whose_first_place_is_just_outside_the_rim_begins_at_it(outside)
     assert sim.state.split_log[0].reference[0] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("x", [0.0, -3e-17, 3e-17])
+def test_a_notch_through_a_point_on_the_rim_begins_there(x):
+    sim = by_hand(fracture=Fracture(path="free"))
+    sim.notch((-0.5, 0.1, 0.0), (x, 0.1, 0.0), (2.0, 0.1, 0.0))
+    assert sim.state.split_log[0].reference[0] == pytest.approx(0.0, abs=1e-9)
+    (end,) = sim.cracks.at_tips(sim.mesh.nodes)
+    assert 2.0 <= end[0] < 2.9
+
+
 def test_no_notch_without_film_or_an_edge_that_moves_through_it():
     sim = by_hand(fracture=Fracture(path="free"))
     sim.notch((2.1, 0.1, 0.0), (5.0, 0.1, 0.0))

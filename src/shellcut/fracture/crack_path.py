@@ -292,7 +292,7 @@ class CrackPath:
             miss = norm(product(base, (ahead, s)) - gap)
             on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
             height = abs(product(A + s * (B - A) - start - ahead * way, n))
-            if on_it and height < size and -AWAY < ahead < min(best, 1.0):
+            if on_it and height < size and -AWAY < ahead < min(best, 1.0 + AWAY):
                 best, direction = ahead, unit(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:
