@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 
 import shellcut as sc
 from shellcut import compare, read
 from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
-from shellcut.study.curve_misfit import compared, independent_points, residuals
+from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.free_parameters import FreeParameters
 from tiny_study import SETTINGS
@@ -58,10 +59,21 @@ def test_intervals_are_those_of_linear_regression():
     slopes = np.column_stack([np.ones(50), x])
     noise = rng.standard_normal(50)
     noise -= slopes @ np.linalg.lstsq(slopes, noise, rcond=None)[0]
-    found = covariance_of(slopes, float(noise @ noise), 48.0)
+    found, nu = covariance_of(slopes, noise, [np.eye(50)[0]])
     expected = noise @ noise / 48.0 * np.linalg.inv(slopes.T @ slopes)
     np.testing.assert_allclose(found, expected, rtol=1e-9)  # of the small ridge
-    assert np.isinf(covariance_of(slopes, 1.0, 0.0).diagonal()).all()
+    assert nu == pytest.approx(48.0)
+    # Two curves with correlations of their own, with whole matrices.
+    alike = [np.maximum(1.0 - np.arange(n) / m, 0.0) for n, m in ((20, 4.0), (30, 7.0))]
+    found, nu = covariance_of(slopes, noise, alike)
+    S = scipy.linalg.block_diag(*map(scipy.linalg.toeplitz, alike))
+    P = np.linalg.inv(slopes.T @ slopes)
+    M_S = S - slopes @ P @ slopes.T @ S
+    expected = noise @ noise / np.trace(M_S) * P @ slopes.T @ S @ slopes @ P
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    assert nu == pytest.approx(np.trace(M_S) ** 2 / np.trace(M_S @ M_S))
+    nothing, _ = covariance_of(0.0 * slopes, noise, [np.eye(50)[0]])
+    assert np.isinf(nothing.diagonal()).all()
 
 
 @pytest.fixture(scope="module")
@@ -80,21 +92,32 @@ def test_the_misfit_is_the_mean_square_over_the_peak(known):
     off = compare(known, sc.MeasuredCurve(x, y + 0.1, "mm", "N"))
     missed = residuals([off])
     assert np.sqrt(missed @ missed) == pytest.approx(off.rms / (y + 0.1).max(), rel=1e-9)
-    rng = np.random.default_rng(0)
 
-    def worth(x, noise, window=None):
-        one = replace(off, x=x, measured=0.0 * x, simulated=noise, window=window)
-        return independent_points([one])
 
-    x, mean = np.arange(100.0), np.ones(20) / 20.0
-    # White noise counts in full; averages over windows of 20 points are worth five at most.
-    white = [worth(x, rng.standard_normal(100)) for _ in range(50)]
-    assert 85.0 < np.mean(white) < max(white) <= 100.0
-    averaged = [
-        worth(x, np.convolve(rng.standard_normal(119), mean, "valid"), 20.0) for _ in range(50)
-    ]
-    assert 4.0 < np.mean(averaged) < max(averaged) < 5.0
-    assert worth(x, np.sin(0.08 * x)) < 10.0
+@pytest.mark.parametrize("window", [1, 20, 60])
+def test_95_of_100_intervals_hold_the_truth(known, window):
+    x, rng = np.linspace(0.0, 1.0, 120), np.random.default_rng(0)
+    slopes = np.column_stack([1.0 - np.exp(-6.0 * x), x])
+    history = read(known).history
+    curve = sc.MeasuredCurve(history["path"], history["force"], "mm", "N")
+    one, mean = compare(known, curve), np.ones(window) / window
+    held = 0
+    for _ in range(400):
+        noise = np.convolve(rng.standard_normal(119 + window), mean, "valid")
+        off = np.linalg.lstsq(slopes, noise, rcond=None)[0]
+        missed = noise - slopes @ off
+        width = window * x[1] if window > 1 else None
+        one = replace(one, x=x, measured=0.0 * x, simulated=missed, window=width)
+        C, nu = covariance_of(slopes, missed, [correlations(one)])
+        held += abs(off[0]) < scipy.stats.t.ppf(0.975, nu) * np.sqrt(C[0, 0])
+    assert 0.93 * 400 < held < 0.985 * 400  # standard deviation 1.1 %
+
+
+def test_a_miss_that_is_no_noise_is_alike_over_its_length(known):
+    x, history = np.linspace(0.0, 1.0, 120), read(known).history
+    one = compare(known, sc.MeasuredCurve(history["path"], history["force"], "mm", "N"))
+    one = replace(one, x=x, measured=0.0 * x, simulated=np.sin(9.0 * x), window=None)
+    assert correlations(one)[10] > 0.5
 
 
 def test_a_run_is_compared_at_the_points_of_the_first(known, tmp_path):

@@ -163,24 +163,22 @@ def _weights(one: Comparison) -> Floats:
     return np.asarray(np.sqrt(shares(one.x)) / np.abs(one.measured).max())
 
 
-def independent_points(comparisons: Sequence[Comparison]) -> float:
-    """Return how many independent points the curves are worth.
+def correlations(one: Comparison) -> Floats:
+    """Return how alike the misses of two points of a curve are that lie k apart, shape (n_point,).
 
-    Points of a curve that are near each other miss by alike amounts: averages over windows that
-    overlap whatever the noise, and all as far as the miss is the model's. With the correlations c_k
-    of points k apart, n points are worth n / (1 + 2 sum c_k), the sum over pairs of neighbouring k
-    as long as they are positive ([Geyer1992]); and no more than one a window.
+    They fall linearly with k. Averages over windows that overlap are alike by their common part,
+    whatever the noise. Where the miss is the model's it is alike farther: over 1 + 2 sum c_k
+    points, c_k the correlations found, in the sum pairs of neighbouring k as long as they are
+    positive ([Geyer1992]).
     """
-    total = 0.0
-    for one in comparisons:
-        miss = one.simulated - one.measured
-        miss = miss - miss.mean()
-        n = len(miss)
-        spectrum = np.abs(np.fft.rfft(miss, 2 * n)) ** 2  # padded: its end is not its beginning
-        c = np.fft.irfft(spectrum)[:n]
-        pairs = c[: n - n % 2].reshape(-1, 2).sum(axis=1)
-        stop = int(np.argmin(np.append(pairs, -1.0) > 0.0))
-        alike = 2.0 * pairs[:stop].sum() / c[0] - 1.0 if c[0] > 0.0 else 1.0
-        windows = (one.x[-1] - one.x[0]) / one.window if one.window else n
-        total += min(n / max(alike, 1.0), windows)
-    return total
+    miss = one.simulated - one.measured
+    miss = miss - miss.mean()
+    n = len(miss)
+    spectrum = np.abs(np.fft.rfft(miss, 2 * n)) ** 2  # padded: its end is not its beginning
+    c = np.fft.irfft(spectrum)[:n]
+    pairs = c[: n - n % 2].reshape(-1, 2).sum(axis=1)
+    stop = int(np.argmin(np.append(pairs, -1.0) > 0.0))
+    found = 2.0 * pairs[:stop].sum() / c[0] - 1.0 if c[0] > 0.0 else 1.0
+    spacing = (one.x[-1] - one.x[0]) / (n - 1)
+    over = max(1.0, found, (one.window or 0.0) / spacing)
+    return np.asarray(np.maximum(1.0 - np.arange(n) / over, 0.0))

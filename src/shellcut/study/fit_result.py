@@ -1,21 +1,21 @@
 r"""The result of a fit: values, how far the data tell them, and the curves.
 
-With the derivatives J of the n_eff independent residuals r at the best of p parameters, their
-covariance is
+With the derivatives J of the n residuals r at the best of p parameters, the correlations S of these
+residuals (:mod:`.curve_misfit`), and P = (Jᵀ J)⁻¹, the covariance of the parameters is
 
-    C = r·r / (n_eff - p) (Jᵀ J)⁻¹,
+    C = r·r / (n - tr A) A P,    A = P Jᵀ S J,
 
-in the logarithm of the parameters (Gauss-Newton); the 95 % interval is the value times
-exp(± t sqrt(C_kk)). Correlated residuals count as fewer (:mod:`.curve_misfit`). Their squares, from
-which r·r is known, are less alike than they are: of averages over windows 1.5 n_eff of them are
-independent, so that t is Student's with 1.5 n_eff - p degrees of freedom. The interval says how
-well the data determine the parameters of *this* model, not whether the model is right.
+in their logarithm (Gauss-Newton); the 95 % interval is the value times exp(± t sqrt(C_kk)). From
+r·r the size of the misses is known as if from nu = (n - tr A)² / tr (M S)² independent ones,
+M = 1 - J P Jᵀ, so that t is Student's with nu degrees of freedom ([Satterthwaite1946]). Without
+correlations this is r·r / (n - p) P and nu = n - p. The interval says how well the data determine
+the parameters of *this* model, not whether the model is right.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -27,14 +27,14 @@ from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, finite
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
-from .curve_misfit import independent_points, residuals
+from .curve_misfit import correlations, residuals
 from .fit_runs import FitRuns
 
 FIT, PICTURE = "fit.json", "fit.png"
 
 _LEVEL = 0.95
 _APART = 0.95
-"""Correlation of two parameters beyond which the data do not tell them apart."""
+"""Correlation of two parameters beyond which the data do not tell them apart, if one is wide."""
 _WIDE = 1.5
 """Factor from the value to the end of its interval beyond which it is not determined."""
 
@@ -130,12 +130,11 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     missed, comparisons = runs.at(best)
     start, at_start = runs.at(np.zeros(best.size))
     n_curve = len(comparisons)
-    n_eff = independent_points(comparisons)
-    covariance = covariance_of(slopes, float(missed @ missed), n_eff - best.size)
+    covariance, nu = covariance_of(slopes, missed, [correlations(one) for one in comparisons])
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, max(1.5 * n_eff - best.size, 1.0)))
+    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, max(nu, 1.0)))
     values = runs.parameters.values(best.tolist())
     fitted = []
     for k, one in enumerate(runs.parameters.all):
@@ -158,15 +157,27 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     )
 
 
-def covariance_of(slopes: Floats, square: float, free: float) -> Floats:
-    """Return C; infinite where the data say nothing."""
-    n = slopes.shape[1]
+def covariance_of(slopes: Floats, missed: Floats, alike: Sequence[Floats]) -> tuple[Floats, float]:
+    """Return C and nu; C is infinite where the data say nothing.
+
+    slopes : J, shape (n, p).  missed : r, shape (n,).  alike : of each curve, the correlations of
+    its points k apart.
+    """
+    n, p = slopes.shape
     information = slopes.T @ slopes
     largest = float(np.trace(information))
-    if not free > 0.0 or not largest > 0.0:
-        return np.diag(np.full(n, np.inf))
+    if n <= p or not largest > 0.0:
+        return np.diag(np.full(p, np.inf)), 1.0
     # Not the inverse: of a singular matrix it would be round-off. This is far beyond any use.
-    return np.asarray(square / free * np.linalg.inv(information + 1e-12 * largest * np.eye(n)))
+    P = np.linalg.inv(information + 1e-12 * largest * np.eye(p))
+    of_curves = np.split(slopes, np.cumsum([len(c) for c in alike])[:-1])
+    smooth = [scipy.linalg.matmul_toeplitz(c, J) for c, J in zip(alike, of_curves, strict=True)]
+    S_J = np.concatenate(smooth)
+    A = P @ slopes.T @ S_J
+    squares = sum(len(c) + 2.0 * float(np.arange(len(c) - 1, 0, -1) @ c[1:] ** 2) for c in alike)
+    left = n - float(np.trace(A))
+    nu = left**2 / (squares - 2.0 * float(np.trace(P @ S_J.T @ S_J)) + float(np.trace(A @ A)))
+    return np.asarray(float(missed @ missed) / left * A @ P), nu
 
 
 def _judged(
@@ -175,17 +186,18 @@ def _judged(
     """Return in words how far the data tell the parameters."""
     notes = []
     low, high = runs.parameters.bounds()
+    wide = [not one.high < _WIDE * one.value for one in fitted]
     for k in range(best.size):
         one = fitted[k]
         for j in range(k):
-            if abs(correlation[j, k]) > _APART:
+            if abs(correlation[j, k]) > _APART and (wide[j] or wide[k]):
                 notes.append(
                     f"the data cannot tell {fitted[j].key} and {one.key} apart (correlation "
                     f"{correlation[j, k]:.3f}): a change of one is made up by the other, only a "
                     "combination of both is determined; fix one of them, or add a curve on which "
                     "they act differently"
                 )
-        if not one.high < _WIDE * one.value:
+        if wide[k]:
             notes.append(
                 f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "
                 f"{one.high:.3g} {one.unit}".rstrip()
