@@ -58,7 +58,7 @@ FORCE: Sizes = {
     "lbf": _POUND,
 }
 """[N]"""
-TIME: Sizes = _exactly({"us": "1e-6", "ms": "1e-3", "s": "1", "min": "60"})
+TIME: Sizes = _exactly({"ns": "1e-9", "us": "1e-6", "ms": "1e-3", "s": "1", "min": "60"})
 """[s]"""
 MASS: Sizes = _exactly({"g": "1e-6", "kg": "1e-3", "t": "1"})
 """[t]"""
@@ -260,7 +260,7 @@ def conversion(unit: str, to: str) -> float:
     >>> conversion("cm", "s")
     Traceback (most recent call last):
         ...
-    ValueError: must be a unit of time (us, ms, s, min), got 'cm', one of length
+    ValueError: must be a unit of time (ns, us, ms, s, min), got 'cm', one of length
     """
     wanted, target = _measure(to)
     if wanted is None:

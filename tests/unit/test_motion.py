@@ -234,7 +234,7 @@ def test_without_turn_the_coordinate_is_the_path(tmp_path):
         ("# nothing\n", "a line of headings"),
         ("time,z [mm]\n0,0\n", "a heading must be 'name [unit]' of time, x, y, z"),
         ("time [s],w [mm]\n0,0\n", "got 'w [mm]'"),
-        ("time [h]\n0\n", "time must be a unit of time (us, ms, s, min), got 'h'"),
+        ("time [h]\n0\n", "time must be a unit of time (ns, us, ms, s, min), got 'h'"),
         ("time [s],time [ms]\n0,0\n", "each column must occur once, got time again"),
         ("x [mm]\n0\n", "there must be a column time"),
         ("time [s],angle [deg],rz [deg]\n0,0,0\n", "as angle or as rx, ry, rz, got both"),

@@ -133,6 +133,6 @@ def nodal_displacements(displacement: Floats, n_node: int) -> Floats:
     if moved.shape != (n_node, 3) or not np.isfinite(moved).all():
         raise ValueError(
             f"displacement must be finite and of shape (n_node, 3) = ({n_node}, 3), "
-            f"got {moved.shape}"
+            f"got {moved.shape}; a notch adds nodes: sim.state.node.X has the places of all"
         )
     return moved

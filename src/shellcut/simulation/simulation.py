@@ -325,8 +325,9 @@ class Simulation:
         Parameters
         ----------
         displacement : ndarray, shape (n_node, 3), optional
-            Moves the nodes first [mm]; supports then hold them where they are, so a stretched film
-            is given by the displacement of its rim (and any guess inside).
+            Moves all nodes first, also those that a notch has added [mm]; supports then hold them
+            where they are, so a stretched film is given by the displacement of its rim (and any
+            guess inside).
         tolerance : float
             Largest free nodal force over the largest reaction or load.
         most_steps : int

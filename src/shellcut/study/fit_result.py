@@ -33,8 +33,9 @@ from .fit_runs import FitRuns
 FIT, PICTURE = "fit.json", "fit.png"
 
 _LEVEL = 0.95
-_APART = 0.95
-"""Correlation of two parameters beyond which the data do not tell them apart, if one is wide."""
+_APART = 0.98
+"""Correlation of two parameters beyond which the data do not tell them apart: each interval is then
+five times as wide as if the other were known."""
 _WIDE = 1.5
 """Factor from the value to the end of its interval beyond which it is not determined."""
 
@@ -186,18 +187,17 @@ def _judged(
     """Return in words how far the data tell the parameters."""
     notes = []
     low, high = runs.parameters.bounds()
-    wide = [not one.high < _WIDE * one.value for one in fitted]
     for k in range(best.size):
         one = fitted[k]
         for j in range(k):
-            if abs(correlation[j, k]) > _APART and (wide[j] or wide[k]):
+            if abs(correlation[j, k]) > _APART:
                 notes.append(
                     f"the data cannot tell {fitted[j].key} and {one.key} apart (correlation "
                     f"{correlation[j, k]:.3f}): a change of one is made up by the other, only a "
                     "combination of both is determined; fix one of them, or add a curve on which "
                     "they act differently"
                 )
-        if wide[k]:
+        if not one.high < _WIDE * one.value:
             notes.append(
                 f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "
                 f"{one.high:.3g} {one.unit}".rstrip()
