@@ -102,11 +102,7 @@ class CrackPath:
         return rows
 
     def rows_at_tip(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the same in the order of the mesh.
-
-        :mod:`.free_direction` looks from the first of them: from the first of :meth:`rows_ahead`
-        two tears that converge meet too late on some meshes.
-        """
+        """Return the same in the order of the mesh; at a node all rows that it belongs to."""
         topology = self.topology
         if tip.flank is not None:
             touching = self.rows_at(tip.quad, tip.flank)

@@ -103,13 +103,13 @@ _OTHERS = np.arange(0, len(_ANGLES), 6)
 class _Ahead(NamedTuple):
     """What lies around a tip, as long as the topology stays."""
 
-    row: int
-    """In which the crack goes on."""
+    rows: Ints
+    """That touch the tip, one or those around a node, shape (n_row,)."""
     weights: Floats
-    """Shape functions at the tip there, shape (4,)."""
+    """Shape functions at the tip in each, shape (n_row, 4), over their number."""
     base: Floats
-    """Weights that give, of its nodes' positions, what has become of two unit vectors of the
-    reference sheet at the tip, forward and to the left; shape (2, 4)."""
+    """Weights that give, of the positions of their nodes, what has become of two unit vectors of
+    the reference sheet at the tip, forward and to the left, in the mean; shape (2, n_row, 4)."""
     factors: Floats
     """On strength and energy in the directions compared, shape (n_way,)."""
     force: TipForce | None
@@ -192,9 +192,9 @@ class FreeDirection:
         if key not in self._ahead:
             self._ahead[key] = self._look(state, *key, tips)
         ahead = self._ahead[key]
-        nodes = state.quads[ahead.row]
-        t = unit(product(ahead.weights, state.node.t[nodes]))
-        moved = product(ahead.base, state.node.x[nodes])
+        nodes = state.quads[ahead.rows].ravel()
+        t = unit(product(ahead.weights.ravel(), state.node.t[nodes]))
+        moved = product(ahead.base.reshape(2, -1), state.node.x[nodes])
         if not alone:
             yield unit(moved[0])
         ways = product(_WAYS, moved)
@@ -219,9 +219,8 @@ class FreeDirection:
         Along the crack, and at least ``FALL``.
         """
         if tip not in self._behind:
-            row, _ = self._path.rows_at_tip(tip)[0]
-            place = self._path.at_tip(tip, state.node.X)
-            self._behind[tip] = self._edges.cables_behind(state, place, self._path.size(row))
+            place, size = self._path.at_tip(tip, state.node.X), self._size(tip)
+            self._behind[tip] = self._edges.cables_behind(state, place, size)
         cables, back = self._behind[tip]
         back = back[state.cable.status[cables] != BROKEN]
         apart = np.diff(back, prepend=0.0) > GAP
@@ -231,11 +230,11 @@ class FreeDirection:
     def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
         rows = self._path.rows_at_tip(tip)
-        row, entry = rows[0]
-        T = self._path.reference_director(row, entry)
+        share, carried = 1.0 / len(rows), self._path.carried_on
+        T = unit(np.sum([self._path.reference_director(*at) for at in rows], axis=0))
         forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])
-        place, size = self._path.at_tip(tip, state.node.X), self._path.size(row)
+        place, size = self._path.at_tip(tip, state.node.X), self._size(tip)
         others = [self._path.at_tip(one, state.node.X) for one in tips if one is not tip]
         domain = TipDomain.of(
             state,
@@ -253,9 +252,9 @@ class FreeDirection:
         width = max(AVERAGE, zone) * size
         near, weight = self._near(state, domain.rows, place, forward, width)
         return _Ahead(
-            row=row,
-            weights=np.array(shape_functions(entry)),
-            base=np.stack([self._path.carried_on(row, entry, way) for way in base]),
+            rows=np.array([row for row, _ in rows]),
+            weights=share * np.array([shape_functions(entry) for _, entry in rows]),
+            base=share * np.array([[carried(*at, way) for at in rows] for way in base]),
             factors=self._factors(base, T),
             force=force,
             straight=known and force is None,
@@ -263,6 +262,10 @@ class FreeDirection:
             weight=weight,
             distance=math.sqrt(0.5 * math.pi) * width,
         )
+
+    def _size(self, tip: Tip) -> float:
+        """Return the edge length at a tip, in the mean of the rows that touch it [mm]."""
+        return float(np.mean([self._path.size(row) for row, _ in self._path.rows_at_tip(tip)]))
 
     def _near(
         self, state: State, rows: Ints, place: Floats, forward: Floats, width: float
