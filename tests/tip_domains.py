@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cut_topology import CutTopology
 from shellcut.fracture.film_edges import FilmEdges
 from shellcut.fracture.tip_domain import TipDomain
@@ -33,13 +32,10 @@ def domain_in(state, shell, place, reach, topology=None, base=BASE):
 def force_on(sim, place, reach, base=BASE):
     topology = None if sim.cracks is None else sim.cracks.cuts.topology
     domain = domain_in(sim.state, sim.shell, place, reach, topology, base)
-    return TipForce(sim.state, sim.shell, domain, base, sim.loads)
+    return TipForce(sim.state, sim.shell, domain, base)
 
 
 def at_tip(sim):
-    """Where the only tip lies in the reference film, and what the base has become ahead of it."""
-    path, (tip,) = CrackPath(sim.cracks.cuts.topology, sim.shell), sim.cracks.tips
-    row, entry = path.rows_ahead(tip)[0]
-    x = sim.state.node.x[sim.state.quads[row]]
+    """Where the only tip lies in the reference film."""
     (place,) = sim.cracks.at_tips(sim.state.node.X)
-    return place, np.array([path.carried_on(row, entry, way) @ x for way in BASE])
+    return place

@@ -59,15 +59,19 @@ def test_the_change_of_energy_with_a_slide_is_that_of_the_energy(film):
     mesh = cylinder(5.0, 4.0, n_around=24, n_along=4)
     X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
     x, t = X + 0.05 * rng.normal(size=X.shape), T + 0.05 * rng.normal(size=T.shape)
-    move = rng.normal(size=X.shape)
+    move, turn = rng.normal(size=(2, *X.shape))
     # Along a quad's own side: its corner 1 by 0.3 of the way to corner 2, with the director.
     slide, turned = np.zeros((2, *X.shape))
     slide[:, 1], turned[:, 1] = 0.3 * (X[:, 2] - X[:, 1]), 0.3 * (T[:, 2] - T[:, 1])
-    found = SlidingPoints(X, T, slide[None], film).changes(x, t, move[None])[0]
+    found = SlidingPoints(X, T, slide[None], film).changes(x, t, move[None], turn[None])[0]
     step = 1e-5
-    ends = [energies(film, X + s * slide, T + s * turned, x + s * move, t) for s in (step, -step)]
+    ends = [
+        energies(film, X + s * slide, T + s * turned, x + s * move, t + s * turn)
+        for s in (step, -step)
+    ]
     # Discretisation: two central differences, exact to the square of their steps.
-    assert found == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-5)
+    most = np.abs(found).max()
+    assert found == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-5, abs=1e-6 * most)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +94,7 @@ def test_an_even_state_has_no_tip(load):
     force = force_on(sim, np.array([3.0, 0.2, 0.0]), 2.0)
     energy = YOUNG * THICKNESS * 0.01**2  # per area, of that order
     # Round-off, over the energy in the domain and what the loads would do over 1 mm.
-    assert np.abs(force.of(sim.state, BASE @ stretch.T)).max() < 1e-8 * energy
+    assert np.abs(force.of(sim.state)).max() < 1e-8 * energy
 
 
 def uneven_mesh():
@@ -158,7 +162,7 @@ def test_uneven_flow_makes_no_tip(material, flow):
     for place in ([3.0, 0.2, 0.0], [0.1, 0.2, 0.0]):  # within the film, and at its rim
         force = TipForce(state, shell, domain_in(state, shell, place, 2.0), BASE)
         energy = YOUNG * THICKNESS * 0.15**2  # per area, of that order
-        found = force.of(state, BASE @ stretch.T)
+        found = force.of(state)
         assert np.abs(found).max() < 1e-7 * energy  # round-off of differences
 
 
@@ -170,12 +174,12 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
     rows = np.arange(shell.reference.quads.shape[0])
     out = TipDomain(rows, np.ones((len(rows), 4)), 0.0)
     rim = TipForce(state, shell, out, BASE)
-    never = rim.of(state, BASE)
+    never = rim.of(state)
     flowed(state, shell, UNEVEN)
-    at_zero = rim.of(state, BASE)
+    at_zero = rim.of(state)
     n_number = shell.points.rule.n_history
     state.history[:, ::n_number] = 0.1
-    np.testing.assert_array_equal(at_zero, rim.of(state, BASE))
+    np.testing.assert_array_equal(at_zero, rim.of(state))
     assert np.abs(at_zero - never).max() > 0.1 * np.abs(never).max()
 
 
@@ -216,7 +220,7 @@ def test_a_long_strip_releases_the_energy_ahead_of_its_tip(reach, material):
     strain = stretch + 0.5 * stretch**2
     stiffness = material.layers[0].material.plane_stress()[1, 1]
     released = 0.5 * stiffness * strain**2 * THICKNESS * 4.0
-    J = force.of(sim.state, BASE)
+    J = force.of(sim.state)
     # Discretisation (quads of a sixteenth of the height at a singular tip).
     assert J[0] == pytest.approx(released, rel=0.03)
     assert abs(J[1]) < 1e-3 * released  # round-off and rest: it is symmetric
@@ -226,7 +230,7 @@ def test_film_beyond_another_crack_is_no_part_of_the_force_on_a_tip():
     """A domain of 3 mm around a tip 0.9 mm beside a slit, 2 mm from clamped sides."""
     sim = strip_at_rest([0.0, 0.016, 0.0], slit=((7.1, 0.9), (20.0, 0.9)))
     place = np.array([8.0, 0.0, 0.0])
-    J, wide = (force_on(sim, place, reach).of(sim.state, BASE) for reach in (0.8, 3.0))
+    J, wide = (force_on(sim, place, reach).of(sim.state) for reach in (0.8, 3.0))
     # Discretisation, and for the part across the energies of its own flanks; measured 8 and 30 %
     # (of which nothing is left in all film within 3 mm).
     assert wide[0] == pytest.approx(J[0], rel=0.12)
@@ -276,15 +280,16 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
     """Ahead a beam with clamped ends, behind two cantilevers: -E + W = ½ p ∫ w dy in each."""
     height, beside = 4.0, 0.1
     sim = pressed_strip(load, beside=beside)
-    place, moved = at_tip(sim)
+    place = at_tip(sim)
     ahead = height**5 / 720.0
     behind = sum((0.5 * height + s * beside) ** 5 / 20.0 for s in (1.0, -1.0))
     D = YOUNG * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))
     released = 0.5 * PRESSURE**2 * (behind - ahead) / D
     for reach in (1.0, 1.8):
         force = force_on(sim, place, reach)
-        # Discretisation: 1.00 and 0.99; weight 1.02, lumped with the mass. 1.15 and 2 without load.
-        assert force.of(sim.state, moved)[0] == pytest.approx(released, rel=0.03)
+        # Discretisation: 1.01, weight, which is lumped with the mass, 1.03; on quads half as long
+        # 1.00 for both.
+        assert force.of(sim.state)[0] == pytest.approx(released, rel=0.04)
 
 
 def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
@@ -293,7 +298,7 @@ def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     (tip,) = sim.cracks.tips
     topology = sim.cracks.cuts.topology
     path = CrackPath(topology, sim.shell)
-    direction = FreeDirection(sim.shell, topology, path, sim.law, loads=sim.loads)
+    direction = FreeDirection(sim.shell, topology, path, sim.law)
     way = next(direction.ways(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load
 
@@ -322,13 +327,8 @@ def plane_strip(slit=10.0, **more):
 
 
 def released_in(sim, reaches):
-    """The force on the tip by domains of some reaches, with the forces at points of the film."""
-    held = np.zeros((sim.state.n_node, 3))
-    sim.loads.add_nodal_forces(sim.state, held)
-    for term in sim.terms.on_tool:
-        term.add_tool_forces(sim.state, sim.pose, held)
-    place, moved = at_tip(sim)
-    return np.array([force_on(sim, place, r).of(sim.state, moved, held) for r in reaches])
+    """The force on the tip by domains of some reaches."""
+    return np.array([force_on(sim, at_tip(sim), reach).of(sim.state) for reach in reaches])
 
 
 def parted(slit):

@@ -184,14 +184,6 @@ class CableSet(ForceTerm):
         )
         self._tables = self._hold(tables)
 
-    def add_tool_forces(self, state: State, _pose: Pose, force: Floats) -> None:
-        """Add the pull of cables that the edge has bent to forces on nodes, (n_node, 3) [N]."""
-        c = state.cable
-        bent = np.flatnonzero(c.status[: c.count] == JOINTED)
-        share, pull = c.share[bent, None, None], c.force[bent]
-        np.add.at(force, c.ends[bent], (1.0 - share) * pull)
-        np.add.at(force, c.far[bent], share * pull)
-
     def energies(self, state: State) -> tuple[float, float]:
         """Return stored and dissipated energy of all cables by their laws [N·mm].
 

@@ -11,11 +11,10 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts, product
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
 from shellcut.numerics.held_table import Holder
 from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.force_term import ForceTerm
-from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
@@ -346,12 +345,6 @@ class PressTerm(ForceTerm):
         work, stored, n_touching, deepest = self.touch.sums.tolist()
         wrench = self.touch.wrench.copy()
         return PressForces(wrench, work, stored, int(n_touching), deepest)
-
-    def add_tool_forces(self, _state: State, pose: Pose, force: Floats) -> None:
-        """Add the normal forces of the last evaluation to those on the nodes, (n_node, 3) [N]."""
-        on, at = np.flatnonzero(self.carriers.pressure), self.carriers
-        pressed = at.pressure[on, None] * product(at.normal[on], pose.rotation.T)
-        np.add.at(force, at.node[on], at.weight[on, :, None] * pressed[:, None])
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""

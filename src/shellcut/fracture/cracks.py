@@ -22,7 +22,6 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
-from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -63,8 +62,8 @@ class Cracks:
         Give the forces that hold a film together.
     tool, motion : Tool, Motion, optional
         Whose edges cut, and how they move.
-    terms : sequence of ForceTerm
-        By which the tool acts on the film.
+    points : PointContact, optional
+        By which the tool presses on the sheet.
     """
 
     def __init__(
@@ -76,7 +75,7 @@ class Cracks:
         loads: LoadSet,
         tool: Tool | None = None,
         motion: Motion | None = None,
-        terms: Sequence[ForceTerm] = (),
+        points: PointContact | None = None,
     ) -> None:
         film, fibres = fracture.anisotropy, fracture.fibres
         if fibres is None:
@@ -86,8 +85,6 @@ class Cracks:
         self.tips = tips_of_notches(state)
         self._check_every = fracture.check_every
         self._shell, self._loads = shell, loads
-        self._terms = terms
-        self._pose = Pose.at_origin()
         self._known = KnownTopology()
         self._checked = False
         self._branching: Branching | None = None
@@ -104,7 +101,7 @@ class Cracks:
         if self._path.sides_only:
             self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
             self.stress = self._sides.stress
-        self._direction = FreeDirection(shell, topology, self._path, law, film, loads)
+        self._direction = FreeDirection(shell, topology, self._path, law, film)
         self.bending_length = bending_length(shell.material, law)
         """Over which the film bends where its tension is the strength [mm]."""
         self._pierce: Pierce | None = None
@@ -115,7 +112,6 @@ class Cracks:
             force = fracture.puncture_force
             if force is None:
                 force = puncture_force(shell.material, law, tool.edge_radius)
-            points = next((one for one in terms if isinstance(one, PointContact)), None)
             limits, self._chain = (force, law.strength), tool.edge_chain
             self._pierce = Pierce(state, self._path, drive, shell, limits, points, self._chain)
 
@@ -135,7 +131,6 @@ class Cracks:
         """
         if state.step % self._check_every:
             return
-        self._pose = pose
         if self._pierce is None:
             self._advance_free(state, list(self.tips))
             return
@@ -167,11 +162,7 @@ class Cracks:
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
         """Return along which segment a crack would run that no blade drives."""
-        alone, held = not tip.branch, np.zeros((state.n_node, 3))
-        self._loads.add_nodal_forces(state, held)
-        for term in self._terms:
-            term.add_tool_forces(state, self._pose, held)
-        ways = self._direction.ways(state, tip, tips, alone=alone, held=held)
+        ways = self._direction.ways(state, tip, tips, alone=not tip.branch)
         found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
         if segment is None:

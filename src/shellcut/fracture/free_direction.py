@@ -54,7 +54,6 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, each, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.small_matrices import symmetric_eigen
@@ -134,8 +133,6 @@ class FreeDirection:
         Gives sigma_F.
     anisotropy : Anisotropy, optional
         Of the film.
-    loads : LoadSet, optional
-        On the film.
     """
 
     def __init__(
@@ -145,14 +142,13 @@ class FreeDirection:
         path: CrackPath,
         law: CohesiveLaw,
         anisotropy: Anisotropy | None = None,
-        loads: LoadSet | None = None,
     ) -> None:
         self._shell, self._path = shell, path
         self._strength = law.strength
         # Length of the process zone in a sheet [mm] over J [N].
         self._zone_of = math.pi * shell.material.stretching_stiffness
         self._zone_of /= 8.0 * (law.strength * shell.material.thickness) ** 2
-        self._anisotropy, self._loads = anisotropy, loads
+        self._anisotropy = anisotropy
         self._known = KnownTopology()
         self._edges = FilmEdges(shell, topology)
         self._behind: dict[Tip, tuple[Ints, Floats]] = {}
@@ -165,7 +161,6 @@ class FreeDirection:
         tips: Sequence[Tip] = (),
         *,
         alone: bool = True,
-        held: Floats | None = None,
     ) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
@@ -180,8 +175,6 @@ class FreeDirection:
         alone : bool
             Whether what surrounds the tip is its own; near to another branch it is not, and the
             heading comes first.
-        held : ndarray, shape (n_node, 3), optional
-            Forces on nodes and flank points, see :meth:`.TipForce.of`.
         """
         if not self._known.is_of(state):
             self._ahead.clear()
@@ -201,7 +194,7 @@ class FreeDirection:
         stress = self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)
         phi = stress**2
         if ahead.force is not None or ahead.straight:
-            force = _ALONG if ahead.force is None else ahead.force.of(state, moved, held)
+            force = _ALONG if ahead.force is None else ahead.force.of(state)
             released = product(_WAYS, force) / ahead.factors
             most = max(float(np.abs(released).max()), _TINY)
             if ahead.force is not None:
@@ -248,7 +241,7 @@ class FreeDirection:
         )
         known, force = gives_back(self._shell.material), None
         if known and domain.room > LEAST * size:
-            force = TipForce(state, self._shell, domain, base, self._loads)
+            force = TipForce(state, self._shell, domain, base)
         width = max(AVERAGE, zone) * size
         near, weight = self._near(state, domain.rows, place, forward, width)
         return _Ahead(

@@ -1,9 +1,10 @@
 """The force on the tip of a crack: the energy that the film gives up per mm of its advance.
 
-Let the reference slide by q(X) e below the film, q being 1 around the tip and falling to 0 at the
-border of its domain (:mod:`.tip_domain`), and let the film in space follow by q(X) c, c being what
-e has become there. The energy Pi of the film then changes as if the tip with all that surrounds it
-were a little further along e, so that
+Let the mesh slide through the film, by q(X) e along the reference, q being 1 around the tip and
+falling to 0 at the border of its domain (:mod:`.tip_domain`). The film stays where it is in space:
+a node comes to film that is q dx/de farther, dx/de being what e has become there. Where the film is
+smooth the mesh then only describes it anew, and its energy Pi does not change. But the tip goes
+along with the mesh, and
 
     J · e = - dPi / d(slide)
 
@@ -12,16 +13,13 @@ of the sheet: the J-integral and its companion across the crack, with membrane, 
 transverse shear alike ([Eshelby1951]; on meshes [MuellerMaugin2002]). For two legs that are pulled
 out of the sheet J is the rate at which their ends part, times the force on them.
 
-At rest the motion in space changes nothing: the forces that hold the nodes in the domain add to
-zero. In a film that swings they do not. Without that motion they would act over a whole mm instead
-of over a strain, and hide the energy released. What presses on the film does work in both motions,
-which is part of Pi: pressure and weight (:mod:`shellcut.loads.sliding_loads`), and a tool or forces
-on single nodes (:mod:`.point_forces`).
-
-The domain holds the process zone as far as it reaches; J then is the energy that goes into the
-cables, too: in steady tearing J = G h. The crack's own flanks slide with the film, no other edge.
-Across the crack that adds film to one flank and takes it from the other: J · e has the difference
-of their energies per area times the reach in it, none where both sides are alike.
+As the film stays, nothing that acts on it does work: loads, supports, a tool and the cables that
+its edge bends, inertia. So it does not matter how much of that lies in the domain. The straight
+cables of the process zone go along with the tip, by their work F · (q dx/de) at both ends; J then
+is the energy that goes into them, too: in steady tearing J = G h. The crack's own flanks slide with
+the mesh, no other edge. Across the crack that adds film to one flank and takes it from the other:
+J · e has the difference of their energies per area times the reach in it, none where both sides are
+alike.
 
 The energy psi is what the film would give back: what has flowed stays where it is in the film. A
 point that slides comes to film that has flowed differently, which adds the stress times the slope
@@ -36,17 +34,17 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, product
-from shellcut.loads.loads import LoadSet
-from shellcut.loads.sliding_loads import SlidingLoads
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mitc4.section import lumped_mass
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.sliding_history import SlidingHistory
-from shellcut.mitc4.sliding_points import SlidingPoints, slid
-from shellcut.state import State
+from shellcut.mitc4.sliding_points import SlidingPoints
+from shellcut.numerics.small_matrices import inverse
+from shellcut.state import STRAIGHT, State
 
-from .point_forces import PointForces
+from .quad_polygon import CORNERS, shape_slopes
 from .tip_domain import TipDomain
+
+_AT_CORNERS = np.array([shape_slopes(corner) for corner in CORNERS])
 
 
 def gives_back(material: ShellMaterial) -> bool:
@@ -68,68 +66,58 @@ class TipForce:
         Which of the film slides, and how far.
     base : ndarray, shape (2, 3)
         Unit vectors of the sheet at the tip.
-    loads : LoadSet, optional
-        On the film.
     """
 
-    def __init__(
-        self,
-        state: State,
-        shell: MITC4Shell,
-        domain: TipDomain,
-        base: Floats,
-        loads: LoadSet | None = None,
-    ) -> None:
+    def __init__(self, state: State, shell: MITC4Shell, domain: TipDomain, base: Floats) -> None:
         film = shell.reference
-        X, T = film.x[film.quads], film.t[film.quads]
-        q = np.zeros((len(X), 4))
+        q = np.zeros((len(film.quads), 4))
         q[domain.rows] = domain.q
-        material, rule = shell.material, shell.points.rule
-        # Where all corners slide alike nothing changes but the history below.
-        moves = np.abs(q).max(axis=1) if rule.n_history else np.ptp(q, axis=1)
-        self._rows: Ints = np.flatnonzero(moves > 0.0)
-        self._q = q[self._rows]
+        self._rows: Ints = np.flatnonzero(q.any(axis=1))
+        self._nodes, self._q = state.quads[self._rows], q[self._rows]
+        X, T = film.x[film.quads[self._rows]], film.t[film.quads[self._rows]]
         slides = np.einsum("ea,ki->keai", self._q, base)
-        self._energy = SlidingPoints(X[self._rows], T[self._rows], slides, material)
+        self._energy = SlidingPoints(X, T, slides, shell.material)
         self._history: SlidingHistory | None = None
-        if rule.n_history:
+        if shell.points.rule.n_history:
             self._history = SlidingHistory.of(state, shell, self._rows, self._q, base)
         self._share = state.quad.share[self._rows]
-        # Within the domain the loads move even where all corners slide alike.
-        rows = np.flatnonzero(np.abs(q).max(axis=1) > 0.0)
-        X, T, q = X[rows], T[rows], q[rows]
-        self._points = PointForces(state, rows, X, q, base)
-        self._loads: SlidingLoads | None = None
-        if loads is not None and any(loads.on_film):
-            slides, _ = slid(X, T, np.einsum("ea,ki->keai", q, base))
-            whole, _ = lumped_mass(X, T, shell.material)
+        # At a node e has become the mean of what it has in the quads there.
+        along = product(_AT_CORNERS, X[:, None])
+        back = along.transpose(0, 1, 3, 2)
+        n_at = np.bincount(self._nodes.ravel(), minlength=state.n_node)[self._nodes]
+        self._carry = product(base, back, inverse(product(along, back)), _AT_CORNERS)
+        self._carry /= n_at[..., None, None]
+        """Weights that give, of the positions of a quad's nodes, its part of dx/de at each of its
+        corners, shape (n, 4, n_slide, 4)."""
+        self._q_at = np.zeros(state.n_node)
+        np.add.at(self._q_at, self._nodes, self._q / n_at)
+        flank = state.flank
+        self._tied = flank.node[: flank.count], flank.nodes[: flank.count]
+        self._q_tied = flank.weight[: flank.count] * q[flank.row[: flank.count]]
 
-            def mass(corners: Floats) -> Floats:
-                found, _ = lumped_mass(corners, T, shell.material)
-                return shell.mass[rows] / whole * found
-
-            self._loads = SlidingLoads(state, rows, X, q, slides, mass, *loads.on_film)
-
-    def of(self, state: State, moved: Floats, held: Floats | None = None) -> Floats:
-        """Return the components of the force along the base [N], shape (2,).
-
-        Parameters
-        ----------
-        state : State
-            Present positions.
-        moved : ndarray, shape (2, 3)
-            What the vectors of the base have become in space, at the tip.
-        held : ndarray, shape (n_node, 3), optional
-            Forces on nodes and flank points: of contact, and loads of single nodes [N].
-        """
-        nodes = state.quads[self._rows]
-        x, t = state.node.x[nodes], state.node.t[nodes]
-        moves = np.einsum("ea,ki->keai", self._q, moved)
+    def of(self, state: State) -> Floats:
+        """Return the components of the force along the base [N], shape (2,), as the film is now."""
+        x, t = state.node.x[self._nodes], state.node.t[self._nodes]
+        become, bend = self._along(state.n_node, x), self._along(state.n_node, t)
+        moves, turns = (self._q[..., None] * rows[:, self._nodes] for rows in (become, bend))
         history = None if self._history is None else self._history.of_state(state)
-        changes = self._energy.changes(x, t, moves, history)
-        force = np.asarray(product(-changes, self._share))
-        if self._loads is not None:
-            force += self._loads.works(state, moved)
-        if held is not None:
-            force += self._points.works(state, held, moved)
-        return force
+        changes = product(self._energy.changes(x, t, moves, turns, history), self._share)
+        return np.asarray(self._of_cables(state, become) - changes)
+
+    def _along(self, n_node: int, corners: Floats) -> Floats:
+        """Return at nodes the slopes of x or t along the base, shape (n_slide, n_node, 3)."""
+        found = np.zeros((2, n_node, 3))
+        parts = np.einsum("eakb,ebi->keai", self._carry, corners)
+        for at_node, part in zip(found, parts, strict=True):
+            np.add.at(at_node, self._nodes, part)
+        return found
+
+    def _of_cables(self, state: State, become: Floats) -> Floats:
+        """Return what straight cables do that go along with the tip [N], shape (n_slide,)."""
+        moves, (point, nodes) = self._q_at[:, None] * become, self._tied
+        moves[:, point] = np.einsum("fa,kfai->kfi", self._q_tied, become[:, nodes])
+        cables = state.cable
+        zone = np.flatnonzero(cables.status[: cables.count] == STRAIGHT)
+        share = cables.share[zone, None, None]
+        ends = (1.0 - share) * moves[:, cables.ends[zone]] + share * moves[:, cables.far[zone]]
+        return np.asarray(np.einsum("cei,kcei->k", cables.force[zone], ends))

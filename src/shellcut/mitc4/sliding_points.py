@@ -102,7 +102,12 @@ class SlidingPoints:
             self._changes.append(_Maps(*((a - b) / step for a, b in pairs)))
 
     def changes(
-        self, x: Floats, t: Floats, moves: Floats, history: tuple[Floats, Floats] | None = None
+        self,
+        x: Floats,
+        t: Floats,
+        moves: Floats,
+        turns: Floats,
+        history: tuple[Floats, Floats] | None = None,
     ) -> Floats:
         """Return the changes of the energies with each slide [N], shape (n_slide, n).
 
@@ -110,8 +115,8 @@ class SlidingPoints:
         ----------
         x, t : ndarray, shape (n, 4, 3)
             Present positions [mm] and directors.
-        moves : ndarray, shape (n_slide, n, 4, 3)
-            How far each corner moves in space with each slide, per mm.
+        moves, turns : ndarray, shape (n_slide, n, 4, 3)
+            How each corner moves in space with each slide, per mm, and its director turns [1/mm].
         history : tuple of ndarray, optional
             Of :meth:`.SlidingHistory.of_state`, for laws that keep one.
         """
@@ -124,9 +129,9 @@ class SlidingPoints:
         density = stored + 0.5 * np.einsum("epi,epi->ep", shear, e[..., 3:])
         stress = np.concatenate([S, shear], axis=2)
         found = np.empty((len(moves), len(x)))
-        for k, (change, move) in enumerate(zip(self._changes, moves, strict=True)):
+        for k, (change, move, turn) in enumerate(zip(self._changes, moves, turns, strict=True)):
             # Products are quadratic, so that this difference is exact over any step.
-            moved = 0.5 * (quad_products(x + move, t) - quad_products(x - move, t))
+            moved = 0.5 * (quad_products(x + move, t + turn) - quad_products(x - move, t - turn))
             strain = np.einsum("epij,ej->epi", change.strain, s)
             strain += np.einsum("epij,ej->epi", here.strain, moved - change.products)
             by_strain = np.einsum("epi,epi->ep", stress, strain)

@@ -16,7 +16,7 @@ from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.settings import Contact
-from shellcut.contact.sheet_contact import SelfContact
+from shellcut.contact.sheet_contact import PointContact, SelfContact
 from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
@@ -186,8 +186,8 @@ class Simulation:
         self.cracks: Cracks | None = None
         if self.law is not None:
             film, tool = (self.shell, self.loads), (self.tool, self.motion)
-            acting = self.terms.on_tool
-            self.cracks = Cracks(self.state, self.fracture, self.law, *film, *tool, acting)
+            points = next((one for one in self.terms if isinstance(one, PointContact)), None)
+            self.cracks = Cracks(self.state, self.fracture, self.law, *film, *tool, points)
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, NodeStiffness, StiffnessBy
+from shellcut.arrays import NodeStiffness, StiffnessBy
 
 from .pose import Pose
 from .touch import Booking, Touch
@@ -66,12 +66,6 @@ class ForceTerm:
         may tell only what it adds to them.
         """
         return np.zeros(0, np.int64), np.zeros(0)
-
-    def add_tool_forces(self, state: State, pose: Pose, force: Floats) -> None:
-        """Add what the tool did to the film in the last evaluation to forces on nodes, (n_node, 3).
-
-        pose : of the tool then.  The force on a crack's tip needs them.
-        """
 
     def stored(self, state: State) -> Mapping[str, float]:
         """Return the entries of the ledger that are functions of the state [N·mm]."""
