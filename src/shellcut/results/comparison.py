@@ -1,27 +1,9 @@
-r"""Comparison of a run with a measured curve: its figures and their definitions.
+"""Comparison of a run with a measured curve: its figures, defined in docs/howto/compare.md.
 
 Both curves are piecewise linear, m(x) through the measured points and s(x) through the rows of the
-history, and are compared on the range [a, b] that both cover. The points x_i are the measured ones
-within it and its two ends; w_i are the weights of the trapezoidal rule over them, so that closely
-spaced points do not count for more.
-
-==================  ===========================================================================
-RMS difference      sqrt(sum w_i (s(x_i) - m(x_i))² / (b - a)); relative: over the measured peak
-peak                the value of largest magnitude on [a, b]; of s among all its own points
-peak error          (peak of s - peak of m) / abs(peak of m)
-place of the peak   where the peak is first reached
-work                exact integral of the piecewise linear curve from a to b; angles in radians
-at first piercing   both curves where a cutting edge first goes through whole film
-mean                over the part of [a, b] in which the run cuts steadily
-                    (:mod:`shellcut.results.steady_window`)
-work error          (work of s - work of m) / abs(work of m)
-correlation         of s(x_i) and m(x_i) with the weights w_i (Pearson)
-==================  ===========================================================================
-
-The torque of a cut is a sawtooth with the spacing of the nodes. ``window`` replaces s(x) by its
-mean over [x - h, x + h], with h half the window or the distance to the nearer end of the history if
-that is less: a straight line stays the same, and the work is that of the unsmoothed curve. By
-default nothing is smoothed, so the figures describe the simulated curve itself.
+history. A ``window`` replaces s(x) by its mean over [x - h, x + h], with h half the window or the
+distance to the nearer end of the history if that is less: a straight line stays the same, and the
+work is that of the unsmoothed curve.
 """
 
 from __future__ import annotations

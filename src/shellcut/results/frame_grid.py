@@ -1,46 +1,10 @@
 """A frame as one unstructured grid with named arrays, as stored in result files.
 
-Points: the nodes in their deformed positions, so that the crack opens without a filter; then the
+docs/howto/read-results.md lists the parts, the values of the cell array ``part``, and all arrays.
+Points are the nodes in their deformed positions, so that the crack opens without a filter; then the
 ends of the cables' branches, two per segment; the vertices of the tool; the ends of the segments of
-the cutting edges, two per segment. The cell array ``part`` distinguishes the cells:
-
-====  ============  =======================================================================
-part  cell          is
-====  ============  =======================================================================
-0     quad          the film; a polygon where a crack has cut a quad
-1     line          a straight branch of a cable
-2     triangle      the tool
-3     line          a flank of the crack, an edge of the film; two consecutive ones, minus and
-                    plus, were one edge before the cut
-4     line          a segment of a cutting edge
-====  ============  =======================================================================
-
-=======================================  ======  ==============================================
-array                                    on      holds
-=======================================  ======  ==============================================
-``displacement [mm]``                    points  3 components
-``velocity [mm per s]``                  points  3 components
-``director``                             points  3 components
-``held``                                 points  1 if a support prescribes a motion
-``part``                                 cells   as above
-``membrane stress [MPa]``                cells   s11, s22, s12 in the lamina frame
-``top stress [MPa]``                     cells   the same at the outer face of the top layer
-``bottom stress [MPa]``                  cells   the same at the outer face of the bottom layer
-``largest principal stress [MPa]``       cells   of the film, mean over the thickness
-``smallest principal stress [MPa]``      cells   of the film, mean over the thickness
-``largest principal stress, top [MPa]``  cells   also ``smallest``, and ``bottom``
-``thickness [mm]``                       cells   of the film, at present
-``traction [MPa]``                       cells   of the cables
-``opening [mm]``                         cells   of the cables, both branches together
-``cable state``                          cells   0 straight, 1 jointed
-``tooth``                                cells   of the tool and its edges, counted from 1
-``history, damage [-]`` and the like     cells   of the membrane: means of the history numbers
-                                                 of the material, by the names its law gives
-=======================================  ======  ==============================================
-
-An array is zero on the points and cells it does not apply to. A "/" in a unit becomes "per",
-because HDF5 reads it as a path. Floating-point arrays are rounded to 12 bits (1.2e-4 of the value),
-which halves their packed size; points stay in single precision (1e-6 mm at 10 mm).
+the cutting edges, two per segment. A "/" in a unit becomes "per", because HDF5 reads it as a path.
+Rounding to 12 bits halves the packed size of arrays.
 """
 
 from __future__ import annotations

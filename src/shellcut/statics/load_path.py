@@ -21,17 +21,8 @@ that is nonlinear in du is added to the reference products.
 
 *Arc length* after Riks (1979) with the plane constraint: the translations of an increment, weighted
 by those of its first step v, satisfy v · Δq = Δl |v|; the load factor follows. The direction
-continues the last increment, so a limit point is passed like any other. Steps grow with the ease of
-the iteration, but only up to a bound, and not around a bend: where an increment deviates from the
-last one, or the first one from the tangent, by more than 30°, it is repeated with half the length,
-so that the path does not change to another branch or jump over a snap.
-
-A step that does not converge is repeated from the last equilibrium with half the length. So is a
-load step that ends in an unstable equilibrium though it began in a stable one: Newton's iteration
-may have changed to a branch that hangs together with no other, and smaller steps stay on the
-stable one. Where the path itself loses its stability, at a bifurcation, they bracket it; the path
-then goes on along its branch. If no smaller step gets on, at a limit point, the unstable
-equilibrium is taken.
+continues the last increment, so a limit point is passed like any other. docs/theory/statics.md says
+how steps grow, where they are halved, and what happens where the path loses its stability.
 
 *Equilibrium* is a residual below 1e-8 of the largest force. In a thin film, the round-off of
 coordinates can cause membrane forces larger than a small load; then the residual need only be below

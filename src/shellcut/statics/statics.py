@@ -206,20 +206,12 @@ class Statics:
         The path starts at the equilibrium at the present load factor. Its equilibria may be
         unstable, as between two limit points: see their ``n_negative``.
 
+        The first step is halved until it follows the path, and steps shorten where the path bends.
+
         Parameters
         ----------
-        first : float
-            Change of the load factor in the first step, which sets the arc length; halved until
-            that step follows the path.
         until : callable
             Receives each equilibrium; the path ends when it returns true.
-        n_wanted : int
-            Desired iterations per step; the arc length adapts to it.
-        most_steps : int
-            Largest number of steps; the path ends after them.
-        longest : float
-            Largest arc length relative to the actual first step. Steps shorten automatically where
-            the path bends.
 
         Raises
         ------
