@@ -31,7 +31,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp, Notch, check_length
+from .case import Case, Clamp, Notch, time_of_way
 from .free_cut import with_path
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
@@ -139,7 +139,6 @@ def guillotine(
     if notch > 0.0 and through_quads:
         begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
         simulation.notch((begin - extent, y, 0.0), (begin + notch, y, 0.0))
-    check_length(simulation, duration)
     return Case("guillotine", simulation, duration)
 
 
@@ -155,8 +154,7 @@ def blade_before(
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     way = extent - _LEFT * law.opening_u if travel is None else travel
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
+    duration = time_of_way(way, speed, _RAMP)
     blade = tool or straight_blade(
         length=extent, height=BLADE_HEIGHT + 2.0 * abs(slice_ratio) * way
     )
@@ -166,7 +164,6 @@ def blade_before(
         _check_edge_left(blade, slice_ratio * way * along[2], _EDGE_LEFT * law.opening_u)
         direction += slice_ratio * along
     motion = StraightMotion(direction.tolist(), speed=speed * float(norm(direction)), ramp=_RAMP)
-    duration = way / speed + 0.5 * _RAMP
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
 
 

@@ -31,7 +31,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.round_bar import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
-from .case import Case, check_length
+from .case import Case, time_of_way
 
 LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
@@ -184,7 +184,6 @@ def oscillating(
     y = _OFFSET * diameter if offset is None else offset
     end = _NOTCH * diameter if notch is None else notch
     simulation.notch((-extent, y, 0.0), (end, y, 0.0))
-    check_length(simulation, duration)
     return Case("oscillating", simulation, duration)
 
 
@@ -224,6 +223,4 @@ def film_before(
 def duration_of(diameter: float, extent: float, *, travel: float | None, speed: float) -> float:
     """Return the duration of a run [s] on a strip of the length ``extent`` [mm]."""
     way = extent - _LEFT * diameter if travel is None else travel
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
-    return way / speed + 0.5 * _RAMP
+    return time_of_way(way, speed, _RAMP)
