@@ -3,7 +3,7 @@
 ======================  ===========================================================================
 ``run.files``           list of all of them, :mod:`shellcut.files.file_list`
 ``run.lock``            during the run, :mod:`shellcut.files.folder_lock`
-``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.history_row`
+``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.recorder`
 ``NAME.vtkhdf``         the frames, :mod:`shellcut.results.vtkhdf`
 ``snapshot_00.png`` ..  pictures of the film during the run
 ``checkpoint.h5``       state to resume from, :mod:`shellcut.recording.checkpoint`

@@ -30,6 +30,7 @@ from shellcut.frame import Frame
 from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
+from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
 from shellcut.results.verdict import Line, say, verdict
 from shellcut.unit import shown
 from shellcut.view import Look, can_draw, draw_scene
@@ -38,7 +39,6 @@ from shellcut.view.progress import Progress
 from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
 from .cut_front import CutFront
 from .frame_capture import Exposure
-from .history_row import history_row
 from .resistance import resistance_of
 from .run_files import RunFiles
 from .run_options import RunOptions
@@ -310,7 +310,33 @@ class Recorder:
     # ------------------------------------------------------------------ parts
 
     def _row(self) -> Iterator[tuple[str, str, float]]:
-        return history_row(self._sim, self.resistance, self._front, unfelt=self._schedule.unfelt)
+        """Yield name, unit and value of every column of the history, the plotted figure third."""
+        sim, r = self._sim, self.resistance
+        s = sim.state
+        yield "time", "s", s.time
+        yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
+        yield from r.row(sim)
+        ledger = sim.close_ledger()
+        for name, energy in vars(ledger).items():
+            yield name, "N*mm", energy
+        yield "imbalance", "N*mm", ledger.imbalance
+        yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
+        yield "dt", "s", s.dt
+        if sim.pace.share is not None:
+            yield "pace", "-", sim.pace.now
+        yield "cables_created", "-", s.n_cable
+        yield "cables_jointed", "-", sim.cables.n_joint_made
+        yield "cables_broken", "-", sim.cables.n_broken
+        yield "crack_length", "mm", s.crack_length
+        for edge, row in enumerate(self._front.rows(sim).tolist(), start=1):
+            length, zone, ahead, spare = row
+            yield f"{CUT_LENGTH}{edge}", "mm", length
+            yield f"{PROCESS_ZONE}{edge}", "mm", zone
+            yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
+            yield f"{TO_SPARE}{edge}", "mm", spare
+        if sim.contact is not None:
+            yield "deepest_penetration", "mm", sim.contact.forces.deepest
+            yield "unfelt_penetration", "mm", self._schedule.unfelt
 
     def _now(self) -> dict[str, float]:
         return {column: value for column, _, value in self._row()}

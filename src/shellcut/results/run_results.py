@@ -185,7 +185,8 @@ class Results:
         """Return the quality of the cut over the frames.
 
         ``time``, the coordinate, and all of :data:`shellcut.results.cut_quality.UNITS`, defined in
-        docs/howto/read-results.md. For all details of one frame, use ``cut_quality(results.frame(k))``.
+        docs/howto/read-results.md. For all details of one frame, use
+        ``cut_quality(results.frame(k))``.
         """
         rows = [cut_quality(frame).figures() for frame in self.frames()]
         columns = {name: np.array([row[name] for row in rows], dtype=float) for name in UNITS}

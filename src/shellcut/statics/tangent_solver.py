@@ -1,7 +1,7 @@
 """Linear solutions of a film: stiffness factors, corrected through the strains.
 
-docs/theory/statics.md says why the assembled stiffness of a very thin film is only a preconditioner
-for its product through the strains (:mod:`shellcut.mitc4.tangent`), why freedoms are scaled, and how
+docs/theory/statics.md says why the assembled stiffness of a very thin film is a preconditioner for
+its product through the strains (:mod:`shellcut.mitc4.tangent`), why freedoms are scaled, and how
 negative pivots count unstable motions. With M for the factors, A for the product and q for their
 solution, e = M⁻¹ (f - A q) is their estimate of the error of q; if it is not small relative to q,
 GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one only in a few of the softest
