@@ -118,19 +118,9 @@ class Case:
         self.go(recorder)
 
     def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
-        """Run to the end with a given recorder, as :meth:`run` does.
+        """Run to the end with a given recorder and further hooks, as :meth:`run` does.
 
-        Parameters
-        ----------
-        recorder : Recorder
-            Of this simulation, up to ``duration``; it is closed at the end of the run in any case.
-        also : sequence of Hook
-            Further hooks.
-
-        Raises
-        ------
-        KeyboardInterrupt, UnstableStep, FolderLost, OSError
-            As in :meth:`run`.
+        The recorder, of this simulation up to ``duration``, is closed at the end in any case.
         """
         with Interruption() as interruption:
             hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested), *also]

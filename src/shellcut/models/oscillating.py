@@ -1,14 +1,9 @@
 """The oscillating cut: a blunt bar driven through a clamped film tears a wavy crack.
 
-Nothing steers the crack but the film: it runs to where most energy is released
-(:mod:`shellcut.fracture.free_direction`). On the side of the bar to which the crack has run, the
-film hangs down as a flap that bends easily; on the other side the bar presses against the edge of
-the crack, stretches the film there and tears it across, until the crack has come to its other side
-([Roman2003], [Audoly2005]). docs/theory/oscillating.md says what of it has been measured.
-
-The quads must be small beside two lengths: that over which this film bends at its crack, about 8 h,
-0.8 mm here, and the process zone, E G / sigma_F², 1.8 mm here. On quads of 0.75 and 1 mm some
-bursts behind bars of 9 to 18 mm end in a tip that points backwards.
+docs/theory/oscillating.md says why, and what of it has been measured. The quads must be small
+beside two lengths: that over which this film bends at its crack, about 8 h, 0.8 mm here, and the
+process zone, 1.8 mm here. On quads of 0.75 and 1 mm some bursts behind bars of 9 to 18 mm end in a
+tip that points backwards.
 """
 
 from __future__ import annotations

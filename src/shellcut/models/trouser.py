@@ -1,10 +1,8 @@
 """The trouser test: two legs of a notched strip are pulled apart, out of its plane, and tear it.
 
-A leg that is pulled straight up turns the way of the crack into way of its end: each end rises by
-1 mm per mm of crack. So all work goes into G h per mm of it, and the force on a leg is G h / 2. The
-legs must be stiff beside that force, the pull slow beside it (rho h b V² of a leg of breadth b),
-and the process zone short against the strip; the defaults are so chosen. Nothing steers the crack:
-a free crack goes through the quads (docs/theory/free-cracks.md).
+docs/howto/tear.md says what it measures. The legs must be stiff beside the force, G h / 2 on each,
+the pull slow beside it (rho h b V² of a leg of breadth b), and the process zone short against the
+strip; the defaults are so chosen.
 """
 
 from __future__ import annotations

@@ -1,22 +1,4 @@
-"""The figures of ``summary.json``, with the unit in each name.
-
-Those of :func:`cut_evidence` tell whether the cut went as it should:
-
-======================  ==========================================================================
-n_tear                  cuts by cracks that no edge drives, of which the others tell nothing
-tear_off_path_mm        largest distance of such a cut's end from that path
-off_path_mm             largest distance of a split from the path of the cutting edges, in the
-                        reference film; the path goes on beyond its ends, where cracks lead, and
-                        along tears, which cuts go on from
-n_split_off_path        splits farther from the path than a fifth of a quad's side
-path_edge_mm            median side of the quads along that path
-bending_length_mm       over which the film bends where its tension is the strength
-crack_lead_mm           largest distance of another split ahead of an end of the path
-overshoot_rel           mean distance the edge had passed the cables when their joints were made,
-                        over half of ``opening_u`` there, by which the edge then drags them: the
-                        share of work the joints missed (0.28 mm of 2 mm cost 15-17 %)
-======================  ==========================================================================
-"""
+"""The figures of ``summary.json``, with the unit in each name; docs/howto/read-results.md."""
 
 from __future__ import annotations
 

@@ -1,11 +1,8 @@
 """Where the work of a run went: one account, of the ledger's entries or of the history's columns.
 
-    work put in  =  cables + film's law + friction + damping + contact + stored + kinetic + ...
-                    + imbalance
-
-The parts are linear in the entries, so the account of a stretch of the run is that of the
-differences between its ends. Ledger, ``summary.json``, verdict, curves, report and the table at the
-end of a run all take their parts and sums from here.
+docs/theory/energy.md names its parts. They are linear in the entries, so the account of a stretch
+of the run is that of the differences between its ends. Ledger, ``summary.json``, verdict, curves,
+report and the table at the end of a run all take their parts and sums from here.
 """
 
 from __future__ import annotations

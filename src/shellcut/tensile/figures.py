@@ -1,13 +1,4 @@
-"""Figures of one specimen: :func:`figures_of`.
-
-The modulus is the slope of the regression line between strains of 0.05 and 0.25 % (ISO 527-1),
-counted from where this line has no stress; that zero corrects all strains. A foot, where the
-specimen is being straightened and the curve gets steeper, lies before the line. Yield is where the
-curve meets the line moved by the offset. After the strength the strain is taken to gather in one
-place; the rest of the gauge length gives back its elastic strain,
-
-    opening / gauge length = (strain - strain of the strength) + (strength - stress) / modulus.
-"""
+"""Figures of one specimen: :func:`figures_of`, defined in docs/howto/tensile.md."""
 
 from __future__ import annotations
 
