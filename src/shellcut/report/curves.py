@@ -8,7 +8,6 @@ from html import escape
 import numpy as np
 
 from shellcut.arrays import Bools
-from shellcut.results.comparison_table import rows_of, scope_of
 from shellcut.results.energy_account import account
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import window_of
@@ -69,8 +68,8 @@ def measured(run: Gathered) -> str:
     )
     head = ("", "measured", "simulated", "difference")
     return (
-        f'{drawn}<p class="caption">{escape(scope_of(found))}.</p>'
-        + table([(in_unit(row.name, row.unit), *row[2:]) for row in rows_of(found)], head)
+        f'{drawn}<p class="caption">{escape(found.scope())}.</p>'
+        + table([(in_unit(row.name, row.unit), *row[2:]) for row in found.rows()], head)
         + sentences(("note", "note", note) for note in found.notes)
     )
 
