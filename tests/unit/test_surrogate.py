@@ -7,9 +7,8 @@ import scipy
 pytest.importorskip("sklearn", reason="needs shellcut[study]")
 
 from shellcut.study.surrogate import surface
-from shellcut.study.surrogate.inputs import Input, at_shares, columns_of
 from shellcut.study.surrogate.sensitivity import sobol_indices
-from shellcut.study.surrogate.surface import Surface
+from shellcut.study.surrogate.surface import Input, Surface, at_shares, columns_of
 
 THREE = [Input(name, (0.0, 2.0)) for name in "abc"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -14,16 +15,18 @@ from typing import TYPE_CHECKING, Any
 from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
 from shellcut.files.whole_file import exclusive
+from shellcut.model_file.key_index import with_values
 from shellcut.model_file.reader import ModelVariants
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
 from shellcut.recording.signals import Interruption
+from shellcut.results.summary_figures import key_figures
+from shellcut.view.progress import duration
 
 from .design import Design
 from .engines import Engine, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
 from .plan import Definition, Plan, PlannedRun, planned_runs
-from .progress import StudyProgress
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
 
@@ -35,6 +38,10 @@ _TABLE_EVERY = 10.0
 
 FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
 """What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
+
+
+_SHOWN = ("torque_plateau_Nmm", "force_plateau_N", "torque_peak_Nmm", "force_peak_N")
+"""Figures of which the first that a run has is shown."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +161,7 @@ def run_study(
     with taken(folder, [STUDY, TABLE]):
         write_study(folder / STUDY, planned)
         found = done_before(planned, folder)
-        progress = StudyProgress(planned, len(found), engine.jobs, say)
+        progress = _Progress(planned, len(found), engine.jobs, say)
 
         def keep() -> None:
             write_table(folder, planned, found)
@@ -187,7 +194,7 @@ def run_values(
     """
     plan = Plan(variants, tuple(planned_runs(variants, several)))
     found = done_before(plan, folder)
-    progress = StudyProgress(plan, len(found), engine.jobs, say)
+    progress = _Progress(plan, len(found), engine.jobs, say)
     carry_out(plan, folder, engine, found, progress, lambda: None)
     return [(run, found.get(run.number, Outcome("stopped"))) for run in plan.runs]
 
@@ -203,7 +210,7 @@ def carry_out(
     folder: Path,
     engine: Engine,
     found: dict[int, Outcome],
-    progress: StudyProgress,
+    progress: _Progress,
     keep: Callable[[], None],
 ) -> None:
     """Give the runs of a plan that are not found to the engine, and note their outcomes.
@@ -252,3 +259,46 @@ def _compile(planned: Plan) -> None:
     """Compile the kernels of the models together, before many processes wait for one another."""
     some = planned.runs[:: max(1, len(planned.runs) // 8)]
     warmup({planned.variants.read(run.values, try_out=False).head.model for run in some})
+
+
+class _Progress:
+    """Says when a run ends; ``say`` takes a line, which goes to standard error by default."""
+
+    def __init__(
+        self, plan: Plan, n_done: int, jobs: int, say: Callable[[str], None] | None
+    ) -> None:
+        self._plan, self._n_run = plan, len(plan.runs)
+        self._began, self._done_before = time.monotonic(), n_done
+        self.say = say or _to_standard_error
+        """Says a line."""
+        at_a_time = "one after the other" if jobs == 1 else f"{jobs} at a time"
+        self.say(f"{self._n_run} runs, {n_done} of them done before; {at_a_time}")
+
+    def ended(self, number: int, outcome: Outcome, n_ended: int) -> None:
+        """Say how a run ended."""
+        values = with_values(self._plan.runs[number].values)
+        said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
+        if outcome.status == "done":
+            shown = [name for name in _SHOWN if name in outcome.figures][:1]
+            figures = key_figures(outcome.figures, shown)
+            said = f"{outcome.seconds:.1f} s" + "".join(f", {name} {v}" for name, v in figures)
+            if n := len(outcome.doubts):
+                said += f", distrusted by {n} check" + "s" * (n > 1)
+        left, new = self._n_run - n_ended, n_ended - self._done_before
+        if left > 0 and new > 0:
+            said += f"; {duration((time.monotonic() - self._began) / new * left)} left"
+        self.say(f"[{n_ended}/{self._n_run}] {values or 'as given'}: {said}")
+
+    def end(self, outcomes: Mapping[int, Outcome]) -> None:
+        """Say how the study ended."""
+        ended = [one.status for one in outcomes.values()]
+        counts = ((ended.count(status), status) for status in ("done", "failed", "stopped"))
+        said = ", ".join(f"{n} {status}" for n, status in counts if n)
+        if n := sum(bool(one.doubts) for one in outcomes.values()):
+            said += f", {n} distrusted (see {TABLE})"
+        self.say(f"{said}, in {duration(time.monotonic() - self._began)}")
+
+
+def _to_standard_error(line: str) -> None:
+    with suppress(OSError):  # a closed pipe
+        print(line, file=sys.stderr, flush=True)

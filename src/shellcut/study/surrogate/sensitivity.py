@@ -17,8 +17,7 @@ import scipy
 
 from shellcut.arrays import Floats
 
-from .inputs import at_shares
-from .surface import Surface
+from .surface import Surface, at_shares
 
 _N_DRAW = 200
 _EVALUATIONS = 2600
