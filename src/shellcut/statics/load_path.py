@@ -94,25 +94,14 @@ class _Position(NamedTuple):
 
 
 class LoadPath:
-    """Position of a film on its load path, and methods to follow it.
-
-    Parameters
-    ----------
-    state, shell, freedoms, loads
-        The film; following the path moves the state.
-
-    Attributes
-    ----------
-    factor : float
-        Load factor of the last equilibrium.
-    n_negative : int
-        Negative eigenvalues of its stiffness.
-    """
+    """Position of a film on its load path, and methods to follow it, which move the state."""
 
     def __init__(self, state: State, shell: MITC4Shell, freedoms: Freedoms, loads: LoadSet) -> None:
         self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
         self.factor = 0.0
+        """Load factor of the last equilibrium."""
         self.n_negative, self._moved = 0, False  # an unstressed film is stable
+        """Negative eigenvalues of its stiffness, and whether others have moved the film since."""
         self._at_rest: TangentSolver | None = None  # of a linear film at its last equilibrium
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0

@@ -63,25 +63,10 @@ class NoConvergence(RuntimeError):
 
 
 class TangentSolver:
-    """Solve with the tangent stiffness about the present state.
+    """Solve with the tangent stiffness about the present state, which must not change meanwhile.
 
-    Parameters
-    ----------
-    state : State
-        Must not change while the solver is used.
-    freedoms : Freedoms
-        Of the state.
-    shell : MITC4Shell
-        The film.
-    bent : ndarray, shape (n_quad, 16), optional
-        As in :meth:`shellcut.mitc4.shell.MITC4Shell.tangents`.
-    shift : ndarray, shape (n_free,), optional
-        Added to the diagonal.
-
-    Raises
-    ------
-    NoConvergence
-        If the stiffness cannot be factorised.
+    ``bent`` is as in :meth:`shellcut.mitc4.shell.MITC4Shell.tangents`, ``shift``, shape (n_free,),
+    is added to the diagonal. NoConvergence is raised if the stiffness cannot be factorised.
     """
 
     def __init__(
@@ -119,10 +104,7 @@ class TangentSolver:
     def solve(self, force: Floats, accuracy: float = ACCURACY) -> Floats:
         """Return the solution in the free freedoms for forces on them, shape (n_free,).
 
-        Raises
-        ------
-        NoConvergence
-            If its estimated error is above 1e-4.
+        NoConvergence is raised if its estimated error is above 1e-4.
         """
         f = self._scale * force
         y = self._corrected(f, accuracy)
