@@ -28,8 +28,8 @@ from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import write_text
 from shellcut.frame import Frame
 from shellcut.numerics.trigger import Trigger
+from shellcut.results.history import write_splits
 from shellcut.results.run_results import read
-from shellcut.results.splits_csv import write_splits
 from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
 from shellcut.results.verdict import Line, say, verdict
 from shellcut.unit import shown

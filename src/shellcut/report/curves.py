@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from shellcut.arrays import Bools
-from shellcut.results.energy_account import account
+from shellcut.results.energy_account import account, trusted_rows
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import window_of
 from shellcut.unit import in_unit, pretty, with_unit
@@ -86,7 +86,7 @@ def energy(run: Gathered) -> str:
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
     ledger = at_end + _chart(energy_diagram(h, run.units), "energies and the work put in")
-    trusted = run.trusted
+    trusted = trusted_rows(h)
     if trusted.sum() < 2:
         return ledger
     missed = imbalance_diagram(h, run.units)

@@ -97,7 +97,7 @@ def _lead(run: Gathered) -> str:
 
 
 def _body(run: Gathered) -> str:
-    last = run_or_say(run, "last frame", lambda: run.last_frame)
+    last = run_or_say(run, "last frame", lambda: next(iter(run.frames(1)), None))
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,

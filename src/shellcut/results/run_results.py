@@ -32,9 +32,8 @@ from shellcut.unit import with_unit
 from shellcut.view import Curve, Look, draw_curves, png_of
 
 from .cut_quality import UNITS, cut_quality
-from .history import read_history
+from .history import read_history, read_splits
 from .run_curves import energy_diagram, imbalance_diagram, resistance_diagram
-from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_figures, steady_window
 from .summary_figures import LABELS, key_figures, window_of
 from .verdict import Line
@@ -56,33 +55,28 @@ class Results:
     """A run's history, frames and figures; built by :func:`read`.
 
     It is a snapshot of the folder: for a run in progress, read again to see more.
-
-    Attributes
-    ----------
-    folder : Path
-    name : str
-        Name of the run, the stem of its ``.vtkhdf`` file.
-    history : dict of ndarray, shape (n_row,)
-        The columns of ``history.csv`` by name; empty if the file is missing.
-    units : dict of str
-        Their units by the same names.
-    summary : dict
-        ``summary.json``; empty if the run has not ended.
-    splits : dict of ndarray, shape (n_split,)
-        The columns of ``splits.csv`` by name; empty if the run has not ended.
-    split_units : dict of str
-        Their units.
     """
 
     def __init__(self, folder: Path, name: str, frames: VtkHdfReader) -> None:
-        self.folder, self.name = folder, name
+        self.folder = folder
+        self.name = name
+        """Name of the run, the stem of its ``.vtkhdf`` file."""
         self._frames = frames
+        self.n_frame = frames.n_frame
+        """Number of complete frames."""
+        self.times, self.coordinates = frames.times, frames.coordinates
+        """Time [s] and coordinate, in ``coordinate_unit``, of every frame, shape (n_frame,)."""
         self.history: dict[str, Floats] = {}
+        """The columns of ``history.csv`` by name, shape (n_row,); empty if the file is missing."""
         self.units: dict[str, str] = {}
+        """Their units by the same names."""
         if (folder / HISTORY).exists():
             self.history, self.units = read_history(folder / HISTORY)
         self.summary = _read_summary(folder / SUMMARY)
+        """``summary.json``; empty if the run has not ended."""
         self.splits, self.split_units = read_splits(folder / SPLITS)
+        """The columns of ``splits.csv`` by name, shape (n_split,), and their units; empty if the
+        run has not ended."""
 
     def __repr__(self) -> str:
         n_row = len(next(iter(self.history.values()), ()))
@@ -144,21 +138,6 @@ class Results:
         return steady_window(self.history, (self.coordinate_name, self.coordinate_unit))
 
     # ------------------------------------------------------------------ frames
-
-    @property
-    def times(self) -> Floats:
-        """Time of every frame, shape (n_frame,), [s]."""
-        return self._frames.times
-
-    @property
-    def coordinates(self) -> Floats:
-        """Coordinate of every frame, shape (n_frame,), in ``coordinate_unit``."""
-        return self._frames.coordinates
-
-    @property
-    def n_frame(self) -> int:
-        """Number of complete frames."""
-        return self._frames.n_frame
 
     def frame(self, k: int) -> Frame:
         """Return frame ``k``, negative from the end, as in :meth:`VtkHdfReader.frame`.
