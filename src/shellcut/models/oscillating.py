@@ -169,7 +169,7 @@ def oscillating(
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
     simulation = Simulation(
         mesh,
-        material or film(),
+        material or ShellMaterial.homogeneous(**FILM),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=bar_before(diameter, tilt_deg),
         motion=way_of(speed),
@@ -191,11 +191,6 @@ def bar_before(diameter: float, tilt_deg: float) -> Tool:
 def way_of(speed: float) -> StraightMotion:
     """Return the motion of the bar."""
     return StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
-
-
-def film() -> ShellMaterial:
-    """Return the default film."""
-    return ShellMaterial.homogeneous(**FILM)
 
 
 def film_before(

@@ -129,15 +129,6 @@ def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
 
     Empty where nothing was put in, or a tool never touched its film: then round-off is all there
     is. Shares that round to 0.0 % are left out.
-
-    Examples
-    --------
-    >>> figures = {"tool_work_Nmm": 8.0, "cables_Nmm": 6.0, "damping_Nmm": 1.0}
-    >>> for line in account(figures | {"imbalance_Nmm": 1.0})[1]:
-    ...     print(line.words, line.share)
-    cables 0.75
-    damping 0.125
-    imbalance 0.125
     """
     whole = sum(figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN)
     if not whole > 0.0 or never_touched(figures):
@@ -193,11 +184,6 @@ def trusted_rows(history: Mapping[str, Floats]) -> Bools:
 
     These are the rows with at least a tenth of the largest work of the run; none if there was no
     work.
-
-    Examples
-    --------
-    >>> trusted_rows({"tool_work": np.array([0.0, 0.4, 1.0, 9.0])})
-    array([False, False,  True,  True])
     """
     work = np.abs(driving_work(history))
     finite = np.isfinite(work)
@@ -209,14 +195,6 @@ def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, f
     """Return the largest imbalance and kinetic energy relative to the driving work, [-].
 
     Empty if no row can be trusted: without work there is no balance to close.
-
-    Examples
-    --------
-    >>> columns = {"tool_work": [0.0, 10.0], "imbalance": [0.2, -0.1]}
-    >>> columns |= {"kinetic_translation": [0.0, 0.4], "kinetic_rotation": [0.0, 0.1]}
-    >>> history = {name: np.array(column) for name, column in columns.items()}
-    >>> largest_shares(history, np.array([False, True]))
-    {'imbalance_rel': 0.01, 'kinetic_rel': 0.05}
     """
     if not trusted.any():
         return {}

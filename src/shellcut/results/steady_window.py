@@ -53,15 +53,7 @@ _ROUND_OFF = 1e-10  # of lengths, over that of the cut
 
 @dataclass(frozen=True)
 class SteadyWindow:
-    """Range of steady cutting, or the reason why there is none.
-
-    Examples
-    --------
-    >>> print(SteadyWindow(30.2, 69.8, 600, 1400).text("deg"))
-    30.2 to 69.8 deg
-    >>> print(SteadyWindow(reason="no cable has broken").text("deg"))
-    none: no cable has broken
-    """
+    """Range of steady cutting, or the reason why there is none."""
 
     low: float = float("nan")
     high: float = float("nan")

@@ -19,36 +19,18 @@ LOGGER = logging.getLogger("shellcut.verdict")
 """Logs the lines at the end of a run: doubts as warnings, the others as information."""
 LOGGER.setLevel(logging.INFO)
 
+# Limits, with their reasons in docs/howto/trust.md. Energies are relative to the tool's work.
 IMBALANCE_LIMIT = 0.01
-"""Largest imbalance of the ledger, relative to the tool's work."""
-KINETIC_LIMIT = 0.05
-"""Largest kinetic energy in slow cutting, relative to the tool's work."""
-QUASI_STATIC_LIMIT = 0.01
-"""Largest kinetic energy of a quasi-static run, likewise."""
+KINETIC_LIMIT, QUASI_STATIC_LIMIT = 0.05, 0.01
 DAMPING_LIMIT = 0.10
-"""Largest share of the tool's work dissipated by damping."""
-CONTACT_LIMIT = 0.05
-"""Largest share of the tool's work that contact takes, friction not counted."""
-GIVEN_LIMIT = 0.01
-"""Largest energy that contact gives to the film, relative to the tool's work: as wrong as an
-imbalance of the ledger, so it has the same limit."""
-PENETRATION_LIMIT = 0.25
-"""Largest depth of a node in the tool relative to the tool's mean half thickness, volume over
-surface. The film is pushed aside by that much less than the tool is thick; at 1 a node is as near
-to the other flank."""
-UNFELT_LIMIT = 0.5
-"""Largest penetration between nodes, which nodal contact misses, relative to the side of a quad."""
-OVERSHOOT_LIMIT = 0.02
-"""Largest mean overshoot of the edge past the cables it meets, relative to the distance over which
-it drags them; that share of their work is missed."""
-ASKED_LIMIT = 0.85
-"""Smallest share of the dissipated work that goes where the laws of the run let it go: cables, film
-and friction. The rest is for damping and contact."""
+CONTACT_LIMIT = 0.05  # friction not counted
+GIVEN_LIMIT = 0.01  # that contact gives to the film: as wrong as an imbalance
+PENETRATION_LIMIT = 0.25  # of the tool's half thickness; at 1 a node is as near to the other flank
+UNFELT_LIMIT = 0.5  # of the side of a quad
+OVERSHOOT_LIMIT = 0.02  # of the distance over which the edge drags its cables
+ASKED_LIMIT = 0.85  # of the dissipated work, to cables, film and friction
 STORED_LIMIT = 0.10
-"""Largest share of the tool's work that the film stores in steady cutting. Sound runs store up to
-3 %; a flat film that does not buckle, pressed in its plane by the blade's thickness, half of it."""
-INERTIA_NOTE = 100.0
-"""Scale of the rotary inertia above which it is mentioned."""
+INERTIA_NOTE = 100.0  # scale of the rotary inertia
 
 
 @dataclass(frozen=True)
@@ -144,12 +126,6 @@ def _remedies(figures: Figures, *names: str) -> str:
 
     A remedy is named only if the run has it not yet. What the checks before a run have found (no
     row of edges under the path, held nodes on it, a blunt back that presses) has its remedy there.
-
-    Examples
-    --------
-    >>> figures = {"edge_length_mm": 0.8, "options": {"opening_u_mm": 4.0, "film_edges": True}}
-    >>> _remedies(figures, "shorter sides", "film edges", "slower", "finer")
-    ' Use a slower motion or a finer film near the tool.'
     """
     options = {**figures, **figures.get("options", {})}
     texts = []

@@ -210,15 +210,6 @@ def _material_section(young: float, plastic_strain: Floats, true_stress: Floats,
     """Return ``[material]`` with modulus and hardening table; what is not measured is a comment.
 
     The curve is true, in MPa, from a plastic strain of 0, increasing; n specimens are behind it.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> text = _material_section(2000.0, np.array([0.0, 0.1]), np.array([20.0, 30.0]), 5)
-    >>> [line for line in text.splitlines() if not line.startswith("#")]
-    ... # doctest: +NORMALIZE_WHITESPACE
-    ['[material]', 'young = 2000', 'hardening_strain = [', '    0, 0.1,', ']',
-     'hardening_stress = [', '    20, 30,', ']']
     """
     strain, stress = fewer_points(plastic_strain, true_stress)
     return "\n".join(
