@@ -279,11 +279,9 @@ def compare(
     x, y : str, optional
         Columns of the run's history; by default its coordinate (angle or path) and its resistance
         (torque or force).
-    columns : (str or int, str or int), optional
-        The file's columns for ``x`` and ``y``, by heading or by number from 1; by default those
-        with the same names, or the only two columns.
-    units : str or (str, str), optional
-        Units of the file's columns, as ``"deg, N*mm"``; by default those in its headings.
+    columns, units : (str or int, str or int), str or (str, str), optional
+        The file's columns for ``x`` and ``y``, and their units, as of :func:`read_measured_curve`;
+        by default the columns with the same names.
     window : float, optional
         Width over which the simulated curve is averaged, in the unit of ``x``. Twice the node
         spacing along the cut removes the sawtooth.

@@ -41,16 +41,12 @@ def converge(
 
     Parameters
     ----------
-    model : str or path
-        Model file, or name of a shipped model.
     out : str or path
         Folder for the runs, ``error_bars.json`` and, with Matplotlib, ``error_bars.png``.
     figures : sequence of str, optional
         Names in ``summary.json``; by default means and peaks of torque or force, crack length and
         work.
-    settings : mapping, optional
-        Keys with another value than in the model.
-    executor, say
+    model, settings, executor, say
         As of :func:`shellcut.sweep`.
 
     Returns

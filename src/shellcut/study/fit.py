@@ -93,8 +93,6 @@ def fit(
 
     Parameters
     ----------
-    model : str or path
-        Model file, or name of a shipped model.
     curves : sequence of FitCurve
         What was measured; each may have settings of its own, then it takes a run of its own.
     free : sequence of str
@@ -102,14 +100,10 @@ def fit(
         of the model.
     out : str or path
         Folder for the runs and the result.
-    settings : mapping, optional
-        Keys with another value than in the model.
     search : Search, optional
         Bounds, method, and how many runs it may take.
-    executor : int, Executor or distributed.Client, optional
+    model, settings, executor, say
         As of :func:`shellcut.sweep`.
-    say : callable, optional
-        Takes the lines about progress; standard error by default.
 
     Returns
     -------

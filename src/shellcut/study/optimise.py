@@ -206,8 +206,6 @@ def optimise(
 
     Parameters
     ----------
-    model : str or path
-        Model file, or name of a shipped model.
     keys : mapping
         Keys with a range, as ``"40:80"``, or values to choose from, as of :func:`shellcut.sweep`.
     out : str or path
@@ -225,7 +223,7 @@ def optimise(
     allow_doubts : bool
         Whether a run that its verdict distrusts may be the best; by default it counts as beyond the
         limits.
-    executor, say
+    model, executor, say
         As of :func:`shellcut.sweep`.
 
     Returns

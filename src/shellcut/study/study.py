@@ -160,14 +160,9 @@ def run_study(
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     with taken(folder, [STUDY, TABLE]):
         write_study(folder / STUDY, planned)
-        found = done_before(planned, folder)
-        progress = _Progress(planned, len(found), engine.jobs, say)
-
-        def keep() -> None:
-            write_table(folder, planned, found)
-
-        keep()
-        carry_out(planned, folder, engine, found, progress, keep)
+        found, progress = _carried_out(
+            planned, folder, engine, say, lambda found: write_table(folder, planned, found)
+        )
         progress.end(found)
     return StudyResults(folder, planned, found)
 
@@ -193,9 +188,7 @@ def run_values(
     The folder is locked by the caller. A run that was not begun counts as stopped.
     """
     plan = Plan(variants, tuple(planned_runs(variants, several)))
-    found = done_before(plan, folder)
-    progress = _Progress(plan, len(found), engine.jobs, say)
-    carry_out(plan, folder, engine, found, progress, lambda: None)
+    found, _ = _carried_out(plan, folder, engine, say, lambda _: None)
     return [(run, found.get(run.number, Outcome("stopped"))) for run in plan.runs]
 
 
@@ -205,27 +198,30 @@ def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
     return {number: outcome for number, outcome in each if outcome}
 
 
-def carry_out(
+def _carried_out(
     planned: Plan,
     folder: Path,
     engine: Engine,
-    found: dict[int, Outcome],
-    progress: _Progress,
-    keep: Callable[[], None],
-) -> None:
-    """Give the runs of a plan that are not found to the engine, and note their outcomes.
+    say: Callable[[str], None] | None,
+    keep: Callable[[Mapping[int, Outcome]], object],
+) -> tuple[dict[int, Outcome], _Progress]:
+    """Give the runs of a plan that are not done to the engine; return the outcomes of all.
 
-    Calls ``keep`` now and then, and at the end. The first Ctrl-C or SIGTERM stops all runs at their
-    next step, with a checkpoint, and acts when they have stopped.
+    Takes them to ``keep`` at the beginning, now and then, and at the end. The first Ctrl-C or
+    SIGTERM stops all runs at their next step, with a checkpoint, and acts when they have stopped.
     """
+    found = done_before(planned, folder)
+    progress = _Progress(planned, len(found), engine.jobs, say)
+    keep(found)
     alike: dict[str, list[PlannedRun]] = {}  # runs of the same inputs, of which the first is run
     for run in planned.runs:
         alike.setdefault(run.key, []).append(run)
     open_ = [first for first, *_ in alike.values() if first.number not in found]
     if not open_:
-        return
-    if engine.jobs > 1:
-        _compile(planned)
+        return found, progress
+    if engine.jobs > 1:  # compile together, before many processes wait for one another
+        some = planned.runs[:: max(1, len(planned.runs) // 8)]
+        warmup({planned.variants.read(run.values, try_out=False).head.model for run in some})
     (folder / STOP).unlink(missing_ok=True)  # of a study that was killed while it stopped
 
     def stop() -> None:
@@ -239,11 +235,12 @@ def carry_out(
             found |= {run.number: outcome for run in alike[task.key]}
             progress.ended(task.number, outcome, len(found))
             if time.monotonic() - written > _TABLE_EVERY:
-                keep()
+                keep(found)
                 written = time.monotonic()
-    keep()
+    keep(found)
     (folder / STOP).unlink(missing_ok=True)
     interruption.deliver()
+    return found, progress
 
 
 def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> Iterator[Task]:
@@ -253,12 +250,6 @@ def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> It
             return
         text = model_text(planned.model_of(run, jobs))
         yield Task(run.number, run.key, str(run.folder(folder).resolve()), text)
-
-
-def _compile(planned: Plan) -> None:
-    """Compile the kernels of the models together, before many processes wait for one another."""
-    some = planned.runs[:: max(1, len(planned.runs) // 8)]
-    warmup({planned.variants.read(run.values, try_out=False).head.model for run in some})
 
 
 class _Progress:

@@ -8,8 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.study.surrogate.sensitivity import Indices, sobol_indices
-from shellcut.study.surrogate.surface import Surface, fewest_runs, is_constant, is_there
+from shellcut.study.surrogate import (
+    Indices,
+    Surface,
+    fewest_runs,
+    is_constant,
+    is_there,
+    sobol_indices,
+)
 
 from .studied import FigureOfRuns, Studied, Study
 

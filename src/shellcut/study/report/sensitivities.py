@@ -9,7 +9,7 @@ import numpy as np
 
 from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import legend, missing, table
-from shellcut.study.surrogate.sensitivity import Indices
+from shellcut.study.surrogate import Indices
 from shellcut.unit import after
 from shellcut.view.curves import PALETTE
 
