@@ -4,10 +4,8 @@ The file begins with 512 bytes of text (HDF5's user block): the kind of file, it
 the SHA-256 of the rest. Loading compares the digest before HDF5 opens the file, because HDF5 may
 read wrong numbers or invalid types from a damaged file.
 
-A checkpoint does not contain the model. The same script or model file builds the simulation again
-from the same inputs, and the simulation then loads the checkpoint; the user's own functions
-(factors of loads, velocities of supports) are part of the script. The checkpoint lists the inputs
-(mesh, material, tool and so on) as text and digests, and loading compares them first.
+A checkpoint does not contain the model (docs/howto/resume.md). It lists the inputs as text and
+digests, and loading compares them first.
 
 A resumed run continues bit for bit: each class saves its own history in ``saved`` and loads it in
 ``restore``; everything that follows from the history is recomputed.

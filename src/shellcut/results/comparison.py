@@ -306,7 +306,7 @@ def compare(
     y = results.resistance_name if y is None else y
     if wrong := [f"no {k!r} in the history" for k in (x, y) if k not in results.history]:
         raise ValueError(f"{'; '.join(wrong)}: there are {', '.join(results.history)}")
-    x_unit, y_unit, width = results.units[x], results.units[y], window or 0.0
+    x_unit, y_unit = results.units[x], results.units[y]
     if window is not None and not (np.isfinite(window) and window > 0.0):
         raise ValueError(f"window must be a width above 0 {x_unit}, got {window!r}")
     if not isinstance(measured, MeasuredCurve):
@@ -323,10 +323,24 @@ def compare(
             f"{x_unit}, simulated {s.x[0]:.4g} to {s.x[-1]:.4g} {x_unit}: "
             "check the units and the zero point"
         )
-    if width > b - a:
+    if window is not None and window > b - a:
         raise ValueError(
             f"window must be less than the common range, {b - a:.4g} {x_unit}, got {window:g}"
         )
+    return _compared(results, (x, y), (m, s), (a, b), window, measured.notes)
+
+
+def _compared(
+    results: Results,
+    columns: tuple[str, str],
+    lines: tuple[BrokenLine, BrokenLine],
+    between: tuple[float, float],
+    window: float | None,
+    notes: tuple[str, ...],
+) -> Comparison:
+    """Return the comparison of a measured and a simulated curve, their columns, on a range of x."""
+    (x, y), (m, s), (a, b), width = columns, lines, between, window or 0.0
+    x_unit, y_unit = results.units[x], results.units[y]
     # the curves on [a, b]: each at its own points, the smoothed one at the points of both
     points, corners = m.points_within(a, b), s.points_within(a, b)
     there, ours = m.at(points), s.mean_at(points, width)
@@ -374,7 +388,7 @@ def compare(
         pierced_measured=pierced_m,
         pierced_simulated=pierced_s,
         notes=(
-            *measured.notes,
+            *notes,
             *_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0),
             *why_not,
         ),

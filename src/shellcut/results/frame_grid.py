@@ -136,8 +136,14 @@ def grid_of(frame: Frame) -> FrameGrid:
             frame.edge_points.reshape(-1, 3),
         )
     )
-    arrays = _point_arrays(frame, n), _cell_arrays(frame, n)
-    return FrameGrid(n, points, connectivity, types, sizes, *arrays)
+    on_points = _arrays(POINT_ARRAYS, n.points[-1], frame, n)
+    on_points[_DISPLACEMENT][: n.node] = _rounded(frame.displacement)
+    on_cells = _arrays(CELL_ARRAYS, n.cells[-1], frame, n)
+    on_cells["part"][:] = np.repeat(np.arange(len(counts)), counts)
+    for name, numbers in frame.quad_history.items():
+        on_cells[_HISTORY + name] = np.zeros(n.cells[-1], np.float32)
+        on_cells[_HISTORY + name][n.rows("quad")] = _rounded(numbers)
+    return FrameGrid(n, points, connectivity, types, sizes, on_points, on_cells)
 
 
 def frame_of(
@@ -215,30 +221,11 @@ def _ends(*counts: int) -> tuple[int, ...]:
     return tuple(np.cumsum(counts).tolist())
 
 
-def _point_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
-    arrays = _zeros(POINT_ARRAYS, n.points[-1])
-    arrays[_DISPLACEMENT][: n.node] = _rounded(frame.displacement)
-    _fill(arrays, frame, n)
-    return arrays
-
-
-def _cell_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
-    arrays = _zeros(CELL_ARRAYS, n.cells[-1])
-    for part, (first, last) in enumerate(zip((0, *n.cells), n.cells, strict=False)):
-        arrays["part"][first:last] = part
-    for name, numbers in frame.quad_history.items():
-        arrays[_HISTORY + name] = np.zeros(n.cells[-1], np.float32)
-        arrays[_HISTORY + name][n.rows("quad")] = _rounded(numbers)
-    _fill(arrays, frame, n)
-    return arrays
-
-
-def _zeros(table: Mapping[str, tuple[Any, tuple[int, ...]]], count: int) -> dict[str, Any]:
-    return {name: np.zeros((count, *shape), dtype) for name, (dtype, shape) in table.items()}
-
-
-def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
-    """Write the fields of a frame into those of their arrays that are present."""
+def _arrays(
+    table: Mapping[str, tuple[Any, tuple[int, ...]]], count: int, frame: Frame, n: Counts
+) -> dict[str, Any]:
+    """Return the arrays of a table with the fields of a frame, zero where they do not apply."""
+    arrays = {name: np.zeros((count, *shape), dtype) for name, (dtype, shape) in table.items()}
     for name, rows in ROWS.items():
         values = getattr(frame, name)
         if rows.dtype is np.float64:
@@ -247,6 +234,7 @@ def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
             if array in arrays:
                 one = values if len(rows.arrays) == 1 else values[:, column]
                 arrays[array][n.rows(rows.of)] = one
+    return arrays
 
 
 def _rounded(values: Floats) -> Any:

@@ -233,7 +233,8 @@ class LoadPath:
         way = last = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
             _, residual, small = self.forces(factor)
-            if small and not iteration and self._is_at(factor):
+            same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
+            if small and not iteration and same and not self._moved:
                 self.factor = factor
                 return 0
             if iteration and (small or self._at_round_off(last, way)):
@@ -259,11 +260,6 @@ class LoadPath:
         self._at_rest = None if history.size else solver
         self.state.history[:] = self._history = history
         self.factor, self._force_before, self._moved = factor, self._force, False
-
-    def _is_at(self, factor: float) -> bool:
-        """Whether the last equilibrium, not moved since, is at this load factor."""
-        same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
-        return same and not self._moved
 
     def _say_change(self, before: _Position, advice: str) -> None:
         """Log that the number of unstable motions has changed, and what to do."""
@@ -297,7 +293,9 @@ class LoadPath:
                 pass
             else:
                 # Compare the first one with the initial direction of the path.
-                turns_off = _turns_off(way if last is None else last, increment)
+                before = way if last is None else last
+                size = float(np.linalg.norm(before) * np.linalg.norm(increment))
+                turns_off = float(before @ increment) < _SHARPEST_TURN * size
                 if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
                     return increment, used, taken
                 length = taken
@@ -367,9 +365,3 @@ class LoadPath:
 
 def _translations(u: Floats) -> Floats:
     return np.asarray(u.reshape(-1, 5)[:, :3].ravel())
-
-
-def _turns_off(last: Floats, increment: Floats) -> bool:
-    """Whether an increment deviates too much from the direction of the last one."""
-    size = float(np.linalg.norm(last) * np.linalg.norm(increment))
-    return float(last @ increment) < _SHARPEST_TURN * size

@@ -14,10 +14,9 @@ running anything, and goes on where it was ended.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import scipy
@@ -29,14 +28,11 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.recording.resistance import resistance_of
 
 from .curve_misfit import FitCurve, refuse_curves
-from .engines import engine_of
+from .engines import AnyExecutor, Say, engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
 from .fit_runs import FitRuns, OutOfRuns
 from .free_parameters import FreeParameters
 from .study import FEW_FILES, taken
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 Method = Literal["local", "global"]
 
@@ -86,8 +82,8 @@ def fit(
     *,
     settings: Mapping[str, object] | None = None,
     search: Search | None = None,
-    executor: int | Executor | Client | None = None,
-    say: Callable[[str], None] | None = None,
+    executor: AnyExecutor = None,
+    say: Say = None,
 ) -> FitResult:
     """Fit keys of a model to measured curves.
 

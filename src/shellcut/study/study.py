@@ -6,11 +6,10 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
@@ -24,14 +23,11 @@ from shellcut.results.summary_figures import key_figures
 from shellcut.view.progress import duration
 
 from .design import Design
-from .engines import Engine, engine_of
+from .engines import AnyExecutor, Engine, Say, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
 from .plan import Definition, Plan, PlannedRun, planned_runs
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""
@@ -89,8 +85,8 @@ def sweep(
     *,
     settings: Mapping[str, object] | None = None,
     design: Design | None = None,
-    executor: int | Executor | Client | None = None,
-    say: Callable[[str], None] | None = None,
+    executor: AnyExecutor = None,
+    say: Say = None,
 ) -> StudyResults:
     """Run a model with many values, and write the table of inputs and figures.
 
@@ -154,9 +150,7 @@ def sweep(
     return run_study(planned, folder, engine_of(executor), say)
 
 
-def run_study(
-    planned: Plan, folder: Path, engine: Engine, say: Callable[[str], None] | None = None
-) -> StudyResults:
+def run_study(planned: Plan, folder: Path, engine: Engine, say: Say = None) -> StudyResults:
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     with taken(folder, [STUDY, TABLE]):
         write_study(folder / STUDY, planned)
@@ -181,7 +175,7 @@ def run_values(
     several: Sequence[Mapping[str, object]],
     folder: Path,
     engine: Engine,
-    say: Callable[[str], None] | None,
+    say: Say,
 ) -> list[tuple[PlannedRun, Outcome]]:
     """Carry out the runs of some sets of values, or find them done; return each with its outcome.
 
@@ -202,7 +196,7 @@ def _carried_out(
     planned: Plan,
     folder: Path,
     engine: Engine,
-    say: Callable[[str], None] | None,
+    say: Say,
     keep: Callable[[Mapping[int, Outcome]], object],
 ) -> tuple[dict[int, Outcome], _Progress]:
     """Give the runs of a plan that are not done to the engine; return the outcomes of all.
@@ -255,9 +249,7 @@ def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> It
 class _Progress:
     """Says when a run ends; ``say`` takes a line, which goes to standard error by default."""
 
-    def __init__(
-        self, plan: Plan, n_done: int, jobs: int, say: Callable[[str], None] | None
-    ) -> None:
+    def __init__(self, plan: Plan, n_done: int, jobs: int, say: Say) -> None:
         self._plan, self._n_run = plan, len(plan.runs)
         self._began, self._done_before = time.monotonic(), n_done
         self.say = say or _to_standard_error
