@@ -4,10 +4,7 @@ Steady cutting takes the force F = G h for any blade, speed or mesh: all work go
 crack, G h per millimetre. The plateau begins after about 8 mm of cut, because a cable breaks only
 after some 2 mm of drag; the force is a sawtooth with the node spacing, so average it over whole
 periods. With classical cables, which the blade never meets, the flanks open by at most the blade's
-width w, and F = h ∫_0^w sigma dl.
-
-A blade that also moves along its edge slices: with xi the ratio of the two speeds, V the force
-along the strip and H that along the edge, V + xi H = G h as long as nothing rubs
+width w, and F = h ∫_0^w sigma dl. A blade that also moves along its edge slices
 (:mod:`shellcut.cables.joint_slip`).
 """
 

@@ -12,7 +12,7 @@ import json
 import logging
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from copy import deepcopy
 from dataclasses import asdict, replace
@@ -150,7 +150,11 @@ class Recorder:
         self._check.say()
         self._status_due = Trigger(until / _N_STATUS)
         self._status_step = -1  # step of the last status line
-        self._progress = self._make_progress(chosen.log) if chosen.progress else None
+        self._progress = None
+        if chosen.progress:
+            (first, unit), coordinate = self.resistance.columns[0], self.resistance.coordinate_name
+            units = {coordinate: self.resistance.coordinate_unit, first: unit, "imbalance": "%"}
+            self._progress = Progress(name, figure_units=units, log=chosen.log)
         self._unfelt = UnfeltPenetration(sim)
         every = chosen.checkpoint_every
         self._checkpoint_every = np.inf if every is None else every
@@ -363,12 +367,6 @@ class Recorder:
                 self._files.frames.append(lambda: frame)
             if picture_due:
                 self._draw(frame)
-
-    def _make_progress(self, log: Callable[[str], None] | None) -> Progress:
-        r = self.resistance
-        first, unit = r.columns[0]
-        units = {r.coordinate_name: r.coordinate_unit, first: unit, "imbalance": "%"}
-        return Progress(self.name, figure_units=units, log=log)
 
     @property
     def _share(self) -> float:

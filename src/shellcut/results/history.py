@@ -109,15 +109,10 @@ class HistoryWriter:
         self.close()
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Write one row; its keys must be exactly the names of the columns.
+        """Write one row; its keys must be exactly the names of the columns, else KeyError.
 
-        Raises
-        ------
-        KeyError
-            If names are missing or unknown; nothing is written then.
-        OSError
-            If the disk is full; part of the row may have been written, which is dropped when the
-            file is reopened.
+        After an OSError, of a full disk, part of the row may have been written, which is dropped
+        when the file is reopened.
         """
         if tuple(row) != self._names:
             missing = [name for name in self._names if name not in row]
@@ -133,13 +128,7 @@ class HistoryWriter:
         return self._is_the_one_there() if self._can_be_told else self.path.exists()
 
     def sync(self) -> None:
-        """Wait until all rows are on the disk.
-
-        Raises
-        ------
-        OSError
-            If that fails.
-        """
+        """Wait until all rows are on the disk; OSError if that fails."""
         os.fsync(self._file.fileno())
 
     def close(self) -> None:

@@ -1,13 +1,7 @@
 """Statics and vibrations with the shells' own tangent: linear, load steps, arc length, modes.
 
-The residual is that of the explicit driver (loads minus internal forces), the tangent is the
-derivative of the same kernel, and supports hold the same motions, so an equilibrium found here is
-one of the explicit driver, too. Of loads that follow the film the tangent has the symmetric part:
-that of following pressure; of dead moments, whose tangent is antisymmetric, nothing. What is left
-out increases iterations but not the error.
-
-The parts: :mod:`shellcut.statics.tangent_solver`, :mod:`shellcut.statics.load_path`,
-:mod:`shellcut.statics.vibration`.
+docs/theory/statics.md describes the method. The parts: :mod:`shellcut.statics.tangent_solver`,
+:mod:`shellcut.statics.load_path`, :mod:`shellcut.statics.vibration`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """Companion runs: a model on other meshes, slower, and from other small shapes of its film.
 
-Each sets a few keys of the model file otherwise, so all of them are a study with one factor. The
-mesh is made 1.5 times coarser and finer, with rows that stay even or odd in number, so that edges
-stay where the blade goes; and once of the same size with its nodes elsewhere under the path. The
-motion takes twice its time. The film starts with the next two shapes of its imperfection.
+docs/howto/converge.md lists them. Each sets a few keys of the model file otherwise, so all of them
+are a study with one factor.
 """
 
 from __future__ import annotations

@@ -1,14 +1,8 @@
 """Fit parameters of a model to measured curves, in as few runs as it takes.
 
-The misfit is that of :mod:`.curve_misfit`. ``local`` is SciPy's least squares with bounds (a trust
-region), whose derivatives are differences over steps of 8 %: far above the noise that an explicit
-run leaves in its smoothed curve, so the misfit looks smooth to it. All runs of a derivative go to
-the engine together. ``global`` first spreads runs over the box, lays a smooth surface through their
-curves, seeks its least misfit anywhere, and adds that point; once it lies within a step of a run,
-least squares go on from the best one.
-
-Every run is kept by the hash of its inputs: a fit that is called again takes the same way without
-running anything, and goes on where it was ended.
+docs/howto/fit.md describes both methods; the misfit is that of :mod:`.curve_misfit`. All runs of a
+derivative go to the engine together. A global fit adds the least of its surface as a point, until
+that lies within a step of a run.
 """
 
 from __future__ import annotations

@@ -26,6 +26,7 @@ from .design import Design
 from .engines import AnyExecutor, Engine, Say, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
 from .plan import Definition, Plan, PlannedRun, planned_runs
+from .report.studied import of_interest
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
 
@@ -34,10 +35,6 @@ _TABLE_EVERY = 10.0
 
 FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
 """What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
-
-
-_SHOWN = ("torque_plateau_Nmm", "force_plateau_N", "torque_peak_Nmm", "force_peak_N")
-"""Figures of which the first that a run has is shown."""
 
 
 @dataclass(frozen=True)
@@ -262,8 +259,8 @@ class _Progress:
         values = with_values(self._plan.runs[number].values)
         said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
         if outcome.status == "done":
-            shown = [name for name in _SHOWN if name in outcome.figures][:1]
-            figures = key_figures(outcome.figures, shown)
+            chosen, _ = of_interest((), outcome.figures)
+            figures = key_figures(outcome.figures, chosen[:1])
             said = f"{outcome.seconds:.1f} s" + "".join(f", {name} {v}" for name, v in figures)
             if n := len(outcome.doubts):
                 said += f", distrusted by {n} check" + "s" * (n > 1)
