@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, norm, unit
+from shellcut.arrays import Floats, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
 from shellcut.loads.supports import Support
@@ -122,7 +122,7 @@ def guillotine(
     )
     fracture = with_path(strip, blade, motion, duration, options.pop("fracture", None))
     y, through_quads = _lane_of(blade, strip), fracture.path == "free"
-    film = strip if through_quads or notch <= 0.0 else _notched(strip, _line_of(strip, y), notch)
+    film = strip if through_quads or notch <= 0.0 else _notched(strip, y, notch)
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
@@ -208,15 +208,11 @@ def _lane_of(blade: Tool, film: Mesh) -> float:
     return y if abs(y) > _ON_LINE * float(np.ptp(film.nodes[:, 0])) else 0.0
 
 
-def _line_of(mesh: Mesh, lane: float) -> Ints:
-    """Return the nodes on y = ``lane`` in the order of x, shape (n,)."""
+def _notched(mesh: Mesh, lane: float, notch: float) -> Mesh:
+    """Return the strip cut along the first nodes on y = ``lane``."""
     off = ON_ROW * float(np.median(mesh.edge_lengths()))
-    on_line = mesh.nodes_where(lambda x, y, z: np.abs(y - lane) < off)
-    return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0], kind="stable")])
-
-
-def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:
-    """Return the strip cut along the first nodes of a line, which begins at its end."""
+    line = mesh.nodes_where(lambda x, y, z: np.abs(y - lane) < off)
+    line = line[np.argsort(mesh.nodes[line, 0], kind="stable")]
     x = mesh.nodes[line, 0]
     within = line[x <= mesh.nodes[:, 0].min() + notch + _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))]
     if len(within) < 2:

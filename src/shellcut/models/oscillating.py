@@ -57,12 +57,22 @@ _NOTCH, _OFFSET, _LEFT = 1.5, 0.35, 2.0  # over the diameter
 _CLEARANCE, _RAMP = 0.02, 1e-3  # of the bar before the film [mm], of its speed [s]
 
 
-def banded_strip(length: float, width: float, size: float, band: float) -> Mesh:
-    """Return a strip from x = 0, its quads fine within ``band`` of its middle line; all in mm.
+def film_before(
+    diameter: float,
+    *,
+    size: float,
+    length: float | None = None,
+    width: float | None = None,
+    band: float | None = None,
+) -> Mesh:
+    """Return the strip for a bar, its quads fine within ``band`` of its middle line.
 
-    Outside, rows grow broader. Nodes inside are moved at random, the same at every call. Node sets
-    are those of :func:`rectangle`.
+    The parameters are those of :func:`oscillating`. Outside, rows grow broader. Nodes inside are
+    moved at random, the same at every call. Node sets are those of :func:`rectangle`.
     """
+    length = 125.0 / 6.0 * diameter if length is None else length
+    width = 6.0 * diameter if width is None else width
+    band = 1.2 * diameter if band is None else band
     if not 0.0 < size < band < 0.5 * width:
         raise ValueError(
             "size, band and half the width must increase from 0, got "
@@ -191,23 +201,6 @@ def bar_before(diameter: float, tilt_deg: float) -> Tool:
 def way_of(speed: float) -> StraightMotion:
     """Return the motion of the bar."""
     return StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
-
-
-def film_before(
-    diameter: float,
-    *,
-    size: float,
-    length: float | None = None,
-    width: float | None = None,
-    band: float | None = None,
-) -> Mesh:
-    """Return the strip for a bar, with the parameters of :func:`oscillating`."""
-    return banded_strip(
-        125.0 / 6.0 * diameter if length is None else length,
-        6.0 * diameter if width is None else width,
-        size,
-        1.2 * diameter if band is None else band,
-    )
 
 
 def duration_of(diameter: float, extent: float, *, travel: float | None, speed: float) -> float:

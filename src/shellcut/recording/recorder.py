@@ -368,11 +368,6 @@ class Recorder:
             if picture_due:
                 self._draw(frame)
 
-    @property
-    def _share(self) -> float:
-        """Completed part of the run, 0 to 1."""
-        return self._sim.state.time / self._until
-
     def _end_progress(self) -> None:
         if self._progress is not None:
             if self._status_step < self._sim.state.step:
@@ -381,7 +376,8 @@ class Recorder:
             self._progress.close()
 
     def _note_status(self, progress: Progress) -> None:
-        progress.status(status_line(self._sim, self.resistance, self._share))
+        share = self._sim.state.time / self._until
+        progress.status(status_line(self._sim, self.resistance, share))
         self._status_step = self._sim.state.step
 
     def _show_progress(self, progress: Progress) -> None:
@@ -392,7 +388,7 @@ class Recorder:
         }
         if sim.imbalance is not None:
             figures["imbalance"] = 100.0 * sim.imbalance
-        progress.update(self._share, step=sim.state.step, **figures)
+        progress.update(sim.state.time / self._until, step=sim.state.step, **figures)
 
     def _expose(self, sim: Simulation) -> Exposure:
         r = self.resistance

@@ -22,7 +22,6 @@ MARK = 'class="scene3d"'
 
 _LARGEST = 15_000_000  # bytes that the scene may add to a report
 _N_MAP = 100  # frames read for the crack map
-_MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
 
 def crack_map(run: Gathered) -> str:
@@ -42,7 +41,7 @@ def crack_map(run: Gathered) -> str:
             draw_crack_map(path, frames, splits=places, width=6.5, dpi=130.0)
             png = path.read_bytes()
     except ImportError:
-        return missing(_MISSING)
+        return missing("Not drawn: pictures need Matplotlib (pip install shellcut[plot]).")
     name = frames[-1].coordinate_name
     alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
     caption = (

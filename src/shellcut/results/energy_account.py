@@ -169,11 +169,6 @@ def driver(entries: Mapping[str, Any], ending: str = "") -> str:
     return "support_work" if supports and not tool else "tool_work"
 
 
-def is_pulled(history: Mapping[str, Floats]) -> bool:
-    """Whether supports and no tool drive the run."""
-    return driver(history) == "support_work"
-
-
 def driving_work(history: Mapping[str, Floats]) -> Floats:
     """Return the work of the tool, or that of the supports where no tool works, shape (n_row,)."""
     return history[driver(history)]

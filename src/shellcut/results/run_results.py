@@ -72,8 +72,10 @@ class Results:
         """Their units by the same names."""
         if (folder / HISTORY).exists():
             self.history, self.units = read_history(folder / HISTORY)
-        self.summary = _read_summary(folder / SUMMARY)
+        self.summary: dict[str, Any] = {}
         """``summary.json``; empty if the run has not ended."""
+        with suppress(FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
+            self.summary = dict(json.loads(read_regular(folder / SUMMARY)))
         self.splits, self.split_units = read_splits(folder / SPLITS)
         """The columns of ``splits.csv`` by name, shape (n_split,), and their units; empty if the
         run has not ended."""
@@ -270,10 +272,3 @@ def read(path: str | os.PathLike[str]) -> Results:
             raise ValueError(f"{path} must hold one .vtkhdf file, got {names}; give one of them")
         path = found[0]
     return Results(path.parent, path.stem, VtkHdfReader(path))
-
-
-def _read_summary(path: Path) -> dict[str, Any]:
-    try:
-        return dict(json.loads(read_regular(path)))
-    except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
-        return {}

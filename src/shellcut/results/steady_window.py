@@ -30,7 +30,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.formats.errors import counted
 
-from .energy_account import CABLES, STORED, driving_work, is_pulled
+from .energy_account import CABLES, STORED, driver, driving_work
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -119,7 +119,7 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
 
     It follows from the columns of the history, and name and unit of the coordinate.
     """
-    if is_pulled(history):
+    if driver(history) == "support_work":
         return _torn(history, coordinate)
     cuts = _cuts(history)
     if isinstance(cuts, str):

@@ -153,7 +153,13 @@ class LoadPath:
     ) -> list[Equilibrium]:
         """Follow the path, as :meth:`shellcut.Statics.arc_length`."""
         start = self._position()
-        self._begin_arc()
+        self.begin()
+        # From the equilibrium at the present load factor, so that increments follow the path.
+        load, _, small = self.forces(self.factor)
+        if not load[self.freedoms.free].any():
+            raise ValueError("arc length needs a load that acts where the film is free to move")
+        if not small:
+            self._newton(self.factor)
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
         while len(path) < most_steps:
@@ -271,15 +277,6 @@ class LoadPath:
                 "equilibrium before it, load factor %.6g%s",
                 *(self.factor, n, was, before.factor, f": {advice}" if n else ""),
             )
-
-    def _begin_arc(self) -> None:
-        """Find the equilibrium at the present load factor, so that increments follow the path."""
-        self.begin()
-        load, _, small = self.forces(self.factor)
-        if not load[self.freedoms.free].any():
-            raise ValueError("arc length needs a load that acts where the film is free to move")
-        if not small:
-            self._newton(self.factor)
 
     def _arc_step_by_halves(
         self, first: float, length: float, last: Floats | None

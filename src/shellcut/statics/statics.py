@@ -26,10 +26,8 @@ from shellcut.mitc4.shell import MITC4Shell
 from .freedoms import Freedoms, turn_directors
 from .load_path import LoadPath
 from .static_results import Equilibrium, Film, LinearSolution, Modes
-from .tangent_solver import NoConvergence, TangentSolver
+from .tangent_solver import TangentSolver
 from .vibration import largest_eigenvalue, lowest_modes
-
-__all__ = ["Equilibrium", "LinearSolution", "Modes", "NoConvergence", "Statics"]
 
 
 class Statics:
@@ -82,7 +80,12 @@ class Statics:
         loads: Sequence[Load] = (),
     ) -> None:
         _refuse_motion(supports)
-        _refuse_rates(material)
+        if laws := material.timed_laws:
+            raise ValueError(
+                "statics must have layers whose stress does not depend on the rate of strain, as "
+                f"it knows no time, got {', '.join(laws)}; leave out the rate factor, load a "
+                "Simulation slowly, or bring it to rest by relax()"
+            )
         self.mesh = mesh = put_directors_into_planes(mesh, supports)
         self.shell = MITC4Shell(mesh, material, damping_beta=0.0)
         self.state = initial_state(mesh)
@@ -284,15 +287,6 @@ def _checked_factors(factors: Sequence[float]) -> list[float]:
     if not all(map(math.isfinite, values)):
         raise ValueError(f"factors must be a list of finite numbers, got {factors!r}")
     return values
-
-
-def _refuse_rates(material: ShellMaterial) -> None:
-    if laws := material.timed_laws:
-        raise ValueError(
-            "statics must have layers whose stress does not depend on the rate of strain, as it "
-            f"knows no time, got {', '.join(laws)}; leave out the rate factor, load a "
-            "Simulation slowly, or bring it to rest by relax()"
-        )
 
 
 def _refuse_motion(supports: Sequence[Support]) -> None:

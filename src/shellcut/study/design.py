@@ -62,7 +62,7 @@ class Design:
                 )
             several = itertools.product(*(factor.values for factor in factors))
         else:
-            points = self._points(len(factors))
+            points = self._points(len(factors)) if factors else [[]]
             several = ([f.at(u) for f, u in zip(factors, row, strict=True)] for row in points)
         runs = []
         for values in several:
@@ -73,8 +73,6 @@ class Design:
     def _points(self, n_factor: int) -> list[list[float]]:
         """Return points of the unit cube."""
         assert self.n is not None
-        if n_factor == 0:
-            return [[]]
         if self.kind == "lhs":
             points = scipy.stats.qmc.LatinHypercube(n_factor, seed=self.seed).random(self.n)
         else:
