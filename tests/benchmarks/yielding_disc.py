@@ -30,7 +30,7 @@ from shellcut import Pressure, ShellMaterial, Support
 from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import disc
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 Array = np.ndarray[Any, Any]
 

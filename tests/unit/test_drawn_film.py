@@ -11,8 +11,7 @@ from free_strip import NOTCH, cut_strip, slanted_strip
 from shellcut.frame import is_corner, sides_of
 from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
 from shellcut.models.case import Case
-from shellcut.recording.crack_ends import CrackEnds
-from shellcut.recording.cut_front import CutFront
+from shellcut.recording.cut_front import CrackEnds, CutFront
 from shellcut.recording.frame_capture import Exposure
 from shellcut.results.cut_quality import cut_quality
 from shellcut.results.frame_grid import POLYGON, grid_of

@@ -211,7 +211,7 @@ import os, signal, sys
 sys.path.insert(0, {tests!r})
 from notched_strip import cutting
 from shellcut.models import Case
-from shellcut.results import Results
+from shellcut import Results
 
 def kill(*_, **__):
     os.kill(os.getpid(), signal.SIGKILL)

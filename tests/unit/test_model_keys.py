@@ -27,7 +27,6 @@ from shellcut.model_file.load_sections import SUPPORT
 from shellcut.model_file.material_keys import HOMOGENEOUS, LAMINATE, PLY
 from shellcut.model_file.schema import schema
 from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS
-from shellcut.models import Case
 from shellcut.recording.run_options import RunOptions
 from shellcut.study.study_file import study_schema
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -206,6 +205,14 @@ ONCE = {real: functools.cache(real) for real in (tooth_ring, straight_blade, ope
 BAR_ONCE = functools.cache(round_bar)
 
 
+@dataclasses.dataclass(frozen=True)
+class Made:
+    """In the place of a case: with what a builder was called."""
+
+    name: str
+    simulation: tuple
+
+
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     tmp_path = tmp_path_factory.mktemp("model")
@@ -295,7 +302,7 @@ def built(monkeypatch, files):
     for name in SECTIONS:
 
         def keep(*positional, _name=name, **named):
-            return Case(_name, (positional, named), 1.0)
+            return Made(_name, (positional, named))
 
         monkeypatch.setitem(build.BUILDERS, name, keep)
 

@@ -5,7 +5,7 @@ import pytest
 
 from shellcut import Fracture, oscillating
 from shellcut.contact import settings
-from shellcut.models.oscillating import banded_strip
+from shellcut.models.oscillating import film_before
 from shellcut.tool_shapes import round_bar
 
 
@@ -20,7 +20,7 @@ def test_the_bar_touches_the_origin_and_leans_forward():
 
 
 def test_the_film_is_fine_in_its_band():
-    film = banded_strip(20.0, 30.0, 0.5, 4.0)
+    film = film_before(6.0, size=0.5, length=20.0, width=30.0, band=4.0)
     _, y, _ = film.nodes[film.quads].mean(axis=1).T
     area = film.quad_areas()
     within = np.abs(y) < 4.0

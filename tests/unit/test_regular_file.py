@@ -20,8 +20,7 @@ from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import atomic_write, opened, unfinished, write_text
 from shellcut.formats import cad_surface, drawing, errors
-from shellcut.results.history import read_history
-from shellcut.results.splits_csv import read_splits
+from shellcut.results.history import read_history, read_splits
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from small_disk import REFUSAL, files_of_at_most
 

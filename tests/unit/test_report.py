@@ -14,7 +14,7 @@ import shellcut
 from browser import opened
 from shellcut import MeasuredCurve
 from shellcut.command_line import main
-from shellcut.report import pictures, report_run, scene
+from shellcut.report import pictures, report_run
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
 from shellcut.results.run_curves import resistance_diagram
@@ -483,14 +483,14 @@ def test_the_scene_of_the_report_is_turned_when_it_comes_into_sight(out, page, t
 
 
 def test_a_large_run_has_fewer_frames_in_the_scene(out, monkeypatch):
-    whole = scene.scene(gather(out))
+    whole = pictures.scene(gather(out))
     assert whole.endswith("</figure>\n")
-    monkeypatch.setattr(scene, "_LARGEST", round(0.6 * len(whole)))
-    said = scene.scene(gather(out))
-    assert scene.MARK in said
+    monkeypatch.setattr(pictures, "_LARGEST", round(0.6 * len(whole)))
+    said = pictures.scene(gather(out))
+    assert pictures.MARK in said
     assert said.endswith("a &amp; b&#x27; -o FILE.html</code> writes.</p>")
-    monkeypatch.setattr(scene, "_LARGEST", 3_000)
-    said = scene.scene(gather(out))
-    assert scene.MARK not in said
+    monkeypatch.setattr(pictures, "_LARGEST", 3_000)
+    said = pictures.scene(gather(out))
+    assert pictures.MARK not in said
     assert "No scene: 2 frames must fit" in said
     assert "<code>shellcut view" in said

@@ -9,7 +9,8 @@ from shellcut.loads.loads import NodalMoment
 from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.statics import load_path
-from shellcut.statics.statics import NoConvergence, Statics
+from shellcut.statics.statics import Statics
+from shellcut.statics.tangent_solver import NoConvergence
 
 LENGTH, WIDTH, THICKNESS, YOUNG, DENSITY = 10.0, 1.0, 0.1, 1.2e6, 1e-9
 BENDING = YOUNG * WIDTH * THICKNESS**3 / 12.0

@@ -6,10 +6,8 @@ import scipy
 
 pytest.importorskip("sklearn", reason="needs shellcut[study]")
 
-from shellcut.study.surrogate import surface
-from shellcut.study.surrogate.inputs import Input, at_shares, columns_of
-from shellcut.study.surrogate.sensitivity import sobol_indices
-from shellcut.study.surrogate.surface import Surface
+from shellcut.study import surrogate
+from shellcut.study.surrogate import Input, Surface, at_shares, columns_of, sobol_indices
 
 THREE = [Input(name, (0.0, 2.0)) for name in "abc"]
 
@@ -97,7 +95,7 @@ class TestError:
         assert found.left_out[5] == pytest.approx(0.0, abs=1e-12)
 
     def test_of_many_runs_a_part_is_taken(self, monkeypatch):
-        monkeypatch.setattr(surface, "_MOST", 10)
+        monkeypatch.setattr(surrogate, "_MOST", 10)
         values = points(THREE, 64)
         found = Surface(THREE, values, values.sum(axis=1))
         assert (found.n_run, len(set(found.rows.tolist()))) == (10, 10)

@@ -9,8 +9,7 @@ from dense_statics import dense
 from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import rectangle
 from shellcut.statics.freedoms import Freedoms
-from shellcut.statics.statics import NoConvergence
-from shellcut.statics.tangent_solver import TangentSolver
+from shellcut.statics.tangent_solver import NoConvergence, TangentSolver
 
 
 def hemisphere(slenderness, n=16):

@@ -10,7 +10,7 @@ from shellcut import CohesiveLaw, ShellMaterial, evaluate_tensile, read_measured
 from shellcut.command_line import main
 from shellcut.formats.errors import FileError
 from shellcut.material.nominal_stress import largest_nominal_stress
-from shellcut.tensile.law import proposed_law
+from shellcut.tensile.direction import proposed_law
 
 # A bilinear film: modulus and hardening [MPa], yield 16 MPa at 0.8 %, strength at 40 %, then
 # an opening over 50 mm by the law.

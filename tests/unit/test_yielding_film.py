@@ -24,7 +24,7 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.instability import UnstableStep
 from shellcut.simulation.stable_step import Stepping
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 E, NU, H = 1678.0, 0.3, 0.074
 FILM = Elastic(E, NU, 1e-9)

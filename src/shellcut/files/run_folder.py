@@ -3,12 +3,12 @@
 ======================  ===========================================================================
 ``run.files``           list of all of them, :mod:`shellcut.files.file_list`
 ``run.lock``            during the run, :mod:`shellcut.files.folder_lock`
-``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.history_row`
+``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.recorder`
 ``NAME.vtkhdf``         the frames, :mod:`shellcut.results.vtkhdf`
 ``snapshot_00.png`` ..  pictures of the film during the run
 ``checkpoint.h5``       state to resume from, :mod:`shellcut.recording.checkpoint`
 ``summary.json``        figures, when it ends, :mod:`shellcut.recording.run_summary`
-``splits.csv``          every split, when it ends, :mod:`shellcut.results.splits_csv`
+``splits.csv``          every split, when it ends, :mod:`shellcut.results.history`
 ``torque.png``          or ``force.png``, and ``energy.png``: curves, when it ends
 ``used.toml``           of runs of model files: the model with all defaults filled in
 ``run.log``             of these too, :mod:`shellcut.recording.run_log`

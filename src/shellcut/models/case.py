@@ -31,20 +31,19 @@ Notch: TypeAlias = Annotated[
 ]
 
 
-def check_length(simulation: Simulation, duration: float) -> None:
-    """Refuse a run of absurdly many steps, a sign of a wrong number in the model."""
-    steps = duration / simulation.dt
-    if not steps <= _MOST_STEPS:
-        raise ValueError(
-            f"a run must take {_MOST_STEPS:.0e} steps at most, this one of {duration:.4g} s at a "
-            f"step of {simulation.dt:.4g} s would take {steps:.2g}: "
-            f"{simulation.time_step.reason()}"
-        )
+def time_of_way(way: float, speed: float, ramp: float) -> float:
+    """Return how long a motion [s] takes over a way along a strip, its speed rising over a ramp."""
+    if not way > 0.0:
+        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
+    return way / speed + 0.5 * ramp
 
 
 @dataclass(frozen=True)
 class Case:
-    """A simulation that is ready to run."""
+    """A simulation that is ready to run.
+
+    ValueError is raised for a run of absurdly many steps, a sign of a wrong number in the model.
+    """
 
     name: str
     """Stem of the result file and title of the pictures."""
@@ -52,6 +51,16 @@ class Case:
     """At t = 0."""
     duration: float
     """End of the run [s]."""
+
+    def __post_init__(self) -> None:
+        dt = self.simulation.dt
+        steps = self.duration / dt
+        if not steps <= _MOST_STEPS:
+            raise ValueError(
+                f"a run must take {_MOST_STEPS:.0e} steps at most, this one of {self.duration:.4g} "
+                f"s at a step of {dt:.4g} s would take {steps:.2g}: "
+                f"{self.simulation.time_step.reason()}"
+            )
 
     @cached_property
     def check(self) -> ModelCheck:
@@ -84,28 +93,16 @@ class Case:
             After Ctrl-C.
         UnstableStep
             If the solution blows up; the files are closed, the last good checkpoint is kept.
-        FileNotFoundError, CheckpointError
-            If there is nothing to resume, or the checkpoint belongs to another model.
-        RefusedModel
-            If a check refuses the model; nothing in the folder has been changed.
-        FolderInUse
-            If another run writes in the folder; that run is not disturbed.
-        FileExistsError
-            If this would replace a file that no run has written.
-        FolderLost
-            If somebody removes, moves or empties the folder during the run.
-        OSError
-            If a file cannot be written: after a full disk, free space and use ``resume``.
+        FileNotFoundError, CheckpointError, RefusedModel, FolderInUse, FileExistsError, FolderLost
+            As of :class:`Recorder`; so is OSError where a file cannot be written.
         ValueError
-            If the simulation has already run, or would take absurdly many steps; nothing in the
-            folder has been changed.
+            If the simulation has already run; nothing in the folder has been changed.
         """
         if self.simulation.state.step:
             raise ValueError(
                 f"a case can run once, but this one is at step {self.simulation.state.step}: build "
                 "it again, and run it anew or with resume=True"
             )
-        check_length(self.simulation, self.duration)
         try:
             recorder = Recorder(
                 self.simulation,
@@ -121,19 +118,9 @@ class Case:
         self.go(recorder)
 
     def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
-        """Run to the end with a given recorder, as :meth:`run` does.
+        """Run to the end with a given recorder and further hooks, as :meth:`run` does.
 
-        Parameters
-        ----------
-        recorder : Recorder
-            Of this simulation, up to ``duration``; it is closed at the end of the run in any case.
-        also : sequence of Hook
-            Further hooks.
-
-        Raises
-        ------
-        KeyboardInterrupt, UnstableStep, FolderLost, OSError
-            As in :meth:`run`.
+        The recorder, of this simulation up to ``duration``, is closed at the end in any case.
         """
         with Interruption() as interruption:
             hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested), *also]

@@ -21,7 +21,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp, Notch, check_length
+from .case import Case, Clamp, Notch
 
 _ROUND_OFF = 1e-9
 
@@ -82,7 +82,6 @@ def free_cut(
         points, before = _first_way(Sweep.of(mesh, tool, motion, duration), notch)
         outside = row_at(simulation.state, before) is None
         simulation.notch(*([before] if outside else []), *points)
-    check_length(simulation, duration)
     return Case("free", simulation, duration)
 
 

@@ -4,10 +4,7 @@ Steady cutting takes the force F = G h for any blade, speed or mesh: all work go
 crack, G h per millimetre. The plateau begins after about 8 mm of cut, because a cable breaks only
 after some 2 mm of drag; the force is a sawtooth with the node spacing, so average it over whole
 periods. With classical cables, which the blade never meets, the flanks open by at most the blade's
-width w, and F = h ∫_0^w sigma dl.
-
-A blade that also moves along its edge slices: with xi the ratio of the two speeds, V the force
-along the strip and H that along the edge, V + xi H = G h as long as nothing rubs
+width w, and F = h ∫_0^w sigma dl. A blade that also moves along its edge slices
 (:mod:`shellcut.cables.joint_slip`).
 """
 
@@ -18,7 +15,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, norm, unit
+from shellcut.arrays import Floats, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
 from shellcut.loads.supports import Support
@@ -31,7 +28,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp, Notch, check_length
+from .case import Case, Clamp, Notch, time_of_way
 from .free_cut import with_path
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
@@ -125,7 +122,7 @@ def guillotine(
     )
     fracture = with_path(strip, blade, motion, duration, options.pop("fracture", None))
     y, through_quads = _lane_of(blade, strip), fracture.path == "free"
-    film = strip if through_quads or notch <= 0.0 else _notched(strip, _line_of(strip, y), notch)
+    film = strip if through_quads or notch <= 0.0 else _notched(strip, y, notch)
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
@@ -139,7 +136,6 @@ def guillotine(
     if notch > 0.0 and through_quads:
         begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
         simulation.notch((begin - extent, y, 0.0), (begin + notch, y, 0.0))
-    check_length(simulation, duration)
     return Case("guillotine", simulation, duration)
 
 
@@ -155,8 +151,7 @@ def blade_before(
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     way = extent - _LEFT * law.opening_u if travel is None else travel
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
+    duration = time_of_way(way, speed, _RAMP)
     blade = tool or straight_blade(
         length=extent, height=BLADE_HEIGHT + 2.0 * abs(slice_ratio) * way
     )
@@ -166,7 +161,6 @@ def blade_before(
         _check_edge_left(blade, slice_ratio * way * along[2], _EDGE_LEFT * law.opening_u)
         direction += slice_ratio * along
     motion = StraightMotion(direction.tolist(), speed=speed * float(norm(direction)), ramp=_RAMP)
-    duration = way / speed + 0.5 * _RAMP
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
 
 
@@ -214,15 +208,11 @@ def _lane_of(blade: Tool, film: Mesh) -> float:
     return y if abs(y) > _ON_LINE * float(np.ptp(film.nodes[:, 0])) else 0.0
 
 
-def _line_of(mesh: Mesh, lane: float) -> Ints:
-    """Return the nodes on y = ``lane`` in the order of x, shape (n,)."""
+def _notched(mesh: Mesh, lane: float, notch: float) -> Mesh:
+    """Return the strip cut along the first nodes on y = ``lane``."""
     off = ON_ROW * float(np.median(mesh.edge_lengths()))
-    on_line = mesh.nodes_where(lambda x, y, z: np.abs(y - lane) < off)
-    return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0], kind="stable")])
-
-
-def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:
-    """Return the strip cut along the first nodes of a line, which begins at its end."""
+    line = mesh.nodes_where(lambda x, y, z: np.abs(y - lane) < off)
+    line = line[np.argsort(mesh.nodes[line, 0], kind="stable")]
     x = mesh.nodes[line, 0]
     within = line[x <= mesh.nodes[:, 0].min() + notch + _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))]
     if len(within) < 2:

@@ -1,15 +1,7 @@
 """The opening test of [Frangi2010] 5: a ring of teeth screws down through a clamped film.
 
-The paper shows its tool and motion without numbers; the defaults here are: four teeth at
-r = 9.4 mm, edge rising forward at eta = 60° to the film, wedge half-angle 12°, half thickness
-0.35 mm, length 1.5 mm, relief 30°, tip 0.02 mm above the film at the start; pitch 12 mm downwards,
-95° in 6 ms with a ramp over the first 3 %.
-
-A tooth that turns by dtheta also moves down by (p/2 pi) dtheta, which moves the point where its
-edge meets the film forward by (p/2 pi) cot eta dtheta: n teeth cut n (r + (p/2 pi) cot eta) per
-radian, so that in steady cutting the work of the cables is
-
-    dW_coh/dtheta = n G h (r + (p/2 pi) cot eta).
+docs/theory/opening.md tells the tooth and the motion, which the paper shows without numbers, and
+derives the work of the cables in steady cutting.
 """
 
 from __future__ import annotations

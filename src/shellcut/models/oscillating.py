@@ -1,14 +1,9 @@
 """The oscillating cut: a blunt bar driven through a clamped film tears a wavy crack.
 
-Nothing steers the crack but the film: it runs to where most energy is released
-(:mod:`shellcut.fracture.free_direction`). On the side of the bar to which the crack has run, the
-film hangs down as a flap that bends easily; on the other side the bar presses against the edge of
-the crack, stretches the film there and tears it across, until the crack has come to its other side
-([Roman2003], [Audoly2005]). docs/theory/oscillating.md says what of it has been measured.
-
-The quads must be small beside two lengths: that over which this film bends at its crack, about 8 h,
-0.8 mm here, and the process zone, E G / sigma_F², 1.8 mm here. On quads of 0.75 and 1 mm some
-bursts behind bars of 9 to 18 mm end in a tip that points backwards.
+docs/theory/oscillating.md says why, and what of it has been measured. The quads must be small
+beside two lengths: that over which this film bends at its crack, about 8 h, 0.8 mm here, and the
+process zone, 1.8 mm here. On quads of 0.75 and 1 mm some bursts behind bars of 9 to 18 mm end in a
+tip that points backwards.
 """
 
 from __future__ import annotations
@@ -31,7 +26,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.round_bar import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
-from .case import Case, check_length
+from .case import Case, time_of_way
 
 LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
@@ -62,12 +57,22 @@ _NOTCH, _OFFSET, _LEFT = 1.5, 0.35, 2.0  # over the diameter
 _CLEARANCE, _RAMP = 0.02, 1e-3  # of the bar before the film [mm], of its speed [s]
 
 
-def banded_strip(length: float, width: float, size: float, band: float) -> Mesh:
-    """Return a strip from x = 0, its quads fine within ``band`` of its middle line; all in mm.
+def film_before(
+    diameter: float,
+    *,
+    size: float,
+    length: float | None = None,
+    width: float | None = None,
+    band: float | None = None,
+) -> Mesh:
+    """Return the strip for a bar, its quads fine within ``band`` of its middle line.
 
-    Outside, rows grow broader. Nodes inside are moved at random, the same at every call. Node sets
-    are those of :func:`rectangle`.
+    The parameters are those of :func:`oscillating`. Outside, rows grow broader. Nodes inside are
+    moved at random, the same at every call. Node sets are those of :func:`rectangle`.
     """
+    length = 125.0 / 6.0 * diameter if length is None else length
+    width = 6.0 * diameter if width is None else width
+    band = 1.2 * diameter if band is None else band
     if not 0.0 < size < band < 0.5 * width:
         raise ValueError(
             "size, band and half the width must increase from 0, got "
@@ -174,7 +179,7 @@ def oscillating(
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
     simulation = Simulation(
         mesh,
-        material or film(),
+        material or ShellMaterial.homogeneous(**FILM),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=bar_before(diameter, tilt_deg),
         motion=way_of(speed),
@@ -184,7 +189,6 @@ def oscillating(
     y = _OFFSET * diameter if offset is None else offset
     end = _NOTCH * diameter if notch is None else notch
     simulation.notch((-extent, y, 0.0), (end, y, 0.0))
-    check_length(simulation, duration)
     return Case("oscillating", simulation, duration)
 
 
@@ -199,31 +203,7 @@ def way_of(speed: float) -> StraightMotion:
     return StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
 
 
-def film() -> ShellMaterial:
-    """Return the default film."""
-    return ShellMaterial.homogeneous(**FILM)
-
-
-def film_before(
-    diameter: float,
-    *,
-    size: float,
-    length: float | None = None,
-    width: float | None = None,
-    band: float | None = None,
-) -> Mesh:
-    """Return the strip for a bar, with the parameters of :func:`oscillating`."""
-    return banded_strip(
-        125.0 / 6.0 * diameter if length is None else length,
-        6.0 * diameter if width is None else width,
-        size,
-        1.2 * diameter if band is None else band,
-    )
-
-
 def duration_of(diameter: float, extent: float, *, travel: float | None, speed: float) -> float:
     """Return the duration of a run [s] on a strip of the length ``extent`` [mm]."""
     way = extent - _LEFT * diameter if travel is None else travel
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
-    return way / speed + 0.5 * _RAMP
+    return time_of_way(way, speed, _RAMP)

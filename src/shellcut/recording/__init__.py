@@ -4,8 +4,3 @@ May import ``results``, ``checks``, the physics (``fracture``) and rows below. T
 the recorder as a hook and hands itself in: recording reads it and names only its type. ``recorder``
 calls the other files in order; :mod:`shellcut.results` describes every file written.
 """
-
-from .checkpoint import load_checkpoint, save_checkpoint
-from .recorder import Recorder
-
-__all__ = ["Recorder", "load_checkpoint", "save_checkpoint"]

@@ -4,10 +4,8 @@ The file begins with 512 bytes of text (HDF5's user block): the kind of file, it
 the SHA-256 of the rest. Loading compares the digest before HDF5 opens the file, because HDF5 may
 read wrong numbers or invalid types from a damaged file.
 
-A checkpoint does not contain the model. The same script or model file builds the simulation again
-from the same inputs, and the simulation then loads the checkpoint; the user's own functions
-(factors of loads, velocities of supports) are part of the script. The checkpoint lists the inputs
-(mesh, material, tool and so on) as text and digests, and loading compares them first.
+A checkpoint does not contain the model (docs/howto/resume.md). It lists the inputs as text and
+digests, and loading compares them first.
 
 A resumed run continues bit for bit: each class saves its own history in ``saved`` and loads it in
 ``restore``; everything that follows from the history is recomputed.
@@ -89,20 +87,14 @@ def save_checkpoint(
 
     Examples
     --------
-    >>> import tempfile
     >>> from shellcut.models import guillotine
-    >>> folder = tempfile.TemporaryDirectory()
     >>> def build():
     ...     return guillotine(1.0, length=6.0, width=4.0, travel=1.5).simulation
-    >>> sim = build()
+    >>> sim, again = build(), build()
     >>> sim.run(1e-6)
-    >>> save_checkpoint(sim, f"{folder.name}/checkpoint.h5")
-    >>> again = build()
-    >>> load_checkpoint(again, f"{folder.name}/checkpoint.h5")
-    {}
-    >>> again.state.step == sim.state.step
-    True
-    >>> folder.cleanup()
+    >>> save_checkpoint(sim, "checkpoint.h5", extra={"note": "begun"})
+    >>> load_checkpoint(again, "checkpoint.h5"), again.state.step == sim.state.step
+    ({'note': 'begun'}, True)
     """
     if not sim.between_steps:
         raise RuntimeError(
@@ -146,16 +138,7 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
 
     Examples
     --------
-    >>> import tempfile
-    >>> from shellcut.models import guillotine
-    >>> folder = tempfile.TemporaryDirectory()
-    >>> path = f"{folder.name}/checkpoint.h5"
-    >>> def build():
-    ...     return guillotine(1.0, length=6.0, width=4.0, notch=1.0).simulation
-    >>> save_checkpoint(build(), path, extra={"note": "at rest"})
-    >>> load_checkpoint(build(), path)
-    {'note': 'at rest'}
-    >>> folder.cleanup()
+    >>> extra = load_checkpoint(built_again, "out/checkpoint.h5")  # doctest: +SKIP
     """
     if sim.state.step:
         raise ValueError(

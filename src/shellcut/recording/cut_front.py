@@ -23,17 +23,15 @@ These figures tell whether a cut is steady (:mod:`shellcut.results.steady_window
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, each, norm, product, unit
-from shellcut.state import JOINTED, NOT_MET
+from shellcut.state import JOINTED, NOT_MET, local_edge_length
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
-
-from .crack_ends import CrackEnds, directors_at
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -47,6 +45,50 @@ _LOOK_AHEAD = 5e-3
 _ALONG = 1e-3
 # Relative to curvature times the film's extent: below this, the path is straight.
 _STRAIGHT = 1e-9
+
+
+class CrackEnds(NamedTuple):
+    """The ends of all cracks, and all places that a crack cannot pass."""
+
+    place: Floats
+    """Of the ends, shape (n_end, 3), [mm]."""
+    director: Floats
+    """There, shape (n_end, 3)."""
+    heading: Callable[[int], Floats]
+    """Takes the number of an end; returns the direction of its last edge, shape (3,)."""
+    obstacle: Floats
+    """Shape (n_obstacle, 3), [mm]."""
+    size: Floats
+    """Local edge lengths there, shape (n_obstacle,), [mm]."""
+    own: Ints
+    """End that is at an obstacle, -1 if none is, shape (n_obstacle,)."""
+
+    @classmethod
+    def of(cls, sim: Simulation, rim: Ints) -> CrackEnds:
+        """Return them for the present cracks; rim : nodes of the film's boundary."""
+        n, f = sim.state.node, sim.state.flank
+        tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
+        if sim.cracks is not None:
+            tips, at_tips = sim.cracks.tips, sim.cracks.at_tips
+            place, t = at_tips(sim.mesh.nodes), at_tips(sim.mesh.directors)
+        size = np.sqrt(sim.shell.area)
+        # Those at the tips have not parted.
+        n_tip, parted = len(place), np.flatnonzero(n.real[f.node[: f.count]])
+        flanks = f.node[parted]
+        # Nodes through which a crack goes: both flanks have film there.
+        film = np.flatnonzero(n.real[: sim.state.n_node])
+        film = film[~np.isin(film, f.node[: f.count])]
+        origin = n.origin[film]
+        nodes = np.union1d(rim, film[np.bincount(origin)[origin] > 1])
+        of_nodes = local_edge_length(n.contact_area[nodes])
+        return cls(
+            place,
+            unit(t),
+            lambda i: tips[i].heading,
+            np.concatenate([n.X[nodes], n.X[flanks], place]),
+            np.concatenate([of_nodes, size[f.row[parted]], np.full(n_tip, np.median(size))]),
+            np.concatenate([np.full(nodes.size + flanks.size, -1), np.arange(n_tip)]),
+        )
 
 
 class _EdgeLength:
@@ -136,7 +178,7 @@ class CutFront:
         place = cable.at_ends(sim.state.node.X)[zone, 0]
         gap = tips - place[:, None]
         distance = np.linalg.norm(gap, axis=2)
-        velocity = self._velocity(sim, place, directors_at(sim, cable.ends[zone, 0]))
+        velocity = self._velocity(sim, place, _directors_at(sim, cable.ends[zone, 0]))
         ahead = np.einsum("ztc,zc->zt", gap, velocity)
         moving = np.linalg.norm(velocity, axis=1) > 0.0
         distance[moving[:, None] & (ahead <= 0.0)] = np.inf
@@ -200,3 +242,18 @@ class CutFront:
         sine = 0.5 * curvature * length
         ahead = math.sqrt(max(1.0 - sine * sine, 0.0)) * chord - sine * left
         return ahead, np.cross(director, ahead), curvature
+
+
+def _directors_at(sim: Simulation, nodes: Ints) -> Floats:
+    """Return the reference directors at some nodes, flank points included, shape (n, 3)."""
+    directors, s = sim.mesh.directors, sim.state
+    f = s.flank
+    point = np.full(s.n_node, -1)
+    point[f.node[: f.count]] = np.arange(f.count)
+    tied = point[nodes] >= 0
+    t = directors[np.where(tied, 0, s.node.origin[nodes])]
+    if tied.any():
+        k = point[nodes[tied]]
+        own = np.einsum("ka,kac->kc", f.weight[k], directors[sim.shell.mesh_quads[f.row[k]]])
+        t[tied] = unit(own)
+    return np.asarray(t)

@@ -12,7 +12,7 @@ import json
 import logging
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from copy import deepcopy
 from dataclasses import asdict, replace
@@ -28,8 +28,9 @@ from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import write_text
 from shellcut.frame import Frame
 from shellcut.numerics.trigger import Trigger
+from shellcut.results.history import write_splits
 from shellcut.results.run_results import read
-from shellcut.results.splits_csv import write_splits
+from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
 from shellcut.results.verdict import Line, say, verdict
 from shellcut.unit import shown
 from shellcut.view import Look, can_draw, draw_scene
@@ -38,7 +39,6 @@ from shellcut.view.progress import Progress
 from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
 from .cut_front import CutFront
 from .frame_capture import Exposure
-from .history_row import history_row
 from .resistance import resistance_of
 from .run_files import RunFiles
 from .run_options import RunOptions
@@ -150,7 +150,11 @@ class Recorder:
         self._check.say()
         self._status_due = Trigger(until / _N_STATUS)
         self._status_step = -1  # step of the last status line
-        self._progress = self._make_progress(chosen.log) if chosen.progress else None
+        self._progress = None
+        if chosen.progress:
+            (first, unit), coordinate = self.resistance.columns[0], self.resistance.coordinate_name
+            units = {coordinate: self.resistance.coordinate_unit, first: unit, "imbalance": "%"}
+            self._progress = Progress(name, figure_units=units, log=chosen.log)
         self._unfelt = UnfeltPenetration(sim)
         every = chosen.checkpoint_every
         self._checkpoint_every = np.inf if every is None else every
@@ -310,7 +314,33 @@ class Recorder:
     # ------------------------------------------------------------------ parts
 
     def _row(self) -> Iterator[tuple[str, str, float]]:
-        return history_row(self._sim, self.resistance, self._front, unfelt=self._schedule.unfelt)
+        """Yield name, unit and value of every column of the history, the plotted figure third."""
+        sim, r = self._sim, self.resistance
+        s = sim.state
+        yield "time", "s", s.time
+        yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
+        yield from r.row(sim)
+        ledger = sim.close_ledger()
+        for name, energy in vars(ledger).items():
+            yield name, "N*mm", energy
+        yield "imbalance", "N*mm", ledger.imbalance
+        yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
+        yield "dt", "s", s.dt
+        if sim.pace.share is not None:
+            yield "pace", "-", sim.pace.now
+        yield "cables_created", "-", s.n_cable
+        yield "cables_jointed", "-", sim.cables.n_joint_made
+        yield "cables_broken", "-", sim.cables.n_broken
+        yield "crack_length", "mm", s.crack_length
+        for edge, row in enumerate(self._front.rows(sim).tolist(), start=1):
+            length, zone, ahead, spare = row
+            yield f"{CUT_LENGTH}{edge}", "mm", length
+            yield f"{PROCESS_ZONE}{edge}", "mm", zone
+            yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
+            yield f"{TO_SPARE}{edge}", "mm", spare
+        if sim.contact is not None:
+            yield "deepest_penetration", "mm", sim.contact.forces.deepest
+            yield "unfelt_penetration", "mm", self._schedule.unfelt
 
     def _now(self) -> dict[str, float]:
         return {column: value for column, _, value in self._row()}
@@ -338,17 +368,6 @@ class Recorder:
             if picture_due:
                 self._draw(frame)
 
-    def _make_progress(self, log: Callable[[str], None] | None) -> Progress:
-        r = self.resistance
-        first, unit = r.columns[0]
-        units = {r.coordinate_name: r.coordinate_unit, first: unit, "imbalance": "%"}
-        return Progress(self.name, figure_units=units, log=log)
-
-    @property
-    def _share(self) -> float:
-        """Completed part of the run, 0 to 1."""
-        return self._sim.state.time / self._until
-
     def _end_progress(self) -> None:
         if self._progress is not None:
             if self._status_step < self._sim.state.step:
@@ -357,7 +376,8 @@ class Recorder:
             self._progress.close()
 
     def _note_status(self, progress: Progress) -> None:
-        progress.status(status_line(self._sim, self.resistance, self._share))
+        share = self._sim.state.time / self._until
+        progress.status(status_line(self._sim, self.resistance, share))
         self._status_step = self._sim.state.step
 
     def _show_progress(self, progress: Progress) -> None:
@@ -368,7 +388,7 @@ class Recorder:
         }
         if sim.imbalance is not None:
             figures["imbalance"] = 100.0 * sim.imbalance
-        progress.update(self._share, step=sim.state.step, **figures)
+        progress.update(sim.state.time / self._until, step=sim.state.step, **figures)
 
     def _expose(self, sim: Simulation) -> Exposure:
         r = self.resistance

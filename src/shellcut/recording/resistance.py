@@ -63,13 +63,6 @@ class Resistance:
     """Compute the resistance from the wrench on the tool.
 
     Axis or line of the motion is searched up to ``until`` [s].
-
-    Examples
-    --------
-    >>> import shellcut as sc
-    >>> r = Resistance(sc.StraightMotion((0.0, 0.0, -1.0), speed=10.0), until=1.0)
-    >>> r.columns, r.meaning
-    ([('force', 'N')], 'force along (0, 0, -1)')
     """
 
     def __init__(self, motion: Motion, until: float) -> None:

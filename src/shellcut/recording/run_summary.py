@@ -1,32 +1,15 @@
-"""The figures of ``summary.json``, with the unit in each name.
-
-Those of :func:`cut_evidence` tell whether the cut went as it should:
-
-======================  ==========================================================================
-n_tear                  cuts by cracks that no edge drives, of which the others tell nothing
-tear_off_path_mm        largest distance of such a cut's end from that path
-off_path_mm             largest distance of a split from the path of the cutting edges, in the
-                        reference film; the path goes on beyond its ends, where cracks lead, and
-                        along tears, which cuts go on from
-n_split_off_path        splits farther from the path than a fifth of a quad's side
-path_edge_mm            median side of the quads along that path
-bending_length_mm       over which the film bends where its tension is the strength
-crack_lead_mm           largest distance of another split ahead of an end of the path
-overshoot_rel           mean distance the edge had passed the cables when their joints were made,
-                        over half of ``opening_u`` there, by which the edge then drags them: the
-                        share of work the joints missed (0.28 mm of 2 mm cost 15-17 %)
-======================  ==========================================================================
-"""
+"""The figures of ``summary.json``, with the unit in each name; docs/howto/read-results.md."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Iterator, Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, off_segments
+from shellcut.arrays import Floats, Numbers, norm, off_segments
 from shellcut.checks import Sweep
 from shellcut.checks.hold import check_hold
 from shellcut.contact.edge_contact import EdgeContact
@@ -35,7 +18,6 @@ from shellcut.state import TEAR, SplitRecord
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
-from .run_digest import run_digest
 from .unfelt_penetration import Unfelt
 
 if TYPE_CHECKING:
@@ -97,8 +79,40 @@ def run_summary(
     if sim.cracks is not None:
         finite["crack_path"] = sim.fracture.path
     if sim.between_steps:
-        finite["digest"] = run_digest(sim.saved(), history)
+        finite["digest"] = _run_digest(sim.saved(), history)
     return finite | {"resistance": r.meaning, "options": _options(sim)}
+
+
+def _run_digest(saved: Mapping[str, Any], history: Mapping[str, Floats]) -> str:
+    """Return 64 hexadecimal digits that stand for every bit of a state and of a history.
+
+    The SHA-256 of all tables in the order of their names; of each its name, shape and numbers, as
+    little-endian doubles or 64-bit integers, or its texts. All that is not a number counts as the
+    same. The state is that of :meth:`Simulation.saved`.
+    """
+    digest = hashlib.sha256()
+    for name, rows in _tables("", {"history": history, "run": saved}):
+        digest.update(f"{name} {rows.shape}\n".encode())
+        digest.update(_bytes_of(rows))
+    return digest.hexdigest()
+
+
+def _tables(name: str, content: Any) -> Iterator[tuple[str, Numbers]]:
+    if not isinstance(content, Mapping):
+        yield name, np.asarray(content)
+        return
+    for key in sorted(content):
+        yield from _tables(f"{name}/{key}", content[key])
+
+
+def _bytes_of(rows: Numbers) -> bytes:
+    if rows.dtype.kind == "f":
+        numbers = rows.astype("<f8")
+        numbers[np.isnan(numbers)] = np.nan  # its sign has no meaning
+        return numbers.tobytes()
+    if rows.dtype.kind in "biu":
+        return rows.astype("<i8").tobytes()
+    return "\n".join(map(str, rows.ravel())).encode()
 
 
 def _options(sim: Simulation) -> dict[str, Any]:

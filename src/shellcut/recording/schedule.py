@@ -19,16 +19,7 @@ because the verdict uses the result."""
 
 @dataclass
 class Schedule:
-    """When the next row, frame and picture are due, and running totals of the recorder.
-
-    Examples
-    --------
-    >>> schedule = Schedule.at_start(until=1.0, n_row=100, n_frame=10, n_snapshot=0)
-    >>> schedule.row_due(0.0), schedule.row_due(0.005), schedule.picture_due
-    (True, False, None)
-    >>> Schedule.restored(schedule.saved()) == schedule
-    True
-    """
+    """When the next row, frame and picture are due, and running totals of the recorder."""
 
     row_due: Trigger
     frame_due: Trigger

@@ -23,13 +23,6 @@ class Interruption:
     once. Ignored signals stay ignored; outside the main thread, where Python handles no signals,
     nothing is held back. ``asked`` is called when the first one comes, between two bytecodes of
     whatever runs then.
-
-    Examples
-    --------
-    >>> with Interruption() as interruption:
-    ...     signal.raise_signal(signal.SIGINT)
-    ...     print(interruption.requested)
-    True
     """
 
     def __init__(self, asked: Callable[[], None] | None = None) -> None:

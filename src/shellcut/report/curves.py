@@ -8,8 +8,7 @@ from html import escape
 import numpy as np
 
 from shellcut.arrays import Bools
-from shellcut.results.comparison_table import rows_of, scope_of
-from shellcut.results.energy_account import account
+from shellcut.results.energy_account import account, trusted_rows
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import window_of
 from shellcut.unit import in_unit, pretty, with_unit
@@ -69,8 +68,8 @@ def measured(run: Gathered) -> str:
     )
     head = ("", "measured", "simulated", "difference")
     return (
-        f'{drawn}<p class="caption">{escape(scope_of(found))}.</p>'
-        + table([(in_unit(row.name, row.unit), *row[2:]) for row in rows_of(found)], head)
+        f'{drawn}<p class="caption">{escape(found.scope())}.</p>'
+        + table([(in_unit(row.name, row.unit), *row[2:]) for row in found.rows()], head)
         + sentences(("note", "note", note) for note in found.notes)
     )
 
@@ -87,7 +86,7 @@ def energy(run: Gathered) -> str:
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
     ledger = at_end + _chart(energy_diagram(h, run.units), "energies and the work put in")
-    trusted = run.trusted
+    trusted = trusted_rows(h)
     if trusted.sum() < 2:
         return ledger
     missed = imbalance_diagram(h, run.units)

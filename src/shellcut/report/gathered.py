@@ -9,12 +9,11 @@ from typing import Any, TypeVar
 
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats
+from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SUMMARY, USED
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
-from shellcut.results.energy_account import trusted_rows
 from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_error_bars
 from shellcut.results.history import read_history
 from shellcut.results.run_figures import run_figures
@@ -68,11 +67,6 @@ class Gathered:
         return name, self.units[name]
 
     @property
-    def trusted(self) -> Bools:
-        """Rows in which the tool or supports have done enough work to compare, shape (n_row,)."""
-        return trusted_rows(self.history)
-
-    @property
     def figures(self) -> dict[str, Any]:
         """The summary; for an unfinished run, its judged figures up to the last record."""
         h = self.history
@@ -90,13 +84,6 @@ class Gathered:
             return None
         found = read_error_bars(around / ERROR_BARS)
         return found if found.key == self.folder.resolve().name else None
-
-    @property
-    def last_frame(self) -> Frame | None:
-        """The last frame, None without frames."""
-        if self.results is None or not self.results.n_frame:
-            return None
-        return self.results.frame(-1)
 
     def frames(self, n: int) -> list[Frame]:
         """Return up to ``n`` frames spread evenly over the run, including the last one."""

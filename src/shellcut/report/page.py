@@ -25,8 +25,8 @@ def page_of(
     ``style`` and ``script`` come after those of all reports, ``last`` at the end of the page:
     scripts in elements of their own.
     """
-    charts = [f"/*\n{_part('plotly/LICENSE')}*/", _part("plotly/plotly.min.js"), _part("charts.js")]
-    return string.Template(_part("page.html")).substitute(
+    charts = [f"/*\n{part('plotly/LICENSE')}*/", part("plotly/plotly.min.js"), part("charts.js")]
+    return string.Template(part("page.html")).substitute(
         title=escape(title),
         heading=escape(heading),
         lead=escape(lead),
@@ -35,11 +35,12 @@ def page_of(
             f"Written by shellcut {importlib.metadata.version('shellcut')} on "
             f"{time.strftime('%Y-%m-%d %H:%M')}."
         ),
-        style=_part("page.css") + style,
+        style=part("page.css") + style,
         script="\n".join([*(charts if 'class="chart' in body else ()), script]),
         last=last,
     )
 
 
-def _part(name: str) -> str:
-    return (importlib.resources.files(__package__) / name).read_text(encoding="utf-8")
+def part(name: str, room: str = "shellcut.report") -> str:
+    """Return the text of a file beside the modules of a room."""
+    return (importlib.resources.files(room) / name).read_text(encoding="utf-8")

@@ -1,7 +1,8 @@
-"""Sections with pictures: crack map, snapshots of the run."""
+"""Sections with pictures: crack map, snapshots of the run, the run in three dimensions."""
 
 from __future__ import annotations
 
+import shlex
 import tempfile
 from html import escape
 from pathlib import Path
@@ -10,13 +11,17 @@ import numpy as np
 
 from shellcut.card import image
 from shellcut.files import run_folder
+from shellcut.scene_page import packed_scene
 from shellcut.view import draw_crack_map
 
 from .gathered import Gathered
 from .markup import missing
 
+MARK = 'class="scene3d"'
+"""What a page with a scene contains."""
+
+_LARGEST = 15_000_000  # bytes that the scene may add to a report
 _N_MAP = 100  # frames read for the crack map
-_MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
 
 def crack_map(run: Gathered) -> str:
@@ -36,7 +41,7 @@ def crack_map(run: Gathered) -> str:
             draw_crack_map(path, frames, splits=places, width=6.5, dpi=130.0)
             png = path.read_bytes()
     except ImportError:
-        return missing(_MISSING)
+        return missing("Not drawn: pictures need Matplotlib (pip install shellcut[plot]).")
     name = frames[-1].coordinate_name
     alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
     caption = (
@@ -60,3 +65,16 @@ def snapshots(run: Gathered) -> str:
     )
     said = f"{len(pictures)} pictures, side by side: scroll to the right for the next."
     return f'<div class="strip" tabindex="0">{shown}</div><p class="caption">{said}</p>'
+
+
+def scene(run: Gathered) -> str:
+    """Return the scene, of fewer frames if all need too much room, or why there is none."""
+    if run.results is None or not run.results.n_frame:
+        return missing("No scene: there are no frames.")
+    command = f"<code>shellcut view {escape(shlex.quote(str(run.folder)))} -o FILE.html</code>"
+    try:
+        packed = packed_scene(run.results, None, _LARGEST)
+    except ValueError as error:
+        return missing(f"No scene: {error}.") + f"<p>{command} writes a page with it alone.</p>"
+    said = f"<p>Every frame is in the page that {command} writes.</p>" if packed.dropped else ""
+    return packed.html + said

@@ -13,7 +13,7 @@ from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.scene_page import scene_scripts, scene_style
 from shellcut.unit import LIBRARY_UNITS, shown, with_unit
 
-from . import curves, pictures, scene, words
+from . import curves, pictures, words
 from .error_bars import error_bars
 from .gathered import Gathered, gather, run_or_say
 from .markup import section
@@ -77,7 +77,7 @@ def report_run(
         lead=_lead(run),
         body=body,
         style=scene_style(),
-        last=scene_scripts() if scene.MARK in body else "",
+        last=scene_scripts() if pictures.MARK in body else "",
     )
     write_text(out, html, errors="backslashreplace")
     return out
@@ -97,7 +97,7 @@ def _lead(run: Gathered) -> str:
 
 
 def _body(run: Gathered) -> str:
-    last = run_or_say(run, "last frame", lambda: run.last_frame)
+    last = run_or_say(run, "last frame", lambda: next(iter(run.frames(1)), None))
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,
@@ -107,7 +107,7 @@ def _body(run: Gathered) -> str:
         _TRUST: str,
         "Error bars": lambda: error_bars(run.error_bars),
         "The cut": lambda: pictures.snapshots(run),
-        "In three dimensions": lambda: scene.scene(run),
+        "In three dimensions": lambda: pictures.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),
         "Figures": lambda: words.figures(run),

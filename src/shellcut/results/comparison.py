@@ -1,27 +1,9 @@
-r"""Comparison of a run with a measured curve: its figures and their definitions.
+"""Comparison of a run with a measured curve: its figures, defined in docs/howto/compare.md.
 
 Both curves are piecewise linear, m(x) through the measured points and s(x) through the rows of the
-history, and are compared on the range [a, b] that both cover. The points x_i are the measured ones
-within it and its two ends; w_i are the weights of the trapezoidal rule over them, so that closely
-spaced points do not count for more.
-
-==================  ===========================================================================
-RMS difference      sqrt(sum w_i (s(x_i) - m(x_i))² / (b - a)); relative: over the measured peak
-peak                the value of largest magnitude on [a, b]; of s among all its own points
-peak error          (peak of s - peak of m) / abs(peak of m)
-place of the peak   where the peak is first reached
-work                exact integral of the piecewise linear curve from a to b; angles in radians
-at first piercing   both curves where a cutting edge first goes through whole film
-mean                over the part of [a, b] in which the run cuts steadily
-                    (:mod:`shellcut.results.steady_window`)
-work error          (work of s - work of m) / abs(work of m)
-correlation         of s(x_i) and m(x_i) with the weights w_i (Pearson)
-==================  ===========================================================================
-
-The torque of a cut is a sawtooth with the spacing of the nodes. ``window`` replaces s(x) by its
-mean over [x - h, x + h], with h half the window or the distance to the nearer end of the history if
-that is less: a straight line stays the same, and the work is that of the unsmoothed curve. By
-default nothing is smoothed, so the figures describe the simulated curve itself.
+history. A ``window`` replaces s(x) by its mean over [x - h, x + h], with h half the window or the
+distance to the nearer end of the history if that is less: a straight line stays the same, and the
+work is that of the unsmoothed curve.
 """
 
 from __future__ import annotations
@@ -29,20 +11,19 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.numerics.broken_line import BrokenLine
-from shellcut.unit import conversion, dimension
+from shellcut.unit import after, conversion, dimension, shown
 from shellcut.unit import with_unit as said
 from shellcut.view import Curve, Diagram, draw_curves
 
-from .comparison_table import table_of
 from .measured_curve import MeasuredCurve, read_measured_curve
 from .run_results import Results, read
 
@@ -51,11 +32,30 @@ _SAME_END = 0.01
 _FEW_POINTS = 10
 
 
+_InX: TypeAlias = Annotated[float, "x_unit"]
+_InY: TypeAlias = Annotated[float, "y_unit"]
+_Work: TypeAlias = Annotated[float, "work_unit"]
+_Ratio: TypeAlias = Annotated[float, "-"]
+"""Figures, with the field of :class:`Comparison` that is their unit."""
+
+
+class Row(NamedTuple):
+    """A figure as text; cells are empty if a curve has no such figure."""
+
+    name: str
+    unit: str
+    """Unit of the three values, except for a difference in per cent."""
+    measured: str
+    simulated: str
+    difference: str
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """A run and a measured curve on their common range; built by :func:`compare`.
 
-    Relative figures are fractions; they are nan if their reference is zero.
+    The annotation of a figure says in which of its units it is. Ratios are fractions; they are nan
+    if their reference is zero.
 
     Examples
     --------
@@ -83,44 +83,32 @@ class Comparison:
     """The same for the simulated curve, averaged over the window."""
     window: float | None
     """Width of the mean over the simulated curve [x_unit]."""
-    rms: float
-    """Root-mean-square difference [y_unit]."""
-    rms_relative: float
-    """``rms`` over the measured peak [-]."""
-    peak_measured: float
-    """[y_unit]."""
-    peak_simulated: float
-    """[y_unit]."""
-    peak_error: float
-    """[-]."""
-    peak_at_measured: float
-    """[x_unit]."""
-    peak_at_simulated: float
-    """[x_unit]."""
-    work_measured: float
-    """[work_unit]."""
-    work_simulated: float
-    """[work_unit]."""
-    work_error: float
-    """[-]."""
+    rms: _InY
+    """Root-mean-square difference."""
+    rms_relative: _Ratio
+    """``rms`` over the measured peak."""
+    peak_measured: _InY
+    peak_simulated: _InY
+    peak_error: _Ratio
+    peak_at_measured: _InX
+    peak_at_simulated: _InX
+    work_measured: _Work
+    work_simulated: _Work
+    work_error: _Ratio
+    correlation: _Ratio
+    """From -1 to 1."""
+    mean_measured: _InY
+    """Over the steady part of the common range, nan without it."""
+    mean_simulated: _InY
+    mean_error: _Ratio
+    pierced_at: _InX
+    """Where a cutting edge first pierces whole film, nan outside the common range."""
+    pierced_measured: _InY
+    pierced_simulated: _InY
     work_unit: str
     """N*mm for a torque over an angle or a force over a path, else the product of both units."""
-    correlation: float
-    """[-], from -1 to 1."""
     steady_range: tuple[float, float] | None
     """Part of the common range with steady cutting [x_unit], None if there is none."""
-    mean_measured: float
-    """Over that part, nan without it [y_unit]."""
-    mean_simulated: float
-    """[y_unit]."""
-    mean_error: float
-    """[-]."""
-    pierced_at: float
-    """Where a cutting edge first pierces whole film, nan outside the common range [x_unit]."""
-    pierced_measured: float
-    """[y_unit]."""
-    pierced_simulated: float
-    """[y_unit]."""
     notes: tuple[str, ...]
     """Notes for the reader, such as ranges that overlap only partly."""
 
@@ -130,38 +118,66 @@ class Comparison:
         return float(self.x[0]), float(self.x[-1])
 
     def __str__(self) -> str:
-        """Return a small table."""
-        return table_of(self)
+        """Return a small table with its scope above it and the notes below."""
+        table = [("", "measured", "simulated", "difference")]
+        for row in self.rows():
+            unit = after(row.unit)
+            both = [f"{cell}{unit}" if cell else "" for cell in (row.measured, row.simulated)]
+            own = "" if row.difference.endswith(("%", "-")) else unit
+            table.append((row.name, both[0], both[1], f"{row.difference}{own}"))
+        width = [max(len(cells[k]) for cells in table) for k in range(4)]
+        lines = [
+            cells[0].ljust(width[0])
+            + "".join(f"  {cell.rjust(w)}" for cell, w in zip(cells[1:], width[1:], strict=True))
+            for cells in table
+        ]
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([f"{self.name}: {self.scope()}", *lines, *notes])
+
+    def scope(self) -> str:
+        """Return common range, number of points and smoothing in words."""
+        unit, factor = shown(self.x_unit)
+        a, b, width = (factor * along for along in (*self.range, self.window or 0.0))
+        x = after(unit)
+        smoothed = f", simulated mean over {width:.4g}{x}" if width else ""
+        return f"{self.x_name} {a:.4g} to {b:.4g}{x}, {len(self.x)} points{smoothed}"
+
+    def rows(self) -> list[Row]:
+        """Return the figures as texts."""
+        c, x, y = self, self.x_unit, self.y_unit
+        shift = c.peak_at_simulated - c.peak_at_measured
+        both: list[tuple[str, str, float, float, str | float]] = [
+            (f"peak {c.y_name}", y, c.peak_measured, c.peak_simulated, _percent(c.peak_error)),
+            (f"{c.x_name} of the peak", x, c.peak_at_measured, c.peak_at_simulated, shift),
+            ("work", c.work_unit, c.work_measured, c.work_simulated, _percent(c.work_error)),
+        ]
+        if c.steady_range is not None:
+            unit, factor = shown(x)
+            low, high = (factor * end for end in c.steady_range)
+            name = f"mean over {low:.3g}-{high:.3g}{after(unit)}"
+            both.insert(2, (name, y, c.mean_measured, c.mean_simulated, _percent(c.mean_error)))
+        if np.isfinite(c.pierced_at):
+            unit, factor = shown(x)
+            name = f"at first piercing, {factor * c.pierced_at:.3g}{after(unit)}"
+            change = c.pierced_simulated - c.pierced_measured
+            both.append((name, y, c.pierced_measured, c.pierced_simulated, change))
+        correlation = f"{c.correlation:.4f}" if np.isfinite(c.correlation) else "-"
+        return [
+            *(_row(*cells) for cells in both),
+            _row("RMS difference", y, None, None, c.rms, sign=""),
+            Row("RMS difference over the peak", "-", "", "", _percent(c.rms_relative, sign="")),
+            Row("correlation", "-", "", "", correlation),
+        ]
 
     def to_json(self, path: str | os.PathLike[str]) -> Path:
         """Write the figures, each as ``{"value", "unit"}``, and both curves; return the path.
 
         Values that are not finite are written as null.
         """
-        x, y, work = self.x_unit, self.y_unit, self.work_unit
-        figures = {
-            "rms": (self.rms, y),
-            "rms_relative": (self.rms_relative, "-"),
-            "peak_measured": (self.peak_measured, y),
-            "peak_simulated": (self.peak_simulated, y),
-            "peak_error": (self.peak_error, "-"),
-            "peak_at_measured": (self.peak_at_measured, x),
-            "peak_at_simulated": (self.peak_at_simulated, x),
-            "work_measured": (self.work_measured, work),
-            "work_simulated": (self.work_simulated, work),
-            "work_error": (self.work_error, "-"),
-            "correlation": (self.correlation, "-"),
-            "mean_measured": (self.mean_measured, y),
-            "mean_simulated": (self.mean_simulated, y),
-            "mean_error": (self.mean_error, "-"),
-            "pierced_at": (self.pierced_at, x),
-            "pierced_measured": (self.pierced_measured, y),
-            "pierced_simulated": (self.pierced_simulated, y),
-        }
         content: dict[str, Any] = {
             "run": self.name,
-            "x": {"name": self.x_name, "unit": x},
-            "y": {"name": self.y_name, "unit": y},
+            "x": {"name": self.x_name, "unit": self.x_unit},
+            "y": {"name": self.y_name, "unit": self.y_unit},
             "range": list(self.range),
             "measured_range": self.measured_curve[0][[0, -1]].tolist(),
             "simulated_range": self.simulated_curve[0][[0, -1]].tolist(),
@@ -169,8 +185,8 @@ class Comparison:
             "steady_range": self.steady_range,
             "n_point": len(self.x),
             "figures": {
-                name: {"value": finite(value), "unit": unit}
-                for name, (value, unit) in figures.items()
+                name: {"value": finite(getattr(self, name)), "unit": getattr(self, unit, unit)}
+                for name, unit in _FIGURES.items()
             },
             "notes": list(self.notes),
             "curves": {
@@ -212,6 +228,27 @@ class Comparison:
         return path
 
 
+_FIGURES: dict[str, str] = {
+    name: hint.__metadata__[0]
+    for name, hint in get_type_hints(Comparison, include_extras=True).items()
+    if hasattr(hint, "__metadata__")
+}
+
+
+def _row(
+    name: str, unit: str, m: float | None, s: float | None, off: str | float, sign: str = "+"
+) -> Row:
+    """Return numbers as text in the unit in which they are shown; ``off`` may be text already."""
+    unit, factor = shown(unit)
+    measured, simulated = ("" if value is None else f"{factor * value:.4g}" for value in (m, s))
+    difference = off if isinstance(off, str) else f"{factor * off:{sign}.4g}"
+    return Row(name, unit, measured, simulated, difference)
+
+
+def _percent(fraction: float, sign: str = "+") -> str:
+    return f"{100.0 * fraction:{sign}.1f} %" if np.isfinite(fraction) else "-"
+
+
 def finite(value: Any) -> Any:
     """Return what JSON can express: numbers that are not finite as None, in dicts and lists too."""
     if isinstance(value, float) and not np.isfinite(value):
@@ -242,11 +279,9 @@ def compare(
     x, y : str, optional
         Columns of the run's history; by default its coordinate (angle or path) and its resistance
         (torque or force).
-    columns : (str or int, str or int), optional
-        The file's columns for ``x`` and ``y``, by heading or by number from 1; by default those
-        with the same names, or the only two columns.
-    units : str or (str, str), optional
-        Units of the file's columns, as ``"deg, N*mm"``; by default those in its headings.
+    columns, units : (str or int, str or int), str or (str, str), optional
+        The file's columns for ``x`` and ``y``, and their units, as of :func:`read_measured_curve`;
+        by default the columns with the same names.
     window : float, optional
         Width over which the simulated curve is averaged, in the unit of ``x``. Twice the node
         spacing along the cut removes the sawtooth.
@@ -267,44 +302,51 @@ def compare(
     results = run if isinstance(run, Results) else read(run)
     if not results.history:
         raise ValueError(f"{results.folder} must contain the run's history.csv, but does not")
-    x, y = _columns_in_history(results, x, y)
+    x = results.coordinate_name if x is None else x
+    y = results.resistance_name if y is None else y
+    if wrong := [f"no {k!r} in the history" for k in (x, y) if k not in results.history]:
+        raise ValueError(f"{'; '.join(wrong)}: there are {', '.join(results.history)}")
+    x_unit, y_unit = results.units[x], results.units[y]
     if window is not None and not (np.isfinite(window) and window > 0.0):
-        raise ValueError(f"window must be a width above 0 {results.units[x]}, got {window!r}")
+        raise ValueError(f"window must be a width above 0 {x_unit}, got {window!r}")
     if not isinstance(measured, MeasuredCurve):
         x_column, y_column = columns or (None, None)
         measured = read_measured_curve(
             Path(measured), x_column, y_column, units=units, expected=(x, y)
         )
-    x_unit, y_unit = results.units[x], results.units[y]
     m = in_units(measured, (x, x_unit), (y, y_unit))
     s = _increasing(x, results.history[x], results.history[y])
-    a, b = _common_range(m, s, x, x_unit)
+    a, b = max(m.x[0], s.x[0]), min(m.x[-1], s.x[-1])
+    if not a < b:
+        raise ValueError(
+            f"the curves must share a range of {x}, measured is {m.x[0]:.4g} to {m.x[-1]:.4g} "
+            f"{x_unit}, simulated {s.x[0]:.4g} to {s.x[-1]:.4g} {x_unit}: "
+            "check the units and the zero point"
+        )
     if window is not None and window > b - a:
         raise ValueError(
             f"window must be less than the common range, {b - a:.4g} {x_unit}, got {window:g}"
         )
-    found = _compared(results, m, s, x, y, (a, b), window)
-    return replace(found, notes=(*measured.notes, *found.notes))
+    return _compared(results, (x, y), (m, s), (a, b), window, measured.notes)
 
 
 def _compared(
     results: Results,
-    m: BrokenLine,
-    s: BrokenLine,
-    x: str,
-    y: str,
+    columns: tuple[str, str],
+    lines: tuple[BrokenLine, BrokenLine],
     between: tuple[float, float],
     window: float | None,
+    notes: tuple[str, ...],
 ) -> Comparison:
-    """Return the comparison of a measured and a simulated curve on a range of x."""
-    a, b = between
+    """Return the comparison of a measured and a simulated curve, their columns, on a range of x."""
+    (x, y), (m, s), (a, b), width = columns, lines, between, window or 0.0
     x_unit, y_unit = results.units[x], results.units[y]
     # the curves on [a, b]: each at its own points, the smoothed one at the points of both
     points, corners = m.points_within(a, b), s.points_within(a, b)
-    there, ours = m.at(points), s.mean_at(points, window or 0.0)
+    there, ours = m.at(points), s.mean_at(points, width)
     fine = np.union1d(points, corners) if window else corners
     peak_at_m, peak_m = _peak(points, there)
-    peak_at_s, peak_s = _peak(fine, s.mean_at(fine, window or 0.0))
+    peak_at_s, peak_s = _peak(fine, s.mean_at(fine, width))
     to_work, work_unit = _work_scale(x_unit, y_unit)
     work_m, work_s = (to_work * line.integral(a, b) for line in (m, s))
     weights = shares(points)
@@ -324,7 +366,7 @@ def _compared(
         measured=there,
         simulated=ours,
         measured_curve=(m.x, m.y),
-        simulated_curve=(s.x, s.mean_at(s.x, window or 0.0)),
+        simulated_curve=(s.x, s.mean_at(s.x, width)),
         window=window,
         rms=rms,
         rms_relative=_over(rms, peak_m),
@@ -345,30 +387,12 @@ def _compared(
         pierced_at=pierced.item(),
         pierced_measured=pierced_m,
         pierced_simulated=pierced_s,
-        notes=(*_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0), *why_not),
+        notes=(
+            *notes,
+            *_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0),
+            *why_not,
+        ),
     )
-
-
-def _columns_in_history(results: Results, x: str | None, y: str | None) -> tuple[str, str]:
-    """Return the columns of the run to compare, by default its coordinate and its resistance."""
-    x = results.coordinate_name if x is None else x
-    y = results.resistance_name if y is None else y
-    wrong = [f"no {k!r} in the history" for k in (x, y) if k not in results.history]
-    if wrong:
-        raise ValueError(f"{'; '.join(wrong)}: there are {', '.join(results.history)}")
-    return x, y
-
-
-def _common_range(m: BrokenLine, s: BrokenLine, x: str, x_unit: str) -> tuple[float, float]:
-    """Return the range of x that the measured and the simulated curve both cover."""
-    a, b = max(m.x[0], s.x[0]), min(m.x[-1], s.x[-1])
-    if not a < b:
-        raise ValueError(
-            f"the curves must share a range of {x}, measured is {m.x[0]:.4g} to {m.x[-1]:.4g} "
-            f"{x_unit}, simulated {s.x[0]:.4g} to {s.x[-1]:.4g} {x_unit}: "
-            "check the units and the zero point"
-        )
-    return a, b
 
 
 def _steady_range(

@@ -1,35 +1,12 @@
 """Quality of a cut at one frame: cut length, bridges, flaps, cut-out, loose pieces.
 
-Everything is derived from the quads, the two flanks of the crack edges and the held nodes. Lengths
-and areas are in the reference, widths of the slit and angles in the present position.
+docs/howto/read-results.md defines the figures. Everything is derived from the quads, the two flanks
+of the crack edges and the held nodes. A mean normal is that of the sum of the area vectors.
 
-**Cracks.** A *place* is a point at which flanks coincide before the cut: one node, or a node and
-its twins. Crack edges with a common place belong to one *crack*, unless the node there is not
-split: there cracks *end*. An end on the film's boundary is open and not an end in this sense.
-
-**Bridges.** Two crack ends face each other if each lies ahead of the other, less than 90° off the
-direction of the last crack edge. Ends that face each other are paired, narrowest bridge first. The
-*width* is the arc between the ends, c a / sin a, with c their distance and a the mean angle between
-the crack edges and the line that joins the ends: exact on a circle and on a straight path. Where
-cracks meet at a node that still holds, the width is 0. A single crack around a circle has a bridge
-once it has covered half the circle.
-
-**Flaps.** A flap is the film between a crack and the straight line between its two ends, its hinge.
-Its *angle* is the angle between its mean normal (of the area vectors) now and in the reference; its
-*steepest* angle is the largest such angle of any of its quads. A crack without two ends, or a
-straight one, has no flap.
-
-**Cut-out.** The piece that is to be cut free: the film inside the closed line of cracks and the
-straight lines across bridges, once there is such a line. The tipping of a disc that still hangs by
-four bridges, by one, or by none is the angle of its mean normal, as for a flap. The share of the
-line that is cut is the crack length over the sum of crack length and bridge widths.
-
-**Pieces.** Quads that share a node belong to one piece; cables do not count. A piece is loose if it
-has no held node; if nothing is held, if it is not the largest. A piece connected to others only by
-live cables is loose, too.
-
-The cut-out and flaps are found in the plane that best fits the line, so the film should be flat or
-gently curved in the reference.
+A *place* is a point at which flanks coincide before the cut: one node, or a node and its twins.
+Crack edges with a common place belong to one *crack*, unless the node there is not split: there
+cracks *end*. An end on the film's boundary is open and not an end in this sense. A crack without
+two ends, or a straight one, has no flap.
 """
 
 from __future__ import annotations
@@ -155,7 +132,7 @@ LABELS = {
 
 
 def cut_quality(frame: Frame) -> CutQuality:
-    """Return the quality of a cut at one frame; the module defines each figure.
+    """Return the quality of a cut at one frame; docs/howto/read-results.md defines the figures.
 
     Examples
     --------

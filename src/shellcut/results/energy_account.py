@@ -1,11 +1,8 @@
 """Where the work of a run went: one account, of the ledger's entries or of the history's columns.
 
-    work put in  =  cables + film's law + friction + damping + contact + stored + kinetic + ...
-                    + imbalance
-
-The parts are linear in the entries, so the account of a stretch of the run is that of the
-differences between its ends. Ledger, ``summary.json``, verdict, curves, report and the table at the
-end of a run all take their parts and sums from here.
+docs/theory/energy.md names its parts. They are linear in the entries, so the account of a stretch
+of the run is that of the differences between its ends. Ledger, ``summary.json``, verdict, curves,
+report and the table at the end of a run all take their parts and sums from here.
 """
 
 from __future__ import annotations
@@ -132,15 +129,6 @@ def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
 
     Empty where nothing was put in, or a tool never touched its film: then round-off is all there
     is. Shares that round to 0.0 % are left out.
-
-    Examples
-    --------
-    >>> figures = {"tool_work_Nmm": 8.0, "cables_Nmm": 6.0, "damping_Nmm": 1.0}
-    >>> for line in account(figures | {"imbalance_Nmm": 1.0})[1]:
-    ...     print(line.words, line.share)
-    cables 0.75
-    damping 0.125
-    imbalance 0.125
     """
     whole = sum(figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN)
     if not whole > 0.0 or never_touched(figures):
@@ -181,11 +169,6 @@ def driver(entries: Mapping[str, Any], ending: str = "") -> str:
     return "support_work" if supports and not tool else "tool_work"
 
 
-def is_pulled(history: Mapping[str, Floats]) -> bool:
-    """Whether supports and no tool drive the run."""
-    return driver(history) == "support_work"
-
-
 def driving_work(history: Mapping[str, Floats]) -> Floats:
     """Return the work of the tool, or that of the supports where no tool works, shape (n_row,)."""
     return history[driver(history)]
@@ -196,11 +179,6 @@ def trusted_rows(history: Mapping[str, Floats]) -> Bools:
 
     These are the rows with at least a tenth of the largest work of the run; none if there was no
     work.
-
-    Examples
-    --------
-    >>> trusted_rows({"tool_work": np.array([0.0, 0.4, 1.0, 9.0])})
-    array([False, False,  True,  True])
     """
     work = np.abs(driving_work(history))
     finite = np.isfinite(work)
@@ -212,14 +190,6 @@ def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, f
     """Return the largest imbalance and kinetic energy relative to the driving work, [-].
 
     Empty if no row can be trusted: without work there is no balance to close.
-
-    Examples
-    --------
-    >>> columns = {"tool_work": [0.0, 10.0], "imbalance": [0.2, -0.1]}
-    >>> columns |= {"kinetic_translation": [0.0, 0.4], "kinetic_rotation": [0.0, 0.1]}
-    >>> history = {name: np.array(column) for name, column in columns.items()}
-    >>> largest_shares(history, np.array([False, True]))
-    {'imbalance_rel': 0.01, 'kinetic_rel': 0.05}
     """
     if not trusted.any():
         return {}

@@ -1,19 +1,9 @@
-r"""Error bars of a model's figures, from companion runs on other meshes, slower, and by chance.
+"""Error bars of a model's figures, from companion runs on other meshes, slower, and by chance.
 
-With f of the model as given, f_q on a mesh finer by the ratio q = h / h_0 < 1, f_v of a slower
-motion, and n runs that differ from it by chance only (other small shapes of the film, other nodes
-under the path), with their standard deviation s,
-
-    value = f_q + (f_v - f),
-    mesh = q / (1 - q) |f_q - f|,   speed = |f_v - f|,   chance = t s,
-
-t of Student for 95 % and n - 1 degrees of freedom. An error that goes with the edge length leaves
-``mesh`` between f_q and an infinitely fine mesh, one that goes with the speed leaves ``speed``
-between half of it and rest; errors of higher order leave less [Roache1994]. Without a finer mesh a
-coarser one takes its place, q > 1: the value is that of f, mesh = |f_q - f| / (q - 1). A crack
-advances by whole edges, so its length is known to an edge of the finest mesh at best. The
-half-width is the root of the sum of the squares; how often it covers the fine answer is counted in
-docs/error-bars.md.
+docs/howto/converge.md says how a band is made, docs/error-bars.md how often it covers the fine
+answer [Roache1994]. Without a finer mesh a coarser one takes its place, of the ratio q > 1: the
+value is that of f, mesh = abs(f_q - f) / (q - 1). A crack advances by whole edges, so its length is
+known to an edge of the finest mesh at best.
 
 The order with which a figure converges is that of f + a h^p through three meshes.
 """

@@ -62,11 +62,13 @@ def described(attributes: Mapping[str, Any], series_names: Iterable[str]) -> str
     return "\n".join([*texts, *sorted(series_names)])
 
 
-def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
-    """Return the digests of the first frames' rows, one or more, as they read now.
+def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:
+    """Return the first of the frames whose row has changed since it was written, None if none.
 
     ``root`` and ``beside`` are VTK's group of the file and the library's own.
     """
+    if not n_frame:
+        return None
     steps, series = root["Steps"], root["FieldData"]
     description = described(beside.attrs, series)
 
@@ -80,13 +82,6 @@ def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
     table = np.concatenate([*numbers, rows(beside["pose"])], axis=1)
     where = np.concatenate(places, axis=1)
     rows_of_both = zip(table.tolist(), where.tolist(), strict=True)
-    return [digest_of_row(description, *row) for row in rows_of_both]
-
-
-def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:
-    """Return the first of the frames whose row has changed since it was written, None if none."""
-    if not n_frame:
-        return None
-    now = np.array(row_digests(root, beside, n_frame), np.uint32)
+    now = np.array([digest_of_row(description, *row) for row in rows_of_both], np.uint32)
     wrong = np.flatnonzero(beside[DIGESTS][:n_frame, 0] != now)
     return int(wrong[0]) if wrong.size else None

@@ -1,46 +1,10 @@
 """A frame as one unstructured grid with named arrays, as stored in result files.
 
-Points: the nodes in their deformed positions, so that the crack opens without a filter; then the
+docs/howto/read-results.md lists the parts, the values of the cell array ``part``, and all arrays.
+Points are the nodes in their deformed positions, so that the crack opens without a filter; then the
 ends of the cables' branches, two per segment; the vertices of the tool; the ends of the segments of
-the cutting edges, two per segment. The cell array ``part`` distinguishes the cells:
-
-====  ============  =======================================================================
-part  cell          is
-====  ============  =======================================================================
-0     quad          the film; a polygon where a crack has cut a quad
-1     line          a straight branch of a cable
-2     triangle      the tool
-3     line          a flank of the crack, an edge of the film; two consecutive ones, minus and
-                    plus, were one edge before the cut
-4     line          a segment of a cutting edge
-====  ============  =======================================================================
-
-=======================================  ======  ==============================================
-array                                    on      holds
-=======================================  ======  ==============================================
-``displacement [mm]``                    points  3 components
-``velocity [mm per s]``                  points  3 components
-``director``                             points  3 components
-``held``                                 points  1 if a support prescribes a motion
-``part``                                 cells   as above
-``membrane stress [MPa]``                cells   s11, s22, s12 in the lamina frame
-``top stress [MPa]``                     cells   the same at the outer face of the top layer
-``bottom stress [MPa]``                  cells   the same at the outer face of the bottom layer
-``largest principal stress [MPa]``       cells   of the film, mean over the thickness
-``smallest principal stress [MPa]``      cells   of the film, mean over the thickness
-``largest principal stress, top [MPa]``  cells   also ``smallest``, and ``bottom``
-``thickness [mm]``                       cells   of the film, at present
-``traction [MPa]``                       cells   of the cables
-``opening [mm]``                         cells   of the cables, both branches together
-``cable state``                          cells   0 straight, 1 jointed
-``tooth``                                cells   of the tool and its edges, counted from 1
-``history, damage [-]`` and the like     cells   of the membrane: means of the history numbers
-                                                 of the material, by the names its law gives
-=======================================  ======  ==============================================
-
-An array is zero on the points and cells it does not apply to. A "/" in a unit becomes "per",
-because HDF5 reads it as a path. Floating-point arrays are rounded to 12 bits (1.2e-4 of the value),
-which halves their packed size; points stay in single precision (1e-6 mm at 10 mm).
+the cutting edges, two per segment. A "/" in a unit becomes "per", because HDF5 reads it as a path.
+Rounding to 12 bits halves the packed size of arrays.
 """
 
 from __future__ import annotations
@@ -172,8 +136,14 @@ def grid_of(frame: Frame) -> FrameGrid:
             frame.edge_points.reshape(-1, 3),
         )
     )
-    arrays = _point_arrays(frame, n), _cell_arrays(frame, n)
-    return FrameGrid(n, points, connectivity, types, sizes, *arrays)
+    on_points = _arrays(POINT_ARRAYS, n.points[-1], frame, n)
+    on_points[_DISPLACEMENT][: n.node] = _rounded(frame.displacement)
+    on_cells = _arrays(CELL_ARRAYS, n.cells[-1], frame, n)
+    on_cells["part"][:] = np.repeat(np.arange(len(counts)), counts)
+    for name, numbers in frame.quad_history.items():
+        on_cells[_HISTORY + name] = np.zeros(n.cells[-1], np.float32)
+        on_cells[_HISTORY + name][n.rows("quad")] = _rounded(numbers)
+    return FrameGrid(n, points, connectivity, types, sizes, on_points, on_cells)
 
 
 def frame_of(
@@ -251,30 +221,11 @@ def _ends(*counts: int) -> tuple[int, ...]:
     return tuple(np.cumsum(counts).tolist())
 
 
-def _point_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
-    arrays = _zeros(POINT_ARRAYS, n.points[-1])
-    arrays[_DISPLACEMENT][: n.node] = _rounded(frame.displacement)
-    _fill(arrays, frame, n)
-    return arrays
-
-
-def _cell_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
-    arrays = _zeros(CELL_ARRAYS, n.cells[-1])
-    for part, (first, last) in enumerate(zip((0, *n.cells), n.cells, strict=False)):
-        arrays["part"][first:last] = part
-    for name, numbers in frame.quad_history.items():
-        arrays[_HISTORY + name] = np.zeros(n.cells[-1], np.float32)
-        arrays[_HISTORY + name][n.rows("quad")] = _rounded(numbers)
-    _fill(arrays, frame, n)
-    return arrays
-
-
-def _zeros(table: Mapping[str, tuple[Any, tuple[int, ...]]], count: int) -> dict[str, Any]:
-    return {name: np.zeros((count, *shape), dtype) for name, (dtype, shape) in table.items()}
-
-
-def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
-    """Write the fields of a frame into those of their arrays that are present."""
+def _arrays(
+    table: Mapping[str, tuple[Any, tuple[int, ...]]], count: int, frame: Frame, n: Counts
+) -> dict[str, Any]:
+    """Return the arrays of a table with the fields of a frame, zero where they do not apply."""
+    arrays = {name: np.zeros((count, *shape), dtype) for name, (dtype, shape) in table.items()}
     for name, rows in ROWS.items():
         values = getattr(frame, name)
         if rows.dtype is np.float64:
@@ -283,6 +234,7 @@ def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
             if array in arrays:
                 one = values if len(rows.arrays) == 1 else values[:, column]
                 arrays[array][n.rows(rows.of)] = one
+    return arrays
 
 
 def _rounded(values: Floats) -> Any:

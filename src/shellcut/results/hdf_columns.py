@@ -64,17 +64,15 @@ class Columns:
         packed: bool = False,
     ) -> None:
         """Create an empty column with rows of a type and shape, written singly or in blocks."""
-        packing: dict[str, Any] = {}
-        if packed:
-            packing = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-            packing["fletcher32"] = True
+        packing: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
         dataset = self._root.create_dataset(
             name,
             (0, *shape),
             dtype,
             maxshape=(None, *shape),
             chunks=(_BLOCK_CHUNK if blocks or packed else _ROW_CHUNK, *shape),
-            **packing,
+            fletcher32=packed,
+            **(packing if packed else {}),
         )
         self._columns[name] = _Column.of(dataset)
 

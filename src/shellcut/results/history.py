@@ -1,30 +1,52 @@
-"""The time histories of a run: one CSV file with units in its header; each row is flushed.
+"""The tables of a run, CSV files with units in their headers: its time histories, its splits.
 
-Any spreadsheet reads the file, and so does one line of NumPy. Numbers have the fewest digits that
-give the same double back. A killed run leaves complete lines, because each line goes to the
-operating system in one piece before `HistoryWriter.append` returns.
+Each row of the histories is flushed: a killed run leaves complete lines, because each line goes to
+the operating system in one piece before `HistoryWriter.append` returns. Any spreadsheet reads the
+files, and so does one line of NumPy. Numbers have the fewest digits that give the same double back.
 """
 
 from __future__ import annotations
 
+import csv
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
+import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
-from shellcut.files.whole_file import opened, write_all
+from shellcut.files.whole_file import atomic_write, opened, write_all
+
+if TYPE_CHECKING:
+    from shellcut.state import SplitRecord
 
 _FORBIDDEN = ',"[]\r\n'
 _SHOWN_BYTES = 120  # part of a foreign file's first line quoted in an error message
 
 
-def _header(columns: Sequence[tuple[str, str]]) -> str:
-    return ",".join(f"{name} [{unit}]" for name, unit in columns)
+_OF_SPLITS: dict[str, tuple[str, type]] = {
+    "time": ("s", float),
+    "node": ("-", int),
+    "twin": ("-", int),
+    "kind": ("-", str),
+    "measure": ("-", float),
+    "force_jump": ("N", float),
+    **dict.fromkeys(("x", "y", "z", "X", "Y", "Z", "X_end", "Y_end", "Z_end"), ("mm", float)),
+    "edge": ("-", int),
+    "force": ("N", float),
+    "depth": ("mm", float),
+    "work": ("N*mm", float),
+}
+"""Unit and type of every column; x, y, z in space, X, Y, Z in the reference. The last four are
+those of a puncture: cutting edge from 1, 0 for none, and :class:`~shellcut.state.SplitRecord`."""
+
+
+def _header(columns: Iterable[tuple[str, str]]) -> list[str]:
+    return [f"{name} [{unit}]" for name, unit in columns]
 
 
 def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
@@ -74,7 +96,7 @@ class HistoryWriter:
         self._check_columns()
         if until is None:
             self._file: BinaryIO = opened(self.path, "w")
-            write_all(self._file, (_header(self.columns) + "\n").encode())
+            write_all(self._file, (",".join(_header(self.columns)) + "\n").encode())
         else:
             kept = self._kept_bytes(until)
             self._file = opened(self.path, "r+")
@@ -89,15 +111,10 @@ class HistoryWriter:
         self.close()
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Write one row; its keys must be exactly the names of the columns.
+        """Write one row; its keys must be exactly the names of the columns, else KeyError.
 
-        Raises
-        ------
-        KeyError
-            If names are missing or unknown; nothing is written then.
-        OSError
-            If the disk is full; part of the row may have been written, which is dropped when the
-            file is reopened.
+        After an OSError, of a full disk, part of the row may have been written, which is dropped
+        when the file is reopened.
         """
         if tuple(row) != self._names:
             missing = [name for name in self._names if name not in row]
@@ -113,13 +130,7 @@ class HistoryWriter:
         return self._is_the_one_there() if self._can_be_told else self.path.exists()
 
     def sync(self) -> None:
-        """Wait until all rows are on the disk.
-
-        Raises
-        ------
-        OSError
-            If that fails.
-        """
+        """Wait until all rows are on the disk; OSError if that fails."""
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
@@ -150,7 +161,7 @@ class HistoryWriter:
         if lines and not lines[-1].endswith(b"\n"):
             lines.pop()
         found = lines[0].decode(errors="replace").rstrip("\r\n") if lines else ""
-        if found != _header(self.columns):
+        if found != ",".join(_header(self.columns)):
             raise ValueError(
                 f"{self.path} has other columns than this run: {found[:_SHOWN_BYTES]!r}; "
                 "move it away or start anew"
@@ -212,3 +223,29 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
     table = np.fromiter(map(float, cells), float).reshape(-1, len(columns))
     values = {name: table[:, k].copy() for k, (name, _) in enumerate(columns)}
     return values, dict(columns)
+
+
+def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
+    """Write one row per split, in order."""
+    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(_header((name, unit) for name, (unit, _) in _OF_SPLITS.items()))
+        for s in splits:
+            row = (s.time, s.node, s.twin, s.kind, s.measure, s.force_jump)
+            pierced = (s.edge + 1, s.force, s.depth, s.work)
+            table.writerow([*row, *s.place, *s.reference, *s.end, *pierced])
+
+
+def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:
+    """Return the columns, each of shape (n_split,), and their units; empty without a file."""
+    if not path.exists():
+        return {}, {}
+    header, *rows = csv.reader(read_regular(path).decode().splitlines())
+    columns: dict[str, npt.NDArray[Any]] = {}
+    units: dict[str, str] = {}
+    cells = zip(*rows, strict=True) if rows else [()] * len(header)
+    for heading, column in zip(header, cells, strict=True):
+        name, _, unit = heading.rstrip("]").partition(" [")
+        _, kind = _OF_SPLITS.get(name, ("", float))
+        columns[name], units[name] = np.array(column, dtype=kind), unit
+    return columns, units

@@ -136,9 +136,7 @@ def curve_of_columns(
     table: NumberTable, columns: list[int], units: Sequence[str] = ("", "")
 ) -> MeasuredCurve:
     """Return the curve of two columns, given by index; empty units are those of the headings."""
-    path, problems = table.path, []
-    notes = []
-    taken = []
+    path, problems, notes, taken = table.path, list[str](), list[str](), list[str]()
     for column, unit in zip(columns, units, strict=True):
         written = table.headings[column].unit if table.headings else ""
         name = table.name(column)

@@ -9,7 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.view.curves import Curve, Diagram
 
-from .energy_account import PUT_IN, energy_shares, is_pulled, total, trusted_rows
+from .energy_account import PUT_IN, driver, energy_shares, total, trusted_rows
 
 # A negative share up to this part of the largest is still drawn as an area: round-off and the half
 # step between work and energy cause it.
@@ -31,7 +31,7 @@ def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) 
         Curve(said, numbers, f"tooth{k % 8}", group="teeth")
         for k, (said, numbers) in enumerate(each.items())
     ]
-    if not is_pulled(history):
+    if driver(history) == "tool_work":
         joints = history[f"{name}_joints"]
         curves += [
             Curve("from contact", history[name] - joints, "contact"),  # friction, too

@@ -32,9 +32,8 @@ from shellcut.unit import with_unit
 from shellcut.view import Curve, Look, draw_curves, png_of
 
 from .cut_quality import UNITS, cut_quality
-from .history import read_history
+from .history import read_history, read_splits
 from .run_curves import energy_diagram, imbalance_diagram, resistance_diagram
-from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_figures, steady_window
 from .summary_figures import LABELS, key_figures, window_of
 from .verdict import Line
@@ -56,33 +55,30 @@ class Results:
     """A run's history, frames and figures; built by :func:`read`.
 
     It is a snapshot of the folder: for a run in progress, read again to see more.
-
-    Attributes
-    ----------
-    folder : Path
-    name : str
-        Name of the run, the stem of its ``.vtkhdf`` file.
-    history : dict of ndarray, shape (n_row,)
-        The columns of ``history.csv`` by name; empty if the file is missing.
-    units : dict of str
-        Their units by the same names.
-    summary : dict
-        ``summary.json``; empty if the run has not ended.
-    splits : dict of ndarray, shape (n_split,)
-        The columns of ``splits.csv`` by name; empty if the run has not ended.
-    split_units : dict of str
-        Their units.
     """
 
     def __init__(self, folder: Path, name: str, frames: VtkHdfReader) -> None:
-        self.folder, self.name = folder, name
+        self.folder = folder
+        self.name = name
+        """Name of the run, the stem of its ``.vtkhdf`` file."""
         self._frames = frames
+        self.n_frame = frames.n_frame
+        """Number of complete frames."""
+        self.times, self.coordinates = frames.times, frames.coordinates
+        """Time [s] and coordinate, in ``coordinate_unit``, of every frame, shape (n_frame,)."""
         self.history: dict[str, Floats] = {}
+        """The columns of ``history.csv`` by name, shape (n_row,); empty if the file is missing."""
         self.units: dict[str, str] = {}
+        """Their units by the same names."""
         if (folder / HISTORY).exists():
             self.history, self.units = read_history(folder / HISTORY)
-        self.summary = _read_summary(folder / SUMMARY)
+        self.summary: dict[str, Any] = {}
+        """``summary.json``; empty if the run has not ended."""
+        with suppress(FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
+            self.summary = dict(json.loads(read_regular(folder / SUMMARY)))
         self.splits, self.split_units = read_splits(folder / SPLITS)
+        """The columns of ``splits.csv`` by name, shape (n_split,), and their units; empty if the
+        run has not ended."""
 
     def __repr__(self) -> str:
         n_row = len(next(iter(self.history.values()), ()))
@@ -145,21 +141,6 @@ class Results:
 
     # ------------------------------------------------------------------ frames
 
-    @property
-    def times(self) -> Floats:
-        """Time of every frame, shape (n_frame,), [s]."""
-        return self._frames.times
-
-    @property
-    def coordinates(self) -> Floats:
-        """Coordinate of every frame, shape (n_frame,), in ``coordinate_unit``."""
-        return self._frames.coordinates
-
-    @property
-    def n_frame(self) -> int:
-        """Number of complete frames."""
-        return self._frames.n_frame
-
     def frame(self, k: int) -> Frame:
         """Return frame ``k``, negative from the end, as in :meth:`VtkHdfReader.frame`.
 
@@ -185,7 +166,8 @@ class Results:
         """Return the quality of the cut over the frames.
 
         ``time``, the coordinate, and all of :data:`shellcut.results.cut_quality.UNITS`, defined in
-        that module. For all details of one frame, use ``cut_quality(results.frame(k))``.
+        docs/howto/read-results.md. For all details of one frame, use
+        ``cut_quality(results.frame(k))``.
         """
         rows = [cut_quality(frame).figures() for frame in self.frames()]
         columns = {name: np.array([row[name] for row in rows], dtype=float) for name in UNITS}
@@ -290,10 +272,3 @@ def read(path: str | os.PathLike[str]) -> Results:
             raise ValueError(f"{path} must hold one .vtkhdf file, got {names}; give one of them")
         path = found[0]
     return Results(path.parent, path.stem, VtkHdfReader(path))
-
-
-def _read_summary(path: Path) -> dict[str, Any]:
-    try:
-        return dict(json.loads(read_regular(path)))
-    except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
-        return {}

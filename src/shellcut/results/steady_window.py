@@ -1,32 +1,23 @@
-r"""The steady part of a cut, found from the history of its run.
+"""The steady part of a cut, found from the history of its run.
 
-In steady cutting every cutting edge drags a process zone of full length through film that does not
-yet feel the film's end or the next cut; mean torque and work per unit of travel are computed only
-there. From the columns of :mod:`shellcut.recording.cut_front`, for each edge that cuts:
+docs/howto/read-results.md says where a cut is steady. Here the conditions are asked of each edge
+that cuts, row by row, from the columns of :mod:`shellcut.recording.cut_front`; the window is the
+longest stretch in which all hold for all edges. Z is the cut length when an edge's first cable
+breaks, its process zone then being full.
 
-*The zone is full* when the edge's first cable breaks; the cut length is then Z. It is *renewed*
-when the cut length is 2 Z: all cables then at work were made while the zone was full. The window
-begins here, if the motion has reached its speed.
-
-*The film ahead is free* as long as the distance from the edge to the next cut or to the film's
-boundary is at least Z. Ends of cracks run on by a node or two by chance: where the film ends is the
-median over the joints of the last 4 Z. Of either length a quarter of a spacing of the joints may be
-missing, so that round-off decides nothing on a regular mesh, where all are multiples of half of it.
-
-*The edge cuts* as long as it meets cable after cable, none of them at its end: there it is just
-entering or leaving the film. An edge that takes three times its median travel per millimetre of cut
-has stopped.
+Of a length that must reach Z or 2 Z a quarter of a spacing of the joints may be missing, so that
+round-off decides nothing on a regular mesh, where all are multiples of half of it. The film ahead
+ends at the median over the joints of the last 4 Z. The window has whole periods of the edge that is
+the first to meet a cable in it, which must cut half of Z there: what is true of less is true of
+some cables, not of the cut. An edge has stopped if it takes three times its median travel per
+millimetre of cut, and is ignored if it has cut less than a tenth of the longest cut.
 
 *Without a tool* nothing is met: the window is where the crack grows once its zone is full, from a
 third of its last length on, the first third being the way in which the film takes the shape that
 tears.
 
-With a tool, the window is the longest stretch in which all of this holds for all edges. Resistance
-is a sawtooth with the spacing of the cables, so the window is shortened to whole periods of the
-edge that is the first to meet a cable in it. This edge must cut half of Z in it: what is true of
-less is true of some cables, not of the cut. An edge that has cut less than a tenth of the longest
-cut is ignored. Means are of sums over every step: the rows are written at steps at which cracks are
-looked for, and the mean of their torque is up to 0.3 % too large.
+Means are of sums over every step: the rows are written at steps at which cracks are looked for, and
+the mean of their torque is up to 0.3 % too large.
 """
 
 from __future__ import annotations
@@ -39,7 +30,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.formats.errors import counted
 
-from .energy_account import CABLES, STORED, driving_work, is_pulled
+from .energy_account import CABLES, STORED, driver, driving_work
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -62,15 +53,7 @@ _ROUND_OFF = 1e-10  # of lengths, over that of the cut
 
 @dataclass(frozen=True)
 class SteadyWindow:
-    """Range of steady cutting, or the reason why there is none.
-
-    Examples
-    --------
-    >>> print(SteadyWindow(30.2, 69.8, 600, 1400).text("deg"))
-    30.2 to 69.8 deg
-    >>> print(SteadyWindow(reason="no cable has broken").text("deg"))
-    none: no cable has broken
-    """
+    """Range of steady cutting, or the reason why there is none."""
 
     low: float = float("nan")
     high: float = float("nan")
@@ -136,7 +119,7 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
 
     It follows from the columns of the history, and name and unit of the coordinate.
     """
-    if is_pulled(history):
+    if driver(history) == "support_work":
         return _torn(history, coordinate)
     cuts = _cuts(history)
     if isinstance(cuts, str):

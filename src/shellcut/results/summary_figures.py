@@ -101,11 +101,6 @@ def key_figures(
     """Return label and value with unit of the named figures that are there.
 
     By default of all but those that the verdict has: the known ones in order, then others by name.
-
-    Examples
-    --------
-    >>> key_figures({"n_step": 39194, "torque_peak_Nmm": 208.17})
-    [('torque, peak', '208.2 N·mm'), ('steps', '39,194')]
     """
     if names is None:
         names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in _ELSEWHERE]
@@ -142,13 +137,7 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
 
 
 def window_of(summary: Mapping[str, Any]) -> str:
-    """Return the steady window of a summary as text; "" without one.
-
-    Examples
-    --------
-    >>> window_of({"window_from_deg": 27.43, "window_to_deg": 67.3})
-    '27.4-67.3°'
-    """
+    """Return the steady window of a summary as text; "" without one."""
     for unit in ("deg", "mm"):
         if f"window_from_{unit}" in summary:
             other, factor = shown(unit)
@@ -195,11 +184,6 @@ def known_figure(name: str, more: Iterable[str] = ()) -> str:
     """Return the full name of a figure that runs may have, or one of ``more``.
 
     Raises ValueError if there is none.
-
-    Examples
-    --------
-    >>> known_figure("piercing_force_3"), known_figure("torque_peak")
-    ('piercing_force_3_N', 'torque_peak_Nmm')
     """
     first = re.sub(r"_\d+(?=_|$)", "_1", name)
     known = (*LABELS, *_ELSEWHERE, *_OF_TEETH, *more)
@@ -221,13 +205,7 @@ def _plain(name: str) -> str:
 
 
 def label_of(key: str, window: str) -> str:
-    """Return the label of a figure; ``window`` says over what a mean is taken.
-
-    Examples
-    --------
-    >>> label_of("torque_plateau_Nmm", "the steady window"), label_of("n_bolt", "")
-    ('torque, mean over the steady window', 'bolt')
-    """
+    """Return the label of a figure; ``window`` says over what a mean is taken."""
     if key in LABELS:
         return LABELS[key].format(window=window)
     ending = next((ending for ending in _UNITS if key.endswith(ending)), "")

@@ -9,46 +9,28 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from .energy_account import account, dissipated, driver, never_touched
-from .remedies import SLOWER, SMALLER_STEP, remedies
 
 LOGGER = logging.getLogger("shellcut.verdict")
 """Logs the lines at the end of a run: doubts as warnings, the others as information."""
 LOGGER.setLevel(logging.INFO)
 
+# Limits, with their reasons in docs/howto/trust.md. Energies are relative to the tool's work.
 IMBALANCE_LIMIT = 0.01
-"""Largest imbalance of the ledger, relative to the tool's work."""
-KINETIC_LIMIT = 0.05
-"""Largest kinetic energy in slow cutting, relative to the tool's work."""
-QUASI_STATIC_LIMIT = 0.01
-"""Largest kinetic energy of a quasi-static run, likewise."""
+KINETIC_LIMIT, QUASI_STATIC_LIMIT = 0.05, 0.01
 DAMPING_LIMIT = 0.10
-"""Largest share of the tool's work dissipated by damping."""
-CONTACT_LIMIT = 0.05
-"""Largest share of the tool's work that contact takes, friction not counted."""
-GIVEN_LIMIT = 0.01
-"""Largest energy that contact gives to the film, relative to the tool's work: as wrong as an
-imbalance of the ledger, so it has the same limit."""
-PENETRATION_LIMIT = 0.25
-"""Largest depth of a node in the tool relative to the tool's mean half thickness, volume over
-surface. The film is pushed aside by that much less than the tool is thick; at 1 a node is as near
-to the other flank."""
-UNFELT_LIMIT = 0.5
-"""Largest penetration between nodes, which nodal contact misses, relative to the side of a quad."""
-OVERSHOOT_LIMIT = 0.02
-"""Largest mean overshoot of the edge past the cables it meets, relative to the distance over which
-it drags them; that share of their work is missed."""
-ASKED_LIMIT = 0.85
-"""Smallest share of the dissipated work that goes where the laws of the run let it go: cables, film
-and friction. The rest is for damping and contact."""
+CONTACT_LIMIT = 0.05  # friction not counted
+GIVEN_LIMIT = 0.01  # that contact gives to the film: as wrong as an imbalance
+PENETRATION_LIMIT = 0.25  # of the tool's half thickness; at 1 a node is as near to the other flank
+UNFELT_LIMIT = 0.5  # of the side of a quad
+OVERSHOOT_LIMIT = 0.02  # of the distance over which the edge drags its cables
+ASKED_LIMIT = 0.85  # of the dissipated work, to cables, film and friction
 STORED_LIMIT = 0.10
-"""Largest share of the tool's work that the film stores in steady cutting. Sound runs store up to
-3 %; a flat film that does not buckle, pressed in its plane by the blade's thickness, half of it."""
-INERTIA_NOTE = 100.0
-"""Scale of the rotary inertia above which it is mentioned."""
+INERTIA_NOTE = 100.0  # scale of the rotary inertia
 
 
 @dataclass(frozen=True)
@@ -109,6 +91,53 @@ def say(lines: Iterable[Line]) -> None:
         LOGGER.log(logging.WARNING if line.kind == "doubt" else logging.INFO, "%s", line)
 
 
+_REMEDIES: dict[str, tuple[str, Callable[[Figures], bool]]] = {
+    "slower": ("a slower motion", lambda o: "quasi_static" not in o),
+    "smaller share": ("a smaller quasi_static", lambda o: o["quasi_static"] > 0.0),
+    "finer": ("a finer film near the tool", lambda _: True),
+    "damping": ("less damping", lambda _: True),
+    "penalty": ("a larger contact.penalty", lambda _: True),
+    "imperfection": ("imperfection = 1", lambda o: not o["n_imperfection"]),
+    "film edges": ("contact.film_edges = true", lambda o: not o["film_edges"]),
+    "shorter sides": (
+        "quads with sides shorter than half of opening_u",
+        lambda o: o["edge_length_mm"] > 0.5 * o["opening_u_mm"],
+    ),
+    "through quads": (
+        'cracks through the quads (fracture.path = "free")',
+        lambda o: o["path"] == "edges" and not o["only_along_edges"],
+    ),
+    "more checks": (
+        "more checks (a smaller fracture.check_every)",
+        lambda o: o["check_every"] > 1,
+    ),
+    "smaller step": ("a smaller time.safety", lambda o: not o["fixed_step"]),
+    "smaller fixed step": ("a smaller time.fixed", lambda o: o["fixed_step"]),
+}
+"""Words of each remedy, and whether a run with these figures and options could still take it."""
+_SLOWER = "slower", "smaller share"
+"""Of which one is left."""
+_SMALLER_STEP = "smaller step", "smaller fixed step"
+"""Of which one is left."""
+
+
+def _remedies(figures: Figures, *names: str) -> str:
+    """Return a sentence with those of some remedies that are left, after a space; "" for none.
+
+    A remedy is named only if the run has it not yet. What the checks before a run have found (no
+    row of edges under the path, held nodes on it, a blunt back that presses) has its remedy there.
+    """
+    options = {**figures, **figures.get("options", {})}
+    texts = []
+    for text, is_left in (_REMEDIES[name] for name in names):
+        with suppress(KeyError, TypeError):  # an option that is not there, or None
+            texts += [text] * bool(is_left(options))
+    if not texts:
+        return ""
+    *others, last = texts
+    return f" Use {', '.join(others)}{' or ' if others else ''}{last}."
+
+
 def _judged(within: bool, good: str, bad: str, figure: str, limit: str, remedy: str = "") -> Line:
     """Return conclusion, figure and limit; if the figure is not within it, what to do."""
     if within:
@@ -153,7 +182,7 @@ def _ledger(figures: Figures) -> Iterator[Line]:
         "No force or energy of this run can be trusted, because the energies do not balance",
         f"the ledger misses up to {_of_work(figures, missed, IMBALANCE_LIMIT)}",
         _percent(IMBALANCE_LIMIT),
-        remedies(figures, *SMALLER_STEP),
+        _remedies(figures, *_SMALLER_STEP),
     )
 
 
@@ -187,7 +216,7 @@ def _inertia(figures: Figures) -> Iterator[Line]:
         return
     kinetic = figures["kinetic_rel"]
     most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
-    bad, remedy = "The motion is too fast, so that inertia", remedies(figures, *SLOWER)
+    bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
     if figures.get("options", {}).get("unheld"):
         bad, remedy = "Nothing holds the film, or a piece of it, so that its inertia", ""
     yield _judged(
@@ -210,7 +239,7 @@ def _damping(figures: Figures) -> Iterator[Line]:
         "Force or torque is too high by what damping takes from film that springs open",
         _of_work(figures, damping, DAMPING_LIMIT),
         _percent(DAMPING_LIMIT),
-        remedies(figures, "shorter sides", *SLOWER, "damping"),
+        _remedies(figures, "shorter sides", *_SLOWER, "damping"),
     )
 
 
@@ -219,7 +248,7 @@ def _contact(figures: Figures) -> Iterator[Line]:
     if contact is None or not _is_of_a_tool(figures):
         return
     held, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
-    did, limit, cures = "took", CONTACT_LIMIT, ["finer", *SMALLER_STEP]
+    did, limit, cures = "took", CONTACT_LIMIT, ["finer", *_SMALLER_STEP]
     bad = "Contact takes too much, lost where film hits the tool or springs off it"
     if contact < 0.0:
         did, limit = "gave the film", GIVEN_LIMIT
@@ -233,7 +262,7 @@ def _contact(figures: Figures) -> Iterator[Line]:
         bad,
         f"it {did} {_of_work(figures, abs(contact), limit)}, friction not counted",
         _percent(limit),
-        remedies(figures, *cures),
+        _remedies(figures, *cures),
     )
 
 
@@ -248,7 +277,7 @@ def _self_contact(figures: Figures) -> Iterator[Line]:
         "Parts of the film hit each other too fast for the time step",
         f"their contact {did} {_of_work(figures, abs(lost), GIVEN_LIMIT)}",
         _percent(GIVEN_LIMIT),
-        remedies(figures, *SMALLER_STEP),
+        _remedies(figures, *_SMALLER_STEP),
     )
 
 
@@ -264,7 +293,7 @@ def _penetration(figures: Figures) -> Iterator[Line]:
         "The tool pushes the film aside by less than its thickness",
         f"nodes are up to {_beside(depth, limit)} mm deep in the tool",
         f"{limit:.3g} mm, a quarter of {half:.3g} mm, the tool's volume over its surface",
-        remedies(figures, "finer", "penalty"),
+        _remedies(figures, "finer", "penalty"),
     )
 
 
@@ -279,7 +308,7 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
         "The film does not resist the tool between its nodes",
         f"the tool is up to {_beside(depth, limit)} mm deep in quads that do not push back",
         f"{limit:.3g} mm, half the side of a quad",
-        remedies(figures, "finer"),
+        _remedies(figures, "finer"),
     )
 
 
@@ -292,7 +321,7 @@ def _unfelt_edges(figures: Figures) -> Iterator[Line]:
             "Rims or flanks of the film are not pushed aside where they cross the tool between "
             f"their nodes: they go up to {_beside(depth, limit)} mm into it (limit "
             f"{limit:.3g} mm, half of the film's thickness)."
-            + remedies(figures, "film edges", "finer"),
+            + _remedies(figures, "film edges", "finer"),
         )
 
 
@@ -352,7 +381,7 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         "Cracks left the path of the cutting edges; the crack map shows where",
         f"{off or n:,} of {n:,} splits{' other than tears' * bool(torn)} {lie} off",
         "a fifth of the side of a quad",
-        remedies(figures, "through quads"),
+        _remedies(figures, "through quads"),
     )
 
 
@@ -367,7 +396,7 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
         "fast, or does not move where it points",
         f"it misses {_percent(missed, OVERSHOOT_LIMIT)} of the distance over which it drags them",
         _percent(OVERSHOOT_LIMIT),
-        remedies(figures, "more checks", *SLOWER),
+        _remedies(figures, "more checks", *_SLOWER),
     )
 
 
@@ -396,7 +425,7 @@ def _account(figures: Figures) -> Iterator[Line]:
         + " or a tool presses on film that does not part" * _is_of_a_tool(figures),
         said,
         f"at least {_percent(ASKED_LIMIT)}",
-        remedies(figures, "shorter sides", *SLOWER),
+        _remedies(figures, "shorter sides", *_SLOWER),
     )
 
 
@@ -413,7 +442,7 @@ def _stored(figures: Figures) -> Iterator[Line]:
         "pressed in its plane and does not buckle",
         f"it stored {_of_work(figures, stored, STORED_LIMIT)} in the steady window",
         _percent(STORED_LIMIT),
-        remedies(figures, "imperfection", "finer"),
+        _remedies(figures, "imperfection", "finer"),
     )
 
 

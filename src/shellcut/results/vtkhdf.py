@@ -122,17 +122,15 @@ class VtkHdfWriter:
                 f"{self._last_time} s"
             )
         series, grid = series_of(frame), grid_of(frame)
+        of_material = {*filter(is_history, grid.cell_arrays)}
         if not self._series_names:
-            self._create_history({*filter(is_history, grid.cell_arrays)})
-            self._create_series(tuple(series))
-            self._describe(frame)
+            self._begin(frame, tuple(series), of_material)
         elif set(series) != set(self._series_names):
             raise ValueError(
                 f"every frame must have the scalars {sorted(self._series_names)}, "
                 f"got {sorted(series)}"
             )
-
-        if {*filter(is_history, grid.cell_arrays)} != set(self._history_names()):
+        if of_material != set(self._history_names()):
             raise ValueError(
                 "every frame must have the history numbers of the first, "
                 f"{', '.join(self._history_names()) or 'none'}"
@@ -251,33 +249,32 @@ class VtkHdfWriter:
             self._columns.link(f"Steps/CellDataOffsets/{name}", offsets)
         self._count(0)
 
-    def _create_series(self, names: tuple[str, ...]) -> None:
+    def _begin(self, frame: Frame, series_names: tuple[str, ...], of_material: set[str]) -> None:
+        """Create the columns that depend on the model, by its first frame."""
         create, link = self._columns.create, self._columns.link
+        for name in sorted(of_material - set(self._history_names())):  # a killed run may have begun
+            create(f"CellData/{name}", np.float32, packed=True)
+            link(f"Steps/CellDataOffsets/{name}", f"Steps/{_CELL_DATA_OFFSETS}")
         create(f"Steps/{_SERIES_OFFSETS}", np.int64)
         create(f"Steps/{_SERIES_SIZES}", np.int64, (2,))
-        for name in names:
+        for name in series_names:
             create(f"FieldData/{name}", np.float64)
             link(f"Steps/FieldDataOffsets/{name}", f"Steps/{_SERIES_OFFSETS}")
             link(f"Steps/FieldDataSizes/{name}", f"Steps/{_SERIES_SIZES}")
-        self._series_names = names
-
-    def _create_history(self, names: set[str]) -> None:
-        for name in sorted(names - set(self._history_names())):  # a killed run may have begun
-            self._columns.create(f"CellData/{name}", np.float32, packed=True)
-            self._columns.link(f"Steps/CellDataOffsets/{name}", f"Steps/{_CELL_DATA_OFFSETS}")
-
-    def _history_names(self) -> list[str]:
-        return [*filter(is_history, self._root["CellData"])]
-
-    def _describe(self, frame: Frame) -> None:
+        self._series_names = series_names
         self._file[BESIDE].attrs.update(
             coordinate=[frame.coordinate_name, frame.coordinate_unit],
             scalar_names=list(frame.scalars),
             scalar_units=[frame.scalar_units[name] for name in frame.scalars],
         )
 
+    def _history_names(self) -> list[str]:
+        return [*filter(is_history, self._root["CellData"])]
+
     def _open_old(self) -> None:
-        if not is_ours(self._file) or not _has_all_arrays(self._file["VTKHDF"]):
+        arrays = [f"VTKHDF/PointData/{name}" for name in POINT_ARRAYS]
+        arrays += [f"VTKHDF/CellData/{name}" for name in CELL_ARRAYS]
+        if not is_ours(self._file) or not all(name in self._file for name in arrays):
             raise ValueError(
                 f"{self.path} was not written by shellcut, or by an older version; move it away or "
                 "start anew"
@@ -335,8 +332,3 @@ def is_ours(file: Any) -> bool:
     wanted = ["VTKHDF/Steps", "VTKHDF/CellData/part"]
     wanted += [f"{BESIDE}/{name}" for name in ("counts", "pose", DIGESTS)]
     return all(name in file for name in wanted)
-
-
-def _has_all_arrays(root: Any) -> bool:
-    tables = (("PointData", POINT_ARRAYS), ("CellData", CELL_ARRAYS))
-    return all(name in root[data] for data, table in tables for name in table)

@@ -2,7 +2,3 @@
 
 May import the physics (``mitc4``, ``loads`` and rows below).
 """
-
-from .statics import Statics
-
-__all__ = ["Statics"]

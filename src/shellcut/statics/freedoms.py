@@ -41,25 +41,15 @@ _SMALL_PART = 16
 
 
 class Freedoms:
-    """Freedoms of a state, and those that its supports leave free.
-
-    Attributes
-    ----------
-    n_node : int
-        Number of nodes.
-    basis : ndarray, shape (n_node, 2, 3)
-        Unit tangents b_1, b_2 of every director.
-    free : ndarray of int, shape (n_free,)
-        Indices of the free ones among the 5 n_node freedoms, in the order of the dissection.
-    load_stiffness : ndarray, shape (n_quad, 12, 12), or None
-        Of loads that follow the film, by the translations of quads [N/mm]; part of the stiffness.
-    """
+    """Freedoms of a state, and those that its supports leave free."""
 
     def __init__(self, state: State) -> None:
         self._state = state
         self.n_node = state.n_node
         self.basis = np.empty((self.n_node, 2, 3))
+        """Unit tangents b_1, b_2 of every director."""
         self.free = np.empty(0, np.int64)
+        """The free ones among the 5 n_node freedoms, in the order of the dissection, (n_free,)."""
         self._cone = np.zeros(self.n_node)
         self._cone_diagonal: Floats | None = None
         order = _dissection(state.node.X[: self.n_node], state.quads)
@@ -67,6 +57,7 @@ class Freedoms:
         self._ids = _ids(state.quads)
         self._pattern = _Pattern(self._ids, 5 * self.n_node)
         self.load_stiffness: Floats | None = None
+        """Of loads that follow the film, by the translations of quads, (n_quad, 12, 12), [N/mm]."""
         self.update()
 
     def update(self) -> None:
@@ -96,14 +87,9 @@ class Freedoms:
         self.free = self._order[free.ravel()[self._order]]
 
     def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> scipy.sparse.csc_array:
-        """Assemble the tangent stiffness, shape (5 n_node, 5 n_node).
+        """Assemble the tangent stiffness, shape (5 n_node, 5 n_node), of loads that follow, too.
 
-        Parameters
-        ----------
-        shell : MITC4Shell
-            The film.
-        bent : ndarray, shape (n_quad, 16), optional
-            Part of the strains, from :meth:`move`, to leave out of the stresses in the stiffness.
+        ``bent`` is the part of the strains, from :meth:`move`, to leave out of its stresses.
         """
         quads = self._state.quads
         tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent, self.basis)
@@ -169,10 +155,7 @@ class Freedoms:
     def move(self, u: Floats) -> Floats:
         """Move the state by a finite step u: positions and, by rotation, directors.
 
-        Returns
-        -------
-        ndarray, shape (n_quad, 16)
-            Part of the change of strain that is nonlinear in u.
+        Returns the part of the change of strain that is nonlinear in u, shape (n_quad, 16).
         """
         displacement, spin = self.split(u)
         node, quads = self._state.node, self._state.quads

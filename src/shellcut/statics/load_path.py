@@ -21,17 +21,8 @@ that is nonlinear in du is added to the reference products.
 
 *Arc length* after Riks (1979) with the plane constraint: the translations of an increment, weighted
 by those of its first step v, satisfy v · Δq = Δl |v|; the load factor follows. The direction
-continues the last increment, so a limit point is passed like any other. Steps grow with the ease of
-the iteration, but only up to a bound, and not around a bend: where an increment deviates from the
-last one, or the first one from the tangent, by more than 30°, it is repeated with half the length,
-so that the path does not change to another branch or jump over a snap.
-
-A step that does not converge is repeated from the last equilibrium with half the length. So is a
-load step that ends in an unstable equilibrium though it began in a stable one: Newton's iteration
-may have changed to a branch that hangs together with no other, and smaller steps stay on the
-stable one. Where the path itself loses its stability, at a bifurcation, they bracket it; the path
-then goes on along its branch. If no smaller step gets on, at a limit point, the unstable
-equilibrium is taken.
+continues the last increment, so a limit point is passed like any other. docs/theory/statics.md says
+how steps grow, where they are halved, and what happens where the path loses its stability.
 
 *Equilibrium* is a residual below 1e-8 of the largest force. In a thin film, the round-off of
 coordinates can cause membrane forces larger than a small load; then the residual need only be below
@@ -103,25 +94,14 @@ class _Position(NamedTuple):
 
 
 class LoadPath:
-    """Position of a film on its load path, and methods to follow it.
-
-    Parameters
-    ----------
-    state, shell, freedoms, loads
-        The film; following the path moves the state.
-
-    Attributes
-    ----------
-    factor : float
-        Load factor of the last equilibrium.
-    n_negative : int
-        Negative eigenvalues of its stiffness.
-    """
+    """Position of a film on its load path, and methods to follow it, which move the state."""
 
     def __init__(self, state: State, shell: MITC4Shell, freedoms: Freedoms, loads: LoadSet) -> None:
         self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
         self.factor = 0.0
+        """Load factor of the last equilibrium."""
         self.n_negative, self._moved = 0, False  # an unstressed film is stable
+        """Negative eigenvalues of its stiffness, and whether others have moved the film since."""
         self._at_rest: TangentSolver | None = None  # of a linear film at its last equilibrium
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
@@ -173,7 +153,13 @@ class LoadPath:
     ) -> list[Equilibrium]:
         """Follow the path, as :meth:`shellcut.Statics.arc_length`."""
         start = self._position()
-        self._begin_arc()
+        self.begin()
+        # From the equilibrium at the present load factor, so that increments follow the path.
+        load, _, small = self.forces(self.factor)
+        if not load[self.freedoms.free].any():
+            raise ValueError("arc length needs a load that acts where the film is free to move")
+        if not small:
+            self._newton(self.factor)
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
         while len(path) < most_steps:
@@ -253,7 +239,8 @@ class LoadPath:
         way = last = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
             _, residual, small = self.forces(factor)
-            if small and not iteration and self._is_at(factor):
+            same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
+            if small and not iteration and same and not self._moved:
                 self.factor = factor
                 return 0
             if iteration and (small or self._at_round_off(last, way)):
@@ -280,11 +267,6 @@ class LoadPath:
         self.state.history[:] = self._history = history
         self.factor, self._force_before, self._moved = factor, self._force, False
 
-    def _is_at(self, factor: float) -> bool:
-        """Whether the last equilibrium, not moved since, is at this load factor."""
-        same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
-        return same and not self._moved
-
     def _say_change(self, before: _Position, advice: str) -> None:
         """Log that the number of unstable motions has changed, and what to do."""
         was, n = before.n_negative, self.n_negative
@@ -295,15 +277,6 @@ class LoadPath:
                 "equilibrium before it, load factor %.6g%s",
                 *(self.factor, n, was, before.factor, f": {advice}" if n else ""),
             )
-
-    def _begin_arc(self) -> None:
-        """Find the equilibrium at the present load factor, so that increments follow the path."""
-        self.begin()
-        load, _, small = self.forces(self.factor)
-        if not load[self.freedoms.free].any():
-            raise ValueError("arc length needs a load that acts where the film is free to move")
-        if not small:
-            self._newton(self.factor)
 
     def _arc_step_by_halves(
         self, first: float, length: float, last: Floats | None
@@ -317,7 +290,9 @@ class LoadPath:
                 pass
             else:
                 # Compare the first one with the initial direction of the path.
-                turns_off = _turns_off(way if last is None else last, increment)
+                before = way if last is None else last
+                size = float(np.linalg.norm(before) * np.linalg.norm(increment))
+                turns_off = float(before @ increment) < _SHARPEST_TURN * size
                 if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
                     return increment, used, taken
                 length = taken
@@ -387,9 +362,3 @@ class LoadPath:
 
 def _translations(u: Floats) -> Floats:
     return np.asarray(u.reshape(-1, 5)[:, :3].ravel())
-
-
-def _turns_off(last: Floats, increment: Floats) -> bool:
-    """Whether an increment deviates too much from the direction of the last one."""
-    size = float(np.linalg.norm(last) * np.linalg.norm(increment))
-    return float(last @ increment) < _SHARPEST_TURN * size

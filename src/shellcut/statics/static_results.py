@@ -28,28 +28,6 @@ class Film(NamedTuple):
 class LinearSolution:
     """A linear solution about a state; as a sequence: displacement, rotation.
 
-    Attributes
-    ----------
-    displacement : ndarray, shape (n_node, 3)
-        [mm].
-    rotation : ndarray, shape (n_node, 3)
-        Spin vectors of the directors, normal to them [rad].
-    reaction, reaction_moment : ndarray, shape (n_node, 3)
-        Change of the forces [N] and moments [N·mm] by which supports hold the nodes; zero where
-        nothing is held.
-    energy : float
-        ½ load · displacement [N·mm]; for an unstressed film the strain energy.
-    residual : float
-        Largest unbalanced force over the largest load or reaction. In very thin films the round-off
-        of strains causes large membrane forces: displacements are unaffected, reactions are no
-        more accurate than this.
-    condition : float
-        Condition number of the stiffness with scaled freedoms.
-    error : float
-        Estimated relative error of displacement and rotation as a solution of the discrete film,
-        without the discretisation error. Above 1e-4 there is no solution but a
-        :class:`shellcut.statics.tangent_solver.NoConvergence`.
-
     Examples
     --------
     >>> import shellcut as sc
@@ -69,13 +47,25 @@ class LinearSolution:
     """
 
     displacement: Floats
+    """Shape (n_node, 3), [mm]."""
     rotation: Floats
+    """Spin vectors of the directors, normal to them, shape (n_node, 3), [rad]."""
     reaction: Floats
     reaction_moment: Floats
+    """Change of the forces [N] and moments [N·mm] by which supports hold the nodes, zero where
+    nothing is held, shape (n_node, 3)."""
     energy: float
+    """½ load · displacement [N·mm]; for an unstressed film the strain energy."""
     residual: float
+    """Largest unbalanced force over the largest load or reaction. In very thin films the round-off
+    of strains causes large membrane forces: displacements are unaffected, reactions are no more
+    accurate than this."""
     condition: float
+    """Condition number of the stiffness with scaled freedoms."""
     error: float
+    """Estimated relative error of displacement and rotation as a solution of the discrete film,
+    without the discretisation error. Above 1e-4 there is no solution but a
+    :class:`shellcut.statics.tangent_solver.NoConvergence`."""
     _film: Film = field(repr=False)
 
     def __iter__(self) -> Iterator[Floats]:
@@ -119,53 +109,35 @@ class LinearSolution:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """One point of a load path.
-
-    Attributes
-    ----------
-    factor : float
-        Load factor.
-    displacement : ndarray, shape (n_node, 3)
-        From the reference [mm].
-    director : ndarray, shape (n_node, 3)
-        Unit directors.
-    n_iteration : int
-        Number of iterations, including intermediate steps.
-    reaction, reaction_moment : ndarray, shape (n_node, 3)
-        Forces [N] and moments [N·mm] by which supports hold the nodes; zero where nothing is
-        held.
-    energy : float
-        Strain energy [N·mm].
-    residual : float
-        Largest unbalanced force over the largest force.
-    n_negative : int
-        Number of negative eigenvalues of the tangent stiffness: of motions in which the film is
-        unstable. Zero at a stable equilibrium; one is usual between two limit points.
-    """
+    """One point of a load path."""
 
     factor: float
+    """Load factor."""
     displacement: Floats
+    """From the reference, shape (n_node, 3), [mm]."""
     director: Floats
+    """Unit directors, shape (n_node, 3)."""
     n_iteration: int
+    """Number of iterations, including intermediate steps."""
     reaction: Floats
     reaction_moment: Floats
+    """Forces [N] and moments [N·mm] by which supports hold the nodes, zero where nothing is held,
+    shape (n_node, 3)."""
     energy: float
+    """Strain energy [N·mm]."""
     residual: float
+    """Largest unbalanced force over the largest force."""
     n_negative: int
+    """Number of negative eigenvalues of the tangent stiffness: of motions in which the film is
+    unstable. Zero at a stable equilibrium; one is usual between two limit points."""
 
 
 @dataclass(frozen=True)
 class Modes:
-    """Free vibrations.
-
-    Attributes
-    ----------
-    frequency : ndarray, shape (n,)
-        Ascending [Hz]; -f for a motion with omega² = -(2 pi f)², in which the film is unstable: it
-        grows as exp(2 pi f t). Zero for a rigid motion without stiffness.
-    shape : ndarray, shape (n, n_node, 3)
-        Displacements with largest component 1.
-    """
+    """Free vibrations."""
 
     frequency: Floats
+    """Ascending, shape (n,), [Hz]; -f for a motion with omega² = -(2 pi f)², in which the film is
+    unstable: it grows as exp(2 pi f t). Zero for a rigid motion without stiffness."""
     shape: Floats
+    """Displacements with largest component 1, shape (n, n_node, 3)."""

@@ -1,13 +1,7 @@
 """Statics and vibrations with the shells' own tangent: linear, load steps, arc length, modes.
 
-The residual is that of the explicit driver (loads minus internal forces), the tangent is the
-derivative of the same kernel, and supports hold the same motions, so an equilibrium found here is
-one of the explicit driver, too. Of loads that follow the film the tangent has the symmetric part:
-that of following pressure; of dead moments, whose tangent is antisymmetric, nothing. What is left
-out increases iterations but not the error.
-
-The parts: :mod:`shellcut.statics.tangent_solver`, :mod:`shellcut.statics.load_path`,
-:mod:`shellcut.statics.vibration`.
+docs/theory/statics.md describes the method. The parts: :mod:`shellcut.statics.tangent_solver`,
+:mod:`shellcut.statics.load_path`, :mod:`shellcut.statics.vibration`.
 """
 
 from __future__ import annotations
@@ -32,10 +26,8 @@ from shellcut.mitc4.shell import MITC4Shell
 from .freedoms import Freedoms, turn_directors
 from .load_path import LoadPath
 from .static_results import Equilibrium, Film, LinearSolution, Modes
-from .tangent_solver import NoConvergence, TangentSolver
+from .tangent_solver import TangentSolver
 from .vibration import largest_eigenvalue, lowest_modes
-
-__all__ = ["Equilibrium", "LinearSolution", "Modes", "NoConvergence", "Statics"]
 
 
 class Statics:
@@ -88,7 +80,12 @@ class Statics:
         loads: Sequence[Load] = (),
     ) -> None:
         _refuse_motion(supports)
-        _refuse_rates(material)
+        if laws := material.timed_laws:
+            raise ValueError(
+                "statics must have layers whose stress does not depend on the rate of strain, as "
+                f"it knows no time, got {', '.join(laws)}; leave out the rate factor, load a "
+                "Simulation slowly, or bring it to rest by relax()"
+            )
         self.mesh = mesh = put_directors_into_planes(mesh, supports)
         self.shell = MITC4Shell(mesh, material, damping_beta=0.0)
         self.state = initial_state(mesh)
@@ -206,20 +203,12 @@ class Statics:
         The path starts at the equilibrium at the present load factor. Its equilibria may be
         unstable, as between two limit points: see their ``n_negative``.
 
+        The first step is halved until it follows the path, and steps shorten where the path bends.
+
         Parameters
         ----------
-        first : float
-            Change of the load factor in the first step, which sets the arc length; halved until
-            that step follows the path.
         until : callable
             Receives each equilibrium; the path ends when it returns true.
-        n_wanted : int
-            Desired iterations per step; the arc length adapts to it.
-        most_steps : int
-            Largest number of steps; the path ends after them.
-        longest : float
-            Largest arc length relative to the actual first step. Steps shorten automatically where
-            the path bends.
 
         Raises
         ------
@@ -298,15 +287,6 @@ def _checked_factors(factors: Sequence[float]) -> list[float]:
     if not all(map(math.isfinite, values)):
         raise ValueError(f"factors must be a list of finite numbers, got {factors!r}")
     return values
-
-
-def _refuse_rates(material: ShellMaterial) -> None:
-    if laws := material.timed_laws:
-        raise ValueError(
-            "statics must have layers whose stress does not depend on the rate of strain, as it "
-            f"knows no time, got {', '.join(laws)}; leave out the rate factor, load a "
-            "Simulation slowly, or bring it to rest by relax()"
-        )
 
 
 def _refuse_motion(supports: Sequence[Support]) -> None:

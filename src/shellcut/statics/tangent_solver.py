@@ -1,36 +1,22 @@
 """Linear solutions of a film: stiffness factors, corrected through the strains.
 
-The bending stiffness of a thin film is (h/R)² times its stretching stiffness. Where this ratio is
-near machine precision, an assembled stiffness loses the bending part: stretching dominates the sums
-in its entries, and their round-off acts as a stiffness. For a hemisphere of R/h = 1e6 on 64 x 64
-quads its solution is off by several per cent, with any solver.
+docs/theory/statics.md says why the assembled stiffness of a very thin film is a preconditioner for
+its product through the strains (:mod:`shellcut.mitc4.tangent`), why freedoms are scaled, and how
+negative pivots count unstable motions. With M for the factors, A for the product and q for their
+solution, e = M⁻¹ (f - A q) is their estimate of the error of q; if it is not small relative to q,
+GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one only in a few of the softest
+motions, and about ten products solve the hemisphere of R/h = 1e8 to seven digits. The residual in
+GMRES drifts from the true one, so e is recomputed and the remainder solved in the same way.
 
-The product of the tangent with a motion keeps the bending part, because it goes through the strains
-(:mod:`shellcut.mitc4.tangent`). The factors are therefore only a preconditioner. With M for them, A
-for the product and q for their solution, e = M⁻¹ (f - A q) is their estimate of the error of q; if
-it is not small relative to q, GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one
-only in a few of the softest motions, and about ten products solve the hemisphere of R/h = 1e8 to
-seven digits. The residual in GMRES drifts from the true one, so e is recomputed and the remainder
-solved in the same way.
-
-*Scale.* Freedoms are scaled so that the diagonal of the stiffness is one: displacements in mm and
-rotations in rad then compare, and so do their errors. Pivots off the diagonal are used only where
-the diagonal is zero, so the factors stay as sparse as the order of the freedoms allows.
+Pivots off the diagonal are used only where the diagonal is zero, so the factors stay as sparse as
+the order of the freedoms allows. They count the negative eigenvalues of A, too, if the spectral
+radius of I - M⁻¹ A is below one: M - t (M - A) is then regular from t = 0 to 1, so that none
+changes its sign on the way.
 
 *Condition* is the largest absolute row sum of the scaled stiffness over the energy, through the
-strains again, of its softest motion, found by inverse iteration.
-
-*Negative eigenvalues* of the stiffness belong to motions in which an equilibrium is unstable. A
-congruence keeps their number (Sylvester's law of inertia): with all pivots on the diagonal the
-factors of a symmetric matrix are L D Lᵀ, and the diagonal of U is D. The number is that of A, too,
-if the spectral radius of I - M⁻¹ A is below one: M - t (M - A) is then regular from t = 0 to 1, so
-that no eigenvalue changes its sign on the way. A few products estimate the radius. Where it is
-larger, as with free rigid motions, or a pivot is off the diagonal, the least shift is added for
-which this holds: what is negative by less than that, some digits of round-off, counts as zero.
-
-*Error.* In the softest motions M may be too stiff by eps times the condition, and underestimates
-the error there by the same factor. The reported error is ``|e| / |q|`` times one plus a hundred
-times that.
+strains again, of its softest motion, found by inverse iteration. *Error*: in the softest motions M
+may be too stiff by eps times the condition, and underestimates the error there by the same factor.
+The reported error is ``|e| / |q|`` times one plus a hundred times that.
 """
 
 from __future__ import annotations
@@ -77,25 +63,10 @@ class NoConvergence(RuntimeError):
 
 
 class TangentSolver:
-    """Solve with the tangent stiffness about the present state.
+    """Solve with the tangent stiffness about the present state, which must not change meanwhile.
 
-    Parameters
-    ----------
-    state : State
-        Must not change while the solver is used.
-    freedoms : Freedoms
-        Of the state.
-    shell : MITC4Shell
-        The film.
-    bent : ndarray, shape (n_quad, 16), optional
-        As in :meth:`shellcut.mitc4.shell.MITC4Shell.tangents`.
-    shift : ndarray, shape (n_free,), optional
-        Added to the diagonal.
-
-    Raises
-    ------
-    NoConvergence
-        If the stiffness cannot be factorised.
+    ``bent`` is as in :meth:`shellcut.mitc4.shell.MITC4Shell.tangents`, ``shift``, shape (n_free,),
+    is added to the diagonal. NoConvergence is raised if the stiffness cannot be factorised.
     """
 
     def __init__(
@@ -133,10 +104,7 @@ class TangentSolver:
     def solve(self, force: Floats, accuracy: float = ACCURACY) -> Floats:
         """Return the solution in the free freedoms for forces on them, shape (n_free,).
 
-        Raises
-        ------
-        NoConvergence
-            If its estimated error is above 1e-4.
+        NoConvergence is raised if its estimated error is above 1e-4.
         """
         f = self._scale * force
         y = self._corrected(f, accuracy)

@@ -1,12 +1,9 @@
 """Free vibrations about a state: the lowest modes, and the largest frequency.
 
-Lanczos' method finds the omega² next to -shift as the extremes of nu = 1 / (omega² + shift), with
-solutions corrected through the strains (:mod:`shellcut.statics.tangent_solver`): the frequencies of
-thin films are accurate even where the assembled stiffness is not. An unstable state has omega² < 0.
-Those below -shift are as many as K + shift M has negative eigenvalues, and have the least nu; all
-others have the largest nu first. Of repeated omega² the method may find too few. Sturm's count
-shows it: K - end M has as many negative eigenvalues as there are omega² below ``end``. What is
-missing is searched for beside the motions found.
+docs/theory/statics.md says how modes are found and counted. Lanczos' method finds the omega² next
+to -shift as the extremes of nu = 1 / (omega² + shift), with solutions corrected through the strains
+(:mod:`shellcut.statics.tangent_solver`): the frequencies of thin films are accurate even where the
+assembled stiffness is not.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """Companion runs: a model on other meshes, slower, and from other small shapes of its film.
 
-Each sets a few keys of the model file otherwise, so all of them are a study with one factor. The
-mesh is made 1.5 times coarser and finer, with rows that stay even or odd in number, so that edges
-stay where the blade goes; and once of the same size with its nodes elsewhere under the path. The
-motion takes twice its time. The film starts with the next two shapes of its imperfection.
+docs/howto/converge.md lists them. Each sets a few keys of the model file otherwise, so all of them
+are a study with one factor.
 """
 
 from __future__ import annotations
@@ -41,7 +39,7 @@ def companions_of(
     runs: dict[Run, Settings] = {Run("as given", GIVEN, 1.0): {}}
     missing: dict[str, list[str]] = {}
     try:
-        runs |= {Run(name, MESH, h): keys for name, (h, keys) in _meshes(model, finer).items()}
+        runs |= _meshes(model, finer)
     except ValueError as reason:
         missing[MESH] = [str(reason)]
     if moved := _moved(model):
@@ -66,24 +64,21 @@ def companions_of(
     return {run: {**given, **keys} for run, keys in runs.items()}, missing
 
 
-def _meshes(model: Model, finer: float) -> dict[str, tuple[float, Settings]]:
-    """Return edge length over that of the model and keys, of a coarser and a finer mesh.
-
-    Raises ValueError with the reason if there is neither.
-    """
+def _meshes(model: Model, finer: float) -> dict[Run, Settings]:
+    """Return a coarser and a finer mesh; ValueError has the reason if there is neither."""
     film = model.sections["membrane"]
     if film.kind == "opening":
         n = _AROUND[film.mesh]
         near = sorted(_AROUND, key=lambda name: abs(_AROUND[name] - n))[1:]
         names = near if film.mesh != "quick" else near[:1]
-        return {f"mesh {m}": (n / _AROUND[m], {"membrane.mesh": m}) for m in names}
+        return {Run(f"mesh {m}", MESH, n / _AROUND[m]): {"membrane.mesh": m} for m in names}
     if not {"n_side", "n_x"} & {*film.values} and film.values.get("size") is None:
         why = "shellcut cannot remesh a file; run your own coarser and finer file"
         if film.kind != "file":
             why = "the mesher chose the size; give membrane.size"
         raise ValueError(f"left out, because {why}")
     found = {"coarser mesh": _mesh(model, 1.0 / _RATIO), "finer mesh": _mesh(model, finer)}
-    return {name: one for name, one in found.items() if one[0] != 1.0}
+    return {Run(name, MESH, h): keys for name, (h, keys) in found.items() if h != 1.0}
 
 
 def _mesh(model: Model, factor: float) -> tuple[float, Settings]:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 from shellcut.files.file_list import claim, folder_named
 from shellcut.model_file import read_model
@@ -14,14 +12,11 @@ from shellcut.results.summary_figures import known_figure
 from shellcut.view import can_draw, draw_curves
 
 from .companions import companions_of
-from .engines import engine_of
+from .engines import AnyExecutor, Say, engine_of
 from .one_run import Outcome
 from .plan import Definition
 from .report.studied import of_interest
 from .study import FEW_FILES, run_study
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 
 def converge(
@@ -30,8 +25,8 @@ def converge(
     *,
     figures: Sequence[str] = (),
     settings: Mapping[str, object] | None = None,
-    executor: int | Executor | Client | None = None,
-    say: Callable[[str], None] | None = None,
+    executor: AnyExecutor = None,
+    say: Say = None,
 ) -> ErrorBars:
     """Run a model with its companions, and return its figures with error bars.
 
@@ -41,16 +36,12 @@ def converge(
 
     Parameters
     ----------
-    model : str or path
-        Model file, or name of a shipped model.
     out : str or path
         Folder for the runs, ``error_bars.json`` and, with Matplotlib, ``error_bars.png``.
     figures : sequence of str, optional
         Names in ``summary.json``; by default means and peaks of torque or force, crack length and
         work.
-    settings : mapping, optional
-        Keys with another value than in the model.
-    executor, say
+    model, settings, executor, say
         As of :func:`shellcut.sweep`.
 
     Returns

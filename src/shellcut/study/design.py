@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -52,19 +52,27 @@ class Design:
         ValueError
             If a factor of a grid is a range.
         """
+        several: Iterable[Sequence[object]]
         if self.kind == "grid":
-            return _grid(factors)
-        points = self._points(len(factors))
-        return [
-            _together(factors, [f.at(u) for f, u in zip(factors, row, strict=True)])
-            for row in points
-        ]
+            ranges = [f"{f.name} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]
+            if ranges:
+                raise ValueError(
+                    f"a grid takes lists of values, and {', '.join(ranges)} is a range: write the "
+                    "values, or choose the design sobol or lhs with a number of runs"
+                )
+            several = itertools.product(*(factor.values for factor in factors))
+        else:
+            points = self._points(len(factors)) if factors else [[]]
+            several = ([f.at(u) for f, u in zip(factors, row, strict=True)] for row in points)
+        runs = []
+        for values in several:
+            each = zip(factors, values, strict=True)
+            runs.append({key: one for f, v in each for key, one in f.settings(v).items()})
+        return runs
 
     def _points(self, n_factor: int) -> list[list[float]]:
         """Return points of the unit cube."""
         assert self.n is not None
-        if n_factor == 0:
-            return [[]]
         if self.kind == "lhs":
             points = scipy.stats.qmc.LatinHypercube(n_factor, seed=self.seed).random(self.n)
         else:
@@ -74,25 +82,3 @@ class Design:
             points = sobol.random_base2(power)[: self.n]
         listed: list[list[float]] = points.tolist()
         return listed
-
-
-def _grid(factors: Sequence[Factor]) -> list[dict[str, object]]:
-    ranges = [f"{f.name} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]
-    if ranges:
-        raise ValueError(
-            f"a grid takes lists of values, and {', '.join(ranges)} is a range: write the values, "
-            "or choose the design sobol or lhs with a number of runs"
-        )
-    return [
-        _together(factors, values)
-        for values in itertools.product(*(factor.values for factor in factors))
-    ]
-
-
-def _together(factors: Sequence[Factor], values: Sequence[object]) -> dict[str, object]:
-    """Return what a value of each factor sets, by key."""
-    return {
-        key: one
-        for factor, value in zip(factors, values, strict=True)
-        for key, one in factor.settings(value).items()
-    }

@@ -18,12 +18,21 @@ from concurrent.futures import (
 from dataclasses import dataclass
 from itertools import islice
 from queue import SimpleQueue
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from shellcut.numerics.threads import available_cores
 
 from .child_process import ChildDied, run_in_child
 from .one_run import Outcome, Task, run_one
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+AnyExecutor: TypeAlias = "int | Executor | Client | None"
+"""What carries out runs: so many processes, an executor or a Dask client; None: one a core."""
+
+Say: TypeAlias = Callable[[str], None] | None
+"""Takes the lines about progress; None: they go to standard error."""
 
 MOST_DEATHS = 3
 """Times that the process of a run may die before the run counts as failed."""

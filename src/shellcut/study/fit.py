@@ -1,23 +1,16 @@
 """Fit parameters of a model to measured curves, in as few runs as it takes.
 
-The misfit is that of :mod:`.curve_misfit`. ``local`` is SciPy's least squares with bounds (a trust
-region), whose derivatives are differences over steps of 8 %: far above the noise that an explicit
-run leaves in its smoothed curve, so the misfit looks smooth to it. All runs of a derivative go to
-the engine together. ``global`` first spreads runs over the box, lays a smooth surface through their
-curves, seeks its least misfit anywhere, and adds that point; once it lies within a step of a run,
-least squares go on from the best one.
-
-Every run is kept by the hash of its inputs: a fit that is called again takes the same way without
-running anything, and goes on where it was ended.
+docs/howto/fit.md describes both methods; the misfit is that of :mod:`.curve_misfit`. All runs of a
+derivative go to the engine together. A global fit adds the least of its surface as a point, until
+that lies within a step of a run.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import scipy
@@ -29,14 +22,11 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.recording.resistance import resistance_of
 
 from .curve_misfit import FitCurve, refuse_curves
-from .engines import engine_of
+from .engines import AnyExecutor, Say, engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
 from .fit_runs import FitRuns, OutOfRuns
 from .free_parameters import FreeParameters
 from .study import FEW_FILES, taken
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 Method = Literal["local", "global"]
 
@@ -86,15 +76,13 @@ def fit(
     *,
     settings: Mapping[str, object] | None = None,
     search: Search | None = None,
-    executor: int | Executor | Client | None = None,
-    say: Callable[[str], None] | None = None,
+    executor: AnyExecutor = None,
+    say: Say = None,
 ) -> FitResult:
     """Fit keys of a model to measured curves.
 
     Parameters
     ----------
-    model : str or path
-        Model file, or name of a shipped model.
     curves : sequence of FitCurve
         What was measured; each may have settings of its own, then it takes a run of its own.
     free : sequence of str
@@ -102,14 +90,10 @@ def fit(
         of the model.
     out : str or path
         Folder for the runs and the result.
-    settings : mapping, optional
-        Keys with another value than in the model.
     search : Search, optional
         Bounds, method, and how many runs it may take.
-    executor : int, Executor or distributed.Client, optional
+    model, settings, executor, say
         As of :func:`shellcut.sweep`.
-    say : callable, optional
-        Takes the lines about progress; standard error by default.
 
     Returns
     -------

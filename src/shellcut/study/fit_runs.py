@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.results.comparison import Comparison
 
 from .curve_misfit import FitCurve, compared, nothing_simulated, residuals, window_of
-from .engines import Engine
+from .engines import Engine, Say
 from .free_parameters import FreeParameters
 from .one_run import Outcome
 from .study import run_values
@@ -33,7 +33,7 @@ class FitRuns:
         folder: Path,
         engine: Engine,
         most: int,
-        say: Callable[[str], None] | None,
+        say: Say,
     ) -> None:
         self.parameters, self.curves = parameters, curves
         self._variants, self._folder, self._engine = variants, folder, engine

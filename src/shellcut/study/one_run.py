@@ -21,7 +21,7 @@ from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
 from shellcut.files.whole_file import write_text
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
-from shellcut.models.case import Case, check_length
+from shellcut.models.case import Case
 from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.recorder import Recorder, RunEnded
 from shellcut.recording.run_log import RunLog
@@ -173,7 +173,6 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
         "until": case.duration,
         "name": case.name,
     }
-    check_length(case.simulation, case.duration)
     if resume:
         try:
             return case, Recorder(case.simulation, folder, resume=True, **options)

@@ -11,11 +11,10 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -33,14 +32,11 @@ from shellcut.results.summary_figures import (
 )
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
-from .engines import engine_of
+from .engines import AnyExecutor, Say, engine_of
 from .factors import Factor, factors_of
 from .one_run import Outcome
 from .plan import PlannedRun
 from .study import FEW_FILES, run_values, taken
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
@@ -199,15 +195,13 @@ def optimise(
     confirm: Mapping[str, object] | None = None,
     max_runs: int = 60,
     allow_doubts: bool = False,
-    executor: int | Executor | Client | None = None,
-    say: Callable[[str], None] | None = None,
+    executor: AnyExecutor = None,
+    say: Say = None,
 ) -> Optimum:
     """Seek the values of some keys that make a figure least, or largest.
 
     Parameters
     ----------
-    model : str or path
-        Model file, or name of a shipped model.
     keys : mapping
         Keys with a range, as ``"40:80"``, or values to choose from, as of :func:`shellcut.sweep`.
     out : str or path
@@ -225,7 +219,7 @@ def optimise(
     allow_doubts : bool
         Whether a run that its verdict distrusts may be the best; by default it counts as beyond the
         limits.
-    executor, say
+    model, executor, say
         As of :func:`shellcut.sweep`.
 
     Returns

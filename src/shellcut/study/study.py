@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
 from shellcut.files.whole_file import exclusive
+from shellcut.model_file.key_index import with_values
 from shellcut.model_file.reader import ModelVariants
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
 from shellcut.recording.signals import Interruption
+from shellcut.results.summary_figures import key_figures
+from shellcut.view.progress import duration
 
 from .design import Design
-from .engines import Engine, engine_of
+from .engines import AnyExecutor, Engine, Say, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
 from .plan import Definition, Plan, PlannedRun, planned_runs
-from .progress import StudyProgress
+from .report.studied import of_interest
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""
@@ -82,8 +82,8 @@ def sweep(
     *,
     settings: Mapping[str, object] | None = None,
     design: Design | None = None,
-    executor: int | Executor | Client | None = None,
-    say: Callable[[str], None] | None = None,
+    executor: AnyExecutor = None,
+    say: Say = None,
 ) -> StudyResults:
     """Run a model with many values, and write the table of inputs and figures.
 
@@ -147,20 +147,13 @@ def sweep(
     return run_study(planned, folder, engine_of(executor), say)
 
 
-def run_study(
-    planned: Plan, folder: Path, engine: Engine, say: Callable[[str], None] | None = None
-) -> StudyResults:
+def run_study(planned: Plan, folder: Path, engine: Engine, say: Say = None) -> StudyResults:
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     with taken(folder, [STUDY, TABLE]):
         write_study(folder / STUDY, planned)
-        found = done_before(planned, folder)
-        progress = StudyProgress(planned, len(found), engine.jobs, say)
-
-        def keep() -> None:
-            write_table(folder, planned, found)
-
-        keep()
-        carry_out(planned, folder, engine, found, progress, keep)
+        found, progress = _carried_out(
+            planned, folder, engine, say, lambda found: write_table(folder, planned, found)
+        )
         progress.end(found)
     return StudyResults(folder, planned, found)
 
@@ -179,16 +172,14 @@ def run_values(
     several: Sequence[Mapping[str, object]],
     folder: Path,
     engine: Engine,
-    say: Callable[[str], None] | None,
+    say: Say,
 ) -> list[tuple[PlannedRun, Outcome]]:
     """Carry out the runs of some sets of values, or find them done; return each with its outcome.
 
     The folder is locked by the caller. A run that was not begun counts as stopped.
     """
     plan = Plan(variants, tuple(planned_runs(variants, several)))
-    found = done_before(plan, folder)
-    progress = StudyProgress(plan, len(found), engine.jobs, say)
-    carry_out(plan, folder, engine, found, progress, lambda: None)
+    found, _ = _carried_out(plan, folder, engine, say, lambda _: None)
     return [(run, found.get(run.number, Outcome("stopped"))) for run in plan.runs]
 
 
@@ -198,27 +189,30 @@ def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
     return {number: outcome for number, outcome in each if outcome}
 
 
-def carry_out(
+def _carried_out(
     planned: Plan,
     folder: Path,
     engine: Engine,
-    found: dict[int, Outcome],
-    progress: StudyProgress,
-    keep: Callable[[], None],
-) -> None:
-    """Give the runs of a plan that are not found to the engine, and note their outcomes.
+    say: Say,
+    keep: Callable[[Mapping[int, Outcome]], object],
+) -> tuple[dict[int, Outcome], _Progress]:
+    """Give the runs of a plan that are not done to the engine; return the outcomes of all.
 
-    Calls ``keep`` now and then, and at the end. The first Ctrl-C or SIGTERM stops all runs at their
-    next step, with a checkpoint, and acts when they have stopped.
+    Takes them to ``keep`` at the beginning, now and then, and at the end. The first Ctrl-C or
+    SIGTERM stops all runs at their next step, with a checkpoint, and acts when they have stopped.
     """
+    found = done_before(planned, folder)
+    progress = _Progress(planned, len(found), engine.jobs, say)
+    keep(found)
     alike: dict[str, list[PlannedRun]] = {}  # runs of the same inputs, of which the first is run
     for run in planned.runs:
         alike.setdefault(run.key, []).append(run)
     open_ = [first for first, *_ in alike.values() if first.number not in found]
     if not open_:
-        return
-    if engine.jobs > 1:
-        _compile(planned)
+        return found, progress
+    if engine.jobs > 1:  # compile together, before many processes wait for one another
+        some = planned.runs[:: max(1, len(planned.runs) // 8)]
+        warmup({planned.variants.read(run.values, try_out=False).head.model for run in some})
     (folder / STOP).unlink(missing_ok=True)  # of a study that was killed while it stopped
 
     def stop() -> None:
@@ -232,11 +226,12 @@ def carry_out(
             found |= {run.number: outcome for run in alike[task.key]}
             progress.ended(task.number, outcome, len(found))
             if time.monotonic() - written > _TABLE_EVERY:
-                keep()
+                keep(found)
                 written = time.monotonic()
-    keep()
+    keep(found)
     (folder / STOP).unlink(missing_ok=True)
     interruption.deliver()
+    return found, progress
 
 
 def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> Iterator[Task]:
@@ -248,7 +243,42 @@ def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> It
         yield Task(run.number, run.key, str(run.folder(folder).resolve()), text)
 
 
-def _compile(planned: Plan) -> None:
-    """Compile the kernels of the models together, before many processes wait for one another."""
-    some = planned.runs[:: max(1, len(planned.runs) // 8)]
-    warmup({planned.variants.read(run.values, try_out=False).head.model for run in some})
+class _Progress:
+    """Says when a run ends; ``say`` takes a line, which goes to standard error by default."""
+
+    def __init__(self, plan: Plan, n_done: int, jobs: int, say: Say) -> None:
+        self._plan, self._n_run = plan, len(plan.runs)
+        self._began, self._done_before = time.monotonic(), n_done
+        self.say = say or _to_standard_error
+        """Says a line."""
+        at_a_time = "one after the other" if jobs == 1 else f"{jobs} at a time"
+        self.say(f"{self._n_run} runs, {n_done} of them done before; {at_a_time}")
+
+    def ended(self, number: int, outcome: Outcome, n_ended: int) -> None:
+        """Say how a run ended."""
+        values = with_values(self._plan.runs[number].values)
+        said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
+        if outcome.status == "done":
+            chosen, _ = of_interest((), outcome.figures)
+            figures = key_figures(outcome.figures, chosen[:1])
+            said = f"{outcome.seconds:.1f} s" + "".join(f", {name} {v}" for name, v in figures)
+            if n := len(outcome.doubts):
+                said += f", distrusted by {n} check" + "s" * (n > 1)
+        left, new = self._n_run - n_ended, n_ended - self._done_before
+        if left > 0 and new > 0:
+            said += f"; {duration((time.monotonic() - self._began) / new * left)} left"
+        self.say(f"[{n_ended}/{self._n_run}] {values or 'as given'}: {said}")
+
+    def end(self, outcomes: Mapping[int, Outcome]) -> None:
+        """Say how the study ended."""
+        ended = [one.status for one in outcomes.values()]
+        counts = ((ended.count(status), status) for status in ("done", "failed", "stopped"))
+        said = ", ".join(f"{n} {status}" for n, status in counts if n)
+        if n := sum(bool(one.doubts) for one in outcomes.values()):
+            said += f", {n} distrusted (see {TABLE})"
+        self.say(f"{said}, in {duration(time.monotonic() - self._began)}")
+
+
+def _to_standard_error(line: str) -> None:
+    with suppress(OSError):  # a closed pipe
+        print(line, file=sys.stderr, flush=True)

@@ -1,19 +1,6 @@
 """``study.toml``: a study as a file. Model, settings, factors, design and the figures of interest.
 
-model = "opening"
-figures = ["torque_plateau_Nmm"]     # for the report; its own choice, if left out
-
-[set]
-"membrane.mesh" = "quick"
-
-[factors]
-"tool.edge_inclination_deg" = [40, 60, 80]
-"motion.pitch" = "12 mm : 20 mm"
-"cohesive.plateau, cohesive.strength" = [[12, 18], [10, 15]]     # values that go together
-
-[design]
-kind = "sobol"
-n = 32
+examples/study.toml shows all that it can say.
 """
 
 from __future__ import annotations

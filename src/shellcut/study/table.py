@@ -21,7 +21,8 @@ _OF_THE_MACHINE = ("wall_s", "ns_per_quad_step", "pictures_s")
 
 def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], list[str]]:
     """Return the keys of the factors, and the names of the figures that some run has."""
-    there = {name for one in outcomes.values() for name in one.figures if _is_number(one, name)}
+    each = (figure for one in outcomes.values() for figure in one.figures.items())
+    there = {name for name, v in each if isinstance(v, int | float) and not isinstance(v, bool)}
     there -= set(_OF_THE_MACHINE)
     known = [name for name in LABELS if name in there]
     return [key for f in plan.factors for key in f.keys], [*known, *sorted(there - set(known))]
@@ -56,8 +57,3 @@ def _row(
     if lacks_mean := outcome.figures.get("no_window"):
         reasons.append(f"no steady window: {lacks_mean}")
     return [run.number, *inputs, outcome.status, *given, run.key, "; ".join(reasons)]
-
-
-def _is_number(outcome: Outcome, name: str) -> bool:
-    value = outcome.figures[name]
-    return isinstance(value, int | float) and not isinstance(value, bool)

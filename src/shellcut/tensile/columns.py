@@ -1,9 +1,7 @@
 """Which columns of a table hold strain and stress: :func:`specimen_columns`.
 
-A column is taken where its name and the dimension of its unit agree: ``%`` of a strain, not of a
-humidity. A name of labels only, as ``45° 1 [MPa]``, says nothing against its unit. Where several
-columns may be the same quantity, the error names them and asks; only strain goes before extension,
-stress before force, and nominal values of either before true ones.
+docs/howto/tensile.md says which are taken. Where several columns may be the same quantity, the
+error names them and asks.
 """
 
 from __future__ import annotations
@@ -131,7 +129,9 @@ def specimen_columns(
             f"every stress must have its strain, or all the same one, got {len(strains)} columns "
             f"of strain and {len(stresses)} of stress: {table.listing()}; {_BY_NUMBER}",
         )
-    return _paired(strains, stresses)
+    if by_rest := _by_rest(strains, stresses):
+        return [(one, by_rest[one.rest]) for one in strains]
+    return list(zip(strains, stresses, strict=True))
 
 
 def _chosen(table: NumberTable, columns: Choice) -> list[int]:
@@ -219,12 +219,6 @@ def _by_rest(strains: list[Column], stresses: list[Column]) -> dict[tuple[str, .
     rests = [one.rest for one in strains]
     told = len(by_rest) == len(stresses) and sorted(by_rest) == sorted(rests)
     return by_rest if told else {}
-
-
-def _paired(strains: list[Column], stresses: list[Column]) -> list[tuple[Column, Column]]:
-    if by_rest := _by_rest(strains, stresses):
-        return [(one, by_rest[one.rest]) for one in strains]
-    return list(zip(strains, stresses, strict=True))
 
 
 def _no_unit(table: NumberTable, one: Column) -> str:

@@ -8,13 +8,13 @@ from math import nan
 from statistics import fmean, stdev
 
 import numpy as np
+import scipy
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.hardening_points import fewer_points
 
 from .figures import Figures
-from .law import falling_curve, proposed_law
-from .material_keys import material_section
 
 MEASURES = {
     "young": ("Young's modulus", "MPa"),
@@ -27,6 +27,10 @@ MEASURES = {
 
 _ENOUGH = 5  # specimens in each direction (ISO 527-1)
 _N_ROW = 25  # of the hardening curve
+_PER_LINE = 8  # numbers in a list of the model file
+_N_POINT = 101  # of the mean curve
+_BOUNDS = [(0.02, 1.0), (1e-3, 1.0), (1e-3, 1.0)]  # of plateau, l_A and length of the plateau
+_ONSET = 1.0 / 800.0  # over opening_u, as in the paper's law
 _WIDE = 0.15  # scatter over the mean that is worth a word
 
 
@@ -81,17 +85,22 @@ class Direction:
         """Specimens whose fall after the strength is recorded."""
         return [one for one in self.figures if len(one.opening_per_length)]
 
-    def falling_curve(self) -> tuple[Floats, Floats]:
-        """Return mean opening [mm] and stress [MPa] after the strength; empty if unknown."""
-        if self.gauge_length is None or not self.falling:
-            return np.zeros(0), np.zeros(0)
-        return falling_curve(self.falling, self.gauge_length)
-
     def law(self) -> CohesiveLaw | None:
-        """Return the proposed law, None where the tests say nothing about the fall."""
-        opening, stress = self.falling_curve()
-        if not len(opening):
+        """Return the proposed law, None where the tests say nothing about the fall.
+
+        It is that of the mean fall: shapes, ends and strengths are averaged apart, so that one
+        early break does not make a step.
+        """
+        if self.gauge_length is None or not self.falling:
             return None
+        share = np.linspace(0.0, 1.0, _N_POINT)
+        shapes, ends = [], []
+        for one in self.falling:
+            ends.append(self.gauge_length * one.opening_per_length[-1])
+            of_end = one.opening_per_length / one.opening_per_length[-1]
+            shapes.append(np.interp(share, of_end, one.falling_stress / one.falling_stress[0]))
+        strength = np.mean([one.strength for one in self.falling])
+        opening, stress = share * np.mean(ends), strength * np.mean(shapes, axis=0)
         return proposed_law(opening, stress, self.fracture_energy.mean)
 
     def hardening(self) -> tuple[Floats, Floats, Floats, int]:
@@ -112,7 +121,7 @@ class Direction:
     def material(self) -> str | None:
         """Return ``[material]`` of a film that yields, None without a hardening curve."""
         strain, stress, _, n = self.hardening()
-        return material_section(self.spread("young").mean, strain, stress, n) if n else None
+        return _material_section(self.spread("young").mean, strain, stress, n) if n else None
 
     def sentences(self) -> list[str]:
         """Return what to know before the figures are used."""
@@ -156,3 +165,70 @@ class Direction:
                 "grows with the gauge length and is an upper bound, not a property of the film"
             )
         return said
+
+
+def proposed_law(opening: Floats, stress: Floats, fracture_energy: float) -> CohesiveLaw:
+    """Return the law nearest to a falling curve, with the given area [N/mm].
+
+    The openings [mm] begin at 0, the stresses [MPa] with the strength. The area is kept: opening_u
+    follows from it and the other three numbers, which are fitted.
+    """
+    strength, end = float(stress[0]), float(opening[-1])
+    area, x, y = fracture_energy / strength / end, opening / end, stress / strength
+
+    def miss(shape: Floats) -> float:
+        plateau, a, p, u = _openings(shape, area)
+        if u <= 1.001 * p:
+            return float("inf")
+        drop, tail = 1.0 - (1.0 - plateau) * x / a, plateau * np.clip((u - x) / (u - p), 0.0, 1.0)
+        law = np.where(x < a, drop, np.where(x < p, plateau, tail))
+        return float(np.mean((law - y) ** 2))
+
+    found = scipy.optimize.differential_evolution(miss, _BOUNDS, seed=0, tol=1e-6, polish=False)
+    plateau, a, p, u = map(float, _openings(found.x, area))
+    return CohesiveLaw(
+        strength=strength,
+        plateau=plateau * strength,
+        opening_a=a * end,
+        opening_p=p * end,
+        opening_u=u * end,
+        onset=u * end * _ONSET,
+    )
+
+
+def _openings(shape: Floats, area: float) -> tuple[float, float, float, float]:
+    """Return plateau and l_A, l_P, l_U of a law of this area, over strength and end of the curve.
+
+    ``shape`` is the plateau, l_A, and the share of the plateau in what is left to the end.
+    """
+    plateau, a, flat = shape.tolist()
+    p = a + flat * (1.0 - a)
+    return plateau, a, p, (2.0 * area - (1.0 - plateau) * a) / plateau - p
+
+
+def _material_section(young: float, plastic_strain: Floats, true_stress: Floats, n: int) -> str:
+    """Return ``[material]`` with modulus and hardening table; what is not measured is a comment.
+
+    The curve is true, in MPa, from a plastic strain of 0, increasing; n specimens are behind it.
+    """
+    strain, stress = fewer_points(plastic_strain, true_stress)
+    return "\n".join(
+        [
+            f"# From {n} specimens, up to the strength; the yield stress stays constant beyond.",
+            "# poisson, density and thickness are not measured in a tensile test: give them.",
+            "[material]",
+            f"young = {young:.6g}",
+            "# poisson = 0.4",
+            '# density = "0.92 g/cm3"',
+            '# thickness = "50 um"',
+            *_array("hardening_strain", strain),
+            *_array("hardening_stress", stress),
+            "",
+        ]
+    )
+
+
+def _array(name: str, values: Floats) -> list[str]:
+    words = [f"{value:.6g}" for value in values]
+    lines = [words[at : at + _PER_LINE] for at in range(0, len(words), _PER_LINE)]
+    return [f"{name} = [", *(f"    {', '.join(line)}," for line in lines), "]"]

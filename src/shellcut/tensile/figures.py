@@ -1,13 +1,4 @@
-"""Figures of one specimen: :func:`figures_of`.
-
-The modulus is the slope of the regression line between strains of 0.05 and 0.25 % (ISO 527-1),
-counted from where this line has no stress; that zero corrects all strains. A foot, where the
-specimen is being straightened and the curve gets steeper, lies before the line. Yield is where the
-curve meets the line moved by the offset. After the strength the strain is taken to gather in one
-place; the rest of the gauge length gives back its elastic strain,
-
-    opening / gauge length = (strain - strain of the strength) + (strength - stress) / modulus.
-"""
+"""Figures of one specimen: :func:`figures_of`, defined in docs/howto/tensile.md."""
 
 from __future__ import annotations
 
@@ -98,6 +89,7 @@ def figures_of(specimen: Specimen, offset: float = 0.002) -> Figures:
     if at_yield is None:
         said.append(f"it parts before a plastic strain of {100 * offset:g} %: no yield stress")
     plastic, true = _hardening(strain[: peak + 1], stress[: peak + 1], young, at_yield, said)
+    held = np.flatnonzero(stress >= BROKEN * strength)
     opening, falling = _fall(strain[peak:], stress[peak:], young, specimen.broken, said)
     if not specimen.broken:
         said.append(
@@ -112,7 +104,7 @@ def figures_of(specimen: Specimen, offset: float = 0.002) -> Figures:
         yield_stress=np.nan if at_yield is None else at_yield[1],
         strength=strength,
         strain_at_strength=float(strain[peak]),
-        strain_at_break=_break(strain, stress) if specimen.broken else np.nan,
+        strain_at_break=float(strain[held[-1]]) if specimen.broken else np.nan,
         plastic_strain=plastic,
         true_stress=true,
         opening_per_length=opening,
@@ -332,8 +324,3 @@ def _fall(
             )
     # noise may make a rise of the stress faster than the strain
     return np.maximum.accumulate(opening), stress
-
-
-def _break(strain: Floats, stress: Floats) -> float:
-    held = np.flatnonzero(stress >= BROKEN * stress.max())
-    return float(strain[held[-1]])

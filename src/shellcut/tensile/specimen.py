@@ -1,10 +1,4 @@
-"""Nominal stress-strain curves from tables of test machines: :func:`read_specimens`.
-
-:mod:`shellcut.tensile.columns` says which columns are strain (or extension) and stress (or force).
-True strains and stresses become nominal ones, at constant volume:
-
-    nominal strain = exp(true strain) - 1,    nominal stress = true stress / (1 + nominal strain).
-"""
+"""Nominal stress-strain curves from tables of test machines: :func:`read_specimens`."""
 
 from __future__ import annotations
 

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.study.surrogate.sensitivity import Indices, sobol_indices
-from shellcut.study.surrogate.surface import Surface, fewest_runs, is_constant, is_there
+from shellcut.study.surrogate import (
+    Indices,
+    Surface,
+    fewest_runs,
+    is_constant,
+    is_there,
+    sobol_indices,
+)
 
 from .studied import FigureOfRuns, Studied, Study
 
@@ -60,41 +67,35 @@ class Analysed:
         """Whether there is a surface that is better than the mean."""
         return self.surface is not None and self.surface.explained > _NOTHING
 
-    @property
-    def values(self) -> Floats:
-        """The factors in the runs that have the figure, shape (n, n_factor)."""
-        return np.column_stack([one.values[self.rows] for one in self.factors])
-
 
 def analysed(study: Study, figure: FigureOfRuns) -> Analysed:
     """Return what the runs say about a figure."""
     rows = study.done & np.isfinite(figure.values)
     factors = tuple(one for one in study.factors if rows.any() and np.ptp(one.values[rows]) > 0.0)
-    bare = Analysed(figure, rows, factors, None, None, "")
-    if why := _why_no_surface(study, bare):
+    if why := _why_no_surface(figure.values[rows], factors):
         return Analysed(figure, rows, factors, None, None, why)
-    surface = Surface(factors, bare.values, figure.values[rows])
+    places = np.column_stack([one.values[rows] for one in factors])
+    surface = Surface(factors, places, figure.values[rows])
     indices = None
     if surface.explained > _NOTHING and len(factors) > 1:
         indices = sobol_indices(surface)
     return Analysed(figure, rows, factors, surface, indices, "")
 
 
-def _why_no_surface(study: Study, one: Analysed) -> str:
-    n = int(one.rows.sum())
+def _why_no_surface(figure: Floats, factors: Sequence[Studied]) -> str:
+    n = len(figure)
     if n == 0:
         return "no run has this figure"
     if n == 1:
         return "one run has this figure, and a surface needs several"
-    if not one.factors:
+    if not factors:
         return f"no factor varies over the {n} runs that have this figure"
-    if is_constant(one.figure.values[one.rows]):
-        value = one.figure.values[one.rows][0]
-        return f"it is {value:.6g} in all {n} runs, so nothing influences it here"
-    if n < (least := fewest_runs(one.factors)):
-        over = f"{len(one.factors)} factor" + "s" * (len(one.factors) > 1)
+    if is_constant(figure):
+        return f"it is {figure[0]:.6g} in all {n} runs, so nothing influences it here"
+    if n < (least := fewest_runs(factors)):
+        over = f"{len(factors)} factor" + "s" * (len(factors) > 1)
         return f"a surface over {over} needs {least} runs or more, and {n} have this figure"
-    values = np.unique(one.figure.values[one.rows])
+    values = np.unique(figure)
     if len(values) == 2:
         return (
             f"it takes two values only, {values[0]:.5g} and {values[1]:.5g}: it jumps, and no "

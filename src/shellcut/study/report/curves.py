@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from html import escape
 
 import numpy as np
 
-from shellcut.arrays import Floats
 from shellcut.files.run_folder import HISTORY
 from shellcut.report.chart import chart
 from shellcut.report.markup import missing
@@ -26,26 +24,17 @@ _COLUMNS = 150
 """In which a curve keeps its lowest and highest point."""
 
 
-@dataclass(frozen=True)
-class _OfRun:
-    row: int
-    x: Floats
-    y: Floats
-    names: tuple[str, str]
-    units: tuple[str, str]
-
-
 def curves(study: Study) -> str:
     """Return torque or force over angle or path, of all runs that are done."""
     done = np.flatnonzero(study.done)
     chosen = done[:: -(-len(done) // _MOST)] if len(done) else done
-    found: list[_OfRun] = []
+    found: list[tuple[int, Diagram]] = []
     lost = 0
     for row in chosen.tolist():
         one = _read(study, row)
         lost += one is None
-        if one is not None and (not found or one.names == found[0].names):
-            found.append(one)
+        if one is not None and (not found or _axes(one) == _axes(found[0][1])):
+            found.append((row, one))
     if not found:
         return missing("No curves: no run that is done has a history that can be read.")
     said = []
@@ -53,29 +42,30 @@ def curves(study: Study) -> str:
         said.append(f"{len(chosen)} of {len(done)} runs are drawn, evenly chosen.")
     if lost:
         said.append(f"The history of {lost} runs is missing.")
-    groups = _groups(study, found)
+    rows = np.array([row for row, _ in found])
+    groups = [coloured_by(factor, rows) for factor in study.factors if factor.varies]
     if groups:  # in the order of the legend
-        found = [found[k] for k in np.argsort(groups[0].group, kind="stable")]
-        groups = _groups(study, found)
-    longest = max(found, key=lambda one: one.x[-1] - one.x[0])
-    (x_name, y_name), (x_unit, y_unit) = found[0].names, found[0].units
+        order = np.argsort(groups[0].group, kind="stable")
+        found = [found[k] for k in order]
+        groups = [replace(one, group=one.group[order]) for one in groups]
+    diagrams = [one for _, one in found]
+    longest = max(diagrams, key=lambda one: np.ptp(one.x))
     first = groups[0] if groups else Colouring("", ("all runs",), np.zeros(len(found), int))
     drawn = [
-        Curve(first.names[k], one.y, first.style(k), x=one.x)
-        for k, one in zip(first.group.tolist(), found, strict=True)
+        replace(one.curves[0], name=first.names[k], style=first.style(k), x=one.x)
+        for k, one in zip(first.group.tolist(), diagrams, strict=True)
     ]
     picture = chart(
-        Diagram(longest.x, drawn, x_name, x_unit, y_name, y_unit),
-        f"Curves: {y_name} over {x_name} of {len(found)} runs.",
+        replace(longest, curves=drawn),
+        f"Curves: {longest.name} over {longest.x_name} of {len(found)} runs.",
         380.0,
     )
     note = f'<p class="caption">{escape(" ".join(said))}</p>' if said else ""
     return f'<div class="coloured">{_chooser(groups)}{picture}</div>{note}'
 
 
-def _groups(study: Study, found: Sequence[_OfRun]) -> list[Colouring]:
-    rows = np.array([one.row for one in found])
-    return [coloured_by(factor, rows) for factor in study.factors if factor.varies]
+def _axes(one: Diagram) -> tuple[str, str]:
+    return one.x_name, one.name
 
 
 def _chooser(groups: list[Colouring]) -> str:
@@ -99,7 +89,7 @@ def _chooser(groups: list[Colouring]) -> str:
     )
 
 
-def _read(study: Study, row: int) -> _OfRun | None:
+def _read(study: Study, row: int) -> Diagram | None:
     """Return the second and third column of a history, the coordinate going ahead."""
     try:
         columns, units = read_history(study.run_folder(row) / HISTORY)
@@ -113,5 +103,5 @@ def _read(study: Study, row: int) -> _OfRun | None:
     if ahead.sum() < 2:
         return None
     kept = outline(x[ahead], y[ahead], _COLUMNS)
-    names, units_of = (x_name, y_name), (units[x_name], units[y_name])
-    return _OfRun(row, x[ahead][kept], y[ahead][kept], names, units_of)
+    curve = Curve("", y[ahead][kept])
+    return Diagram(x[ahead][kept], [curve], x_name, units[x_name], y_name, units[y_name])

@@ -8,14 +8,14 @@ from html import escape
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Bools
 from shellcut.report.chart import MOST_POINTS, Axis, panel
 from shellcut.report.markup import legend, missing
 from shellcut.unit import after
 
 from .analysis import Analysed
 from .colouring import coloured_by
-from .studied import Studied, Study
+from .studied import Study
 
 _N_PLACE = 25  # along a factor
 _N_OTHER = 128  # points of the other factors over which a surface is averaged
@@ -47,34 +47,24 @@ def _effect(study: Study, one: Analysed, k: int) -> str:
     factor = one.factors[k]
     x = Axis(factor.name, factor.unit, factor.values[one.rows], factor.names)
     y = Axis(one.figure.name, one.figure.unit, one.figure.values[one.rows])
-    lines = [(*_alone(one, k), "effect")] if one.predicts else []
-    return panel(x, y, said_of(study, one), lines=lines, hollow=study.doubted[one.rows])
+    lines = []
+    if one.predicts and one.surface is not None:  # what the factor does by itself
+        places = np.linspace(*factor.ends, len(factor.names) or _N_PLACE)
+        lines = [(places, one.surface.mean_over_others({k: places}, _N_OTHER), "effect")]
+    return panel(x, y, said_of(study, one.rows), lines=lines, hollow=study.doubted[one.rows])
 
 
-def _alone(one: Analysed, k: int) -> tuple[Floats, Floats]:
-    """Return places along a factor, and the mean of the surface over the others there."""
-    assert one.surface is not None
-    factor = one.factors[k]
-    n_place = len(factor.names) or _N_PLACE
-    places = np.linspace(*factor.ends, n_place)
-    return places, one.surface.mean_over_others({k: places}, _N_OTHER)
-
-
-def said_of(study: Study, one: Analysed) -> list[str]:
-    """Return what pointing at each run of a figure says."""
-    return [said_of_row(study, row) for row in np.flatnonzero(one.rows).tolist()]
-
-
-def said_of_row(study: Study, row: int) -> str:
-    """Return number and inputs of a run."""
-    inputs = ", ".join(f"{f.name} {_text(f, row)}" for f in study.inputs)
-    return f"run {study.numbers[row]}{', distrusted' * bool(study.doubted[row])}: {inputs}"
-
-
-def _text(factor: Studied, row: int) -> str:
-    if factor.names:
-        return factor.texts[row]
-    return f"{factor.values[row]:.5g}{after(factor.unit)}"
+def said_of(study: Study, rows: Bools) -> list[str]:
+    """Return what pointing at each of some runs says: its number and inputs."""
+    said = []
+    for row in np.flatnonzero(rows).tolist():
+        inputs = []
+        for f in study.inputs:
+            text = f.texts[row] if f.names else f"{f.values[row]:.5g}{after(f.unit)}"
+            inputs.append(f"{f.name} {text}")
+        doubted = ", distrusted" * bool(study.doubted[row])
+        said.append(f"run {study.numbers[row]}{doubted}: {', '.join(inputs)}")
+    return said
 
 
 def pairs(study: Study, analyses: Sequence[Analysed]) -> str:
@@ -90,7 +80,7 @@ def pairs(study: Study, analyses: Sequence[Analysed]) -> str:
             panel(
                 Axis(a.figure.name, a.figure.unit, a.figure.values[both]),
                 Axis(b.figure.name, b.figure.unit, b.figure.values[both]),
-                [said_of_row(study, row) for row in np.flatnonzero(both).tolist()],
+                said_of(study, both),
                 colors=[by.color(int(group)) for group in by.group],
                 hollow=study.doubted[both],
             )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.resources
 import os
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from shellcut.files.file_list import target
 from shellcut.files.whole_file import write_text
 from shellcut.report.error_bars import error_bars
 from shellcut.report.markup import section
-from shellcut.report.page import page_of
+from shellcut.report.page import page_of, part
 from shellcut.report.words import versions
 from shellcut.results.error_bars import ERROR_BARS, read_error_bars
 
@@ -64,15 +63,11 @@ def report_study(
         lead=f"Report of the study in {study.folder.resolve()}: {n} runs of "
         f"{Path(study.file.model).name}, {n_done} done.",
         body=_body(study, out),
-        style=_part("study.css"),
-        script=_part("study.js"),
+        style=part("study.css", __package__),
+        script=part("study.js", __package__),
     )
     write_text(out, html, errors="backslashreplace")
     return out
-
-
-def _part(name: str) -> str:
-    return (importlib.resources.files(__package__) / name).read_text(encoding="utf-8")
 
 
 def _body(study: Study, out: Path) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from shellcut.report.chart import Axis, panel
 from shellcut.report.markup import legend, missing, table
-from shellcut.study.surrogate.sensitivity import Indices
+from shellcut.study.surrogate import Indices
 from shellcut.unit import after
 from shellcut.view.curves import PALETTE
 
@@ -18,6 +18,15 @@ from .analysis import Analysed
 _CLEAR = 0.5
 """Explained share below which the indices are those of a poor surface."""
 
+_MEANING = (
+    "How much of a figure's scatter comes from which factor. The first-order index is the share of "
+    "the variance that would go if this factor did not vary. The total index adds what the factor "
+    "does together with others; where both are the same, it acts alone. All factors are taken to "
+    "vary independently and evenly over their ranges. The interval holds 95 % of the surfaces that "
+    "fit the runs as well. The indices are only as good as the surface: see its error. An interval "
+    "from 0 to 0 says that no influence was seen."
+)
+
 
 def sensitivities(analyses: Sequence[Analysed]) -> str:
     """Return the indices of each figure, or why there are none."""
@@ -25,20 +34,8 @@ def sensitivities(analyses: Sequence[Analysed]) -> str:
         return ""
     parts = [_of_figure(one) for one in analyses]
     if any(one.indices for one in analyses):
-        parts.insert(0, _meaning())
+        parts.insert(0, f"<p>{escape(_MEANING)}</p>")
     return "".join(parts)
-
-
-def _meaning() -> str:
-    said = (
-        "How much of a figure's scatter comes from which factor. The first-order index is the "
-        "share of the variance that would go if this factor did not vary. The total index adds "
-        "what the factor does together with others; where both are the same, it acts alone. All "
-        "factors are taken to vary independently and evenly over their ranges. The interval holds "
-        "95 % of the surfaces that fit the runs as well. The indices are only as good as the "
-        "surface: see its error. An interval from 0 to 0 says that no influence was seen."
-    )
-    return f"<p>{escape(said)}</p>"
 
 
 def _of_figure(one: Analysed) -> str:

@@ -16,7 +16,7 @@ from shellcut.results.summary_figures import label_of, unit_of
 from shellcut.study.factors import Factor, factors_of
 from shellcut.study.plan import RUNS, Definition
 from shellcut.study.study_file import STUDY, read_study
-from shellcut.study.surrogate.inputs import Input
+from shellcut.study.surrogate import Input
 from shellcut.study.table import TABLE
 from shellcut.unit import shown
 

@@ -21,6 +21,11 @@ _N_BAND = 8  # colours of a map, about
 _N_OTHER = 32  # points of the other factors over which a map is averaged
 _MOST_MAPS = 6  # of one figure
 
+_HOW = (
+    "A surface estimates a figure between the runs, by a Gaussian process. Its error is measured: "
+    "runs are left out, one by one or a tenth at a time, and predicted from the others."
+)
+
 _GOOD, _POOR = 0.9, 0.5
 """Shares of the variance of unseen runs, for the words of the table."""
 
@@ -29,7 +34,7 @@ def surfaces(study: Study, analyses: Sequence[Analysed]) -> str:
     """Return error, prediction of runs left out, and maps, for each figure."""
     if not analyses:
         return ""
-    parts = [_how(analyses), _errors(analyses)]
+    parts = [_errors(analyses)]
     parts += [missing(f"{one.figure.name}: no surface, {one.why}.") for one in analyses if one.why]
     for one in analyses:
         if one.surface is None:
@@ -46,17 +51,6 @@ def surfaces(study: Study, analyses: Sequence[Analysed]) -> str:
             "are the runs, each in the colour of its own figure; a cross is a run without it.</p>"
         )
     return "".join(parts)
-
-
-def _how(analyses: Sequence[Analysed]) -> str:
-    if all(one.surface is None for one in analyses):
-        return ""
-    said = (
-        "A surface estimates a figure between the runs, by a Gaussian process. Its error is "
-        "measured: runs are left out, one by one or a tenth at a time, and predicted from the "
-        "others."
-    )
-    return f"<p>{escape(said)}</p>"
 
 
 def _errors(analyses: Sequence[Analysed]) -> str:
@@ -79,7 +73,7 @@ def _errors(analyses: Sequence[Analysed]) -> str:
     if not rows:
         return ""
     head = ("figure", "runs", "left out", "error, rms", "error of the mean", "explained")
-    return table(rows, head) + sentences(_judged(analyses))
+    return f"<p>{_HOW}</p>" + table(rows, head) + sentences(_judged(analyses))
 
 
 def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
@@ -122,7 +116,7 @@ def _left_out(study: Study, one: Analysed) -> str:
     assert one.surface is not None
     surface = one.surface
     figure = one.figure.values[one.rows][surface.rows]
-    texts = said_of(study, one)
+    texts = said_of(study, one.rows)
     said = [texts[k] for k in surface.rows.tolist()]
     ends = np.array(
         [min(figure.min(), surface.left_out.min()), max(figure.max(), surface.left_out.max())]
@@ -170,7 +164,7 @@ def _maps(study: Study, one: Analysed) -> list[str]:
             panel(
                 Axis(a.name, a.unit, a.values[one.rows], ends=a.ends),
                 Axis(b.name, b.unit, b.values[one.rows], ends=b.ends),
-                said_of(study, one),
+                said_of(study, one.rows),
                 colors=figure,
                 ground=ground,
                 crosses=(a.values[lost], b.values[lost]),

@@ -70,14 +70,9 @@ def _said(study: Study) -> Iterator[tuple[str, str, str]]:
         yield "doubt", "missing", f"The runs have none of the usual figures; name some in {STUDY}."
     if not study.factors:
         yield "note", "one model", "No key has several values, so there is nothing to compare."
-    steps = _ends_early(study)
-    if steps:
-        yield "note", "stopped", f"{steps} runs ended before their time; their figures are partial."
-
-
-def _ends_early(study: Study) -> int:
-    share = study.all_figures.get("share_done")
-    return 0 if share is None else int(np.sum(study.done & (share < 1.0 - 1e-6)))
+    share = study.all_figures.get("share_done", np.ones(n))
+    if early := int(np.sum(study.done & (share < 1.0 - 1e-6))):
+        yield "note", "stopped", f"{early} runs ended before their time; their figures are partial."
 
 
 def runs(study: Study, page: Path) -> str:

@@ -1,8 +1,15 @@
-"""A surface through runs, with the error by which it misses runs that it has not seen.
+"""A surface through the figure of many runs: how well it predicts, and what it is sensitive to.
 
-It is a Gaussian process of scikit-learn. The covariance is Matérn's of 5/2 with a length for each
-column, and a noise that does not depend on the place [RasmussenWilliams2006] 4.2; all are those of
-the largest likelihood.
+It gives the figure as a function of a few inputs, and knows nothing of runs and of models. It is a
+Gaussian process of scikit-learn. The covariance is Matérn's of 5/2 with a length for each column,
+and a noise that does not depend on the place [RasmussenWilliams2006] 4.2; all are those of the
+largest likelihood.
+
+The first-order Sobol' index of an input is the share of the variance that goes if the input is
+known; the total index adds its share of what several inputs do together [Sobol1993],
+[Saltelli2010]. SciPy estimates them from the surface at Sobol' points. The intervals hold both
+errors of that: they are quantiles over surfaces that the runs also allow, each with its own
+resampling of the points [LeGratiet2014].
 """
 
 from __future__ import annotations
@@ -10,14 +17,13 @@ from __future__ import annotations
 import importlib.util
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
-
-from .inputs import Input, at_shares, columns_of
 
 _ONE_BY_ONE = 20
 """Runs up to which each is left out by itself; of more a tenth at a time."""
@@ -33,6 +39,55 @@ _LENGTHS = (0.1, 1e3)
 
 _NOISES = (1e-9, 1e1)
 """Variances of the noise over that of the figure."""
+
+_N_DRAW = 200
+_EVALUATIONS = 2600
+"""Of one surface, about; a draw of a Gaussian process takes the cube of this."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """A number between two ends, or a name out of a list.
+
+    A number becomes a column from -1 to 1. A name out of a list becomes a column for each name of
+    the list, 1 where it is that name; two names share one column.
+    """
+
+    name: str
+    ends: tuple[float, float]
+    """Least and largest value of the study, run or not; of a list (0, number of names - 1)."""
+    names: tuple[str, ...] = ()
+    """The names, two or more; empty for a number. A value then is a place in this list."""
+
+    @property
+    def n_column(self) -> int:
+        """Columns that it becomes."""
+        return 1 if len(self.names) <= 2 else len(self.names)
+
+    def columns(self, values: Floats) -> Floats:
+        """Return the columns of values, shape (n, n_column)."""
+        if self.n_column > 1:
+            return np.asarray(values[:, None] == np.arange(len(self.names)), float)
+        low, high = self.ends
+        return np.asarray(2.0 * (values - low) / (high - low) - 1.0)[:, None]
+
+    def at(self, shares: Floats) -> Floats:
+        """Return the values at shares in [0, 1): evenly over the range, each name as often."""
+        if self.names:
+            last = len(self.names) - 1.0
+            return np.asarray(np.minimum(np.floor(shares * len(self.names)), last))
+        low, high = self.ends
+        return low + shares * (high - low)
+
+
+def columns_of(inputs: Sequence[Input], values: Floats) -> Floats:
+    """Return the columns of all inputs, from values of shape (n, n_input)."""
+    return np.hstack([one.columns(values[:, k]) for k, one in enumerate(inputs)])
+
+
+def at_shares(inputs: Sequence[Input], shares: Floats) -> Floats:
+    """Return the values at shares of the inputs, shape (n, n_input)."""
+    return np.column_stack([one.at(shares[:, k]) for k, one in enumerate(inputs)])
 
 
 def is_there() -> bool:
@@ -135,3 +190,49 @@ def _root(covariance: Floats, least: float) -> Floats:
             return root
         except scipy.linalg.LinAlgError:
             least *= 10.0
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Sobol' indices of all inputs, in their order."""
+
+    first: Floats
+    total: Floats
+    """Medians over the surfaces, shape (n_input,)."""
+    first_interval: Floats
+    total_interval: Floats
+    """Within which 95 % of them lie, shape (n_input, 2)."""
+    n_point: int
+    """Points of one sample of the estimate."""
+    n_draw: int
+    """Surfaces."""
+
+
+def sobol_indices(surface: Surface, *, seed: int = 0) -> Indices:
+    """Return the indices of a surface of two inputs or more, independent and evenly distributed."""
+    inputs, n_input = surface.inputs, len(surface.inputs)
+    n = 2 ** int(np.log2(_EVALUATIONS / (n_input + 2)))
+    rng = np.random.default_rng(seed)
+    shares = scipy.stats.qmc.Sobol(2 * n_input, seed=rng).random(n)
+    a, b = shares[:, :n_input], shares[:, n_input:]
+    mixed = np.repeat(a[None], n_input, axis=0)
+    for k in range(n_input):
+        mixed[k, :, k] = b[:, k]
+    places = at_shares(inputs, np.concatenate([a, b, *mixed]))
+    drawn = surface.draws(places, _N_DRAW, rng).reshape(_N_DRAW, n_input + 2, n)
+    # each surface at its own resampling of the points
+    chosen = rng.integers(n, size=(_N_DRAW, 1, n))
+    drawn = np.take_along_axis(drawn, chosen, axis=2).transpose(1, 0, 2)
+    drawn = drawn - drawn.mean(axis=(0, 2), keepdims=True)  # which makes the estimates stable
+    found = scipy.stats.sobol_indices(
+        func={"f_A": drawn[0], "f_B": drawn[1], "f_AB": drawn[2:]}, n=n
+    )
+    first, total = np.clip(found.first_order, 0.0, 1.0), np.maximum(found.total_order, 0.0)
+    return Indices(
+        np.median(first, axis=0),
+        np.median(total, axis=0),
+        np.quantile(first, (0.025, 0.975), axis=0).T,
+        np.quantile(total, (0.025, 0.975), axis=0).T,
+        n,
+        _N_DRAW,
+    )
