@@ -6,7 +6,6 @@ A split or cut changes the loads of its own nodes: these are summed anew over th
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
@@ -20,28 +19,29 @@ from .pressure import PressedQuads, pressure_rows, scatter_rows
 OnSlid = Callable[[State, Ints, Floats, Floats], Floats]
 
 
-class Rule(Protocol):
+class Rule:
     """Force of a dead load at a factor of one."""
+
+    on_slid: OnSlid | None = None
+    """Gives the forces at the corners of some rows [N], shape (n, 4, 3), of which some have slid.
+
+    None if the load does not act on quads. Takes the state, the rows, shape (n,), the places X of
+    their corners in the reference, shape (n, 4, 3), and the masses there [t], shape (n, 4).
+    """
 
     def on(self, state: State, nodes: Ints) -> Floats:
         """Return the forces on some nodes [N], shape (n, 3)."""
+        raise NotImplementedError
 
     def on_rows(self, state: State, rows: Ints) -> Floats | None:
         """Return what single quads or copies bring to their corners [N], shape (n, 4, 3).
 
-        None if the load does not act on quads.
+        None if the load does not act on quads, or accelerates both sides of a split alike.
         """
-
-    @property
-    def on_slid(self) -> OnSlid | None:
-        """The forces at the corners of some rows [N], shape (n, 4, 3), of which some have slid.
-
-        None if the load does not act on quads. Takes the state, the rows, shape (n,), the places X
-        of their corners in the reference, shape (n, 4, 3), and the masses there [t], shape (n, 4).
-        """
+        return None
 
 
-class Weight:
+class Weight(Rule):
     """Mass times an acceleration g : (3,)."""
 
     def __init__(self, g: Floats) -> None:
@@ -51,24 +51,13 @@ class Weight:
         """Return mass times g."""
         return np.asarray(state.node.mass[nodes, None] * self._g)
 
-    def on_rows(self, _state: State, _rows: Ints) -> None:
-        """Return nothing: weight accelerates both sides of a split alike."""
-
     def on_slid(self, _state: State, _rows: Ints, _X: Floats, mass: Floats) -> Floats:
         """Return mass times g."""
         return np.asarray(mass[:, :, None] * self._g)
 
 
-class DeadPressure:
-    """Dead pressure on some quads: area and direction of the reference.
-
-    Parameters
-    ----------
-    mesh, quads, cut : Mesh, ndarray of int, CutQuads
-        As of :class:`.PressedQuads`.
-    value : float
-        [MPa]
-    """
+class DeadPressure(Rule):
+    """Dead pressure [MPa] on some quads: area and direction of the reference."""
 
     def __init__(self, mesh: Mesh, quads: Ints, value: float, cut: CutQuads) -> None:
         self._mesh, self._value = mesh, value
@@ -95,20 +84,11 @@ class DeadPressure:
         return force
 
 
-class EdgeForces:
+class EdgeForces(Rule):
     """Forces along sides of quads, even over the length of the reference.
 
-    Parameters
-    ----------
-    quads, sides : ndarray of int, shape (n,)
-        Which sides.
-    force : ndarray, shape (n, 3)
-        On each, traction times length [N].
-    cut : CutQuads
-        Parts of cut quads.
+    quads, sides : (n,), which sides.  force : (n, 3), on each, traction times length [N].
     """
-
-    on_slid = None
 
     def __init__(self, quads: Ints, sides: Ints, force: Floats, cut: CutQuads) -> None:
         self._quads, self._sides, self._force, self._cut = quads, sides, force, cut

@@ -15,17 +15,7 @@ from .pressure import PressedQuads, pressure_rows, scatter_rows
 
 
 class FollowingPressure:
-    """Following pressure on some quads.
-
-    Parameters
-    ----------
-    mesh, quads, cut : Mesh, ndarray of int, CutQuads
-        As of :class:`.PressedQuads`.
-    value : float
-        [MPa]
-    factor : callable
-        Of time [s]; scales it.
-    """
+    """Following pressure on some quads, a value [MPa] that a factor of time [s] scales."""
 
     def __init__(
         self,

@@ -177,7 +177,11 @@ class LoadSet:
         work = 0.0
         self._workers.run(self._cleared, n.count, n.force_rows)
         for dead in self._dead:
-            work += self._dead_force(state, dead, float(dead.factor(now)), dead.factor(before))
+            dead.follow(state)
+            times, sums = float(dead.factor(now)), np.zeros(-(-n.count // NODE_CHUNK))
+            scaled = dead.force, times, n.velocity_half, n.force_rows, sums
+            self._workers.run(self._added, n.count, *scaled)
+            work += 0.5 * (times + dead.factor(before)) * dt * float(np.add.reduce(sums))
         self.add_nodal_forces(state, n.force)
         for ids, force, factor in self._nodal:
             mean = 0.5 * (factor(now) + factor(before)) * force
@@ -197,14 +201,6 @@ class LoadSet:
             mean = 0.5 * (factor(now) + factor(before)) * moment
             work += dt * float(product(n.spin_half[ids], mean).sum())
         return work
-
-    def _dead_force(self, state: State, dead: DeadLoad, now: float, before: float) -> float:
-        n = state.node
-        dead.follow(state)
-        sums = np.zeros(-(-n.count // NODE_CHUNK))
-        force = dead.force, now, n.velocity_half, n.force_rows, sums
-        self._workers.run(self._added, n.count, *force)
-        return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
 
     def largest(self, state: State) -> float:
         """Return the largest component of the nodal loads, without moments [N]."""
@@ -238,17 +234,8 @@ class LoadSet:
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
         """Add the load on a node that comes from a single quad, without gravity [N].
 
-        Parameters
-        ----------
-        state : State
-            At t_n.
-        quads, nodes : ndarray of int, shape (n,)
-            Quad, and one of its nodes.
-        force : ndarray, shape (n, 3)
-            Added to.
+        quads, nodes : (n,), quad and one of its nodes.  force : (n, 3), added to.
         """
-        if not self._dead and not self._following:
-            return
         corner = state.quads[quads] == nodes[:, None]
         for dead in self._dead:
             rows = dead.rule.on_rows(state, quads)

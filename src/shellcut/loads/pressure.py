@@ -42,17 +42,7 @@ def pressure_rows(x: Floats, corners: Ints, film: Floats, pressure: float, rows:
 
 
 class PressedQuads:
-    """Quads of a mesh that a pressure acts on, with their copies.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Reference.
-    quads : ndarray of int
-        Which.
-    cut : CutQuads
-        Parts of cut quads.
-    """
+    """Quads of a mesh that a pressure acts on, with their copies."""
 
     def __init__(self, mesh: Mesh, quads: Ints, cut: CutQuads) -> None:
         self._cut = cut

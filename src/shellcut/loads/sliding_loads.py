@@ -40,22 +40,10 @@ _STEP = 0.01
 class SlidingLoads:
     """The work of loads on some quads with some slides, as long as the topology stays.
 
-    Parameters
-    ----------
-    state : State
-        Of the topology.
-    rows : ndarray of int, shape (n,)
-        Quads and copies of which something slides.
-    X : ndarray, shape (n, 4, 3)
-        Their corners in the reference film [mm].
-    q : ndarray, shape (n, 4)
-        Share of each corner in a slide.
-    slides : ndarray, shape (n_slide, n, 4, 3)
-        How far these slide, along their quads, per mm of each slide.
-    mass : callable
-        Gives those of corners that lie at X [t], shape (n, 4).
-    dead, following : sequence
-        The loads.
+    rows : (n,), quads and copies of which something slides.  X : (n, 4, 3), their corners in the
+    reference film [mm].  q : (n, 4), share of each corner in a slide.  slides : (n_slide, n, 4, 3),
+    how far these slide, along their quads, per mm of each slide.  mass : gives those of corners
+    that lie at X [t], (n, 4).
     """
 
     def __init__(
@@ -84,12 +72,7 @@ class SlidingLoads:
     def works(self, state: State, moved: Floats) -> Floats:
         """Return what the loads do per mm of each slide [N], shape (n_slide,).
 
-        Parameters
-        ----------
-        state : State
-            Present positions.
-        moved : ndarray, shape (n_slide, 3)
-            How far the film in space moves with each slide where q is 1, per mm.
+        moved : (n_slide, 3), how far the film in space moves with each where q is 1, per mm.
         """
         found = np.zeros(len(moved))
         x = state.node.x[state.quads[self._rows]]
