@@ -20,25 +20,21 @@ from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
 from shellcut.models.oscillating import (
-    CONTACT as BAR_CONTACT,
-)
-from shellcut.models.oscillating import (
-    FILM as BAR_FILM,
-)
-from shellcut.models.oscillating import (
-    FRACTURE as BAR_FRACTURE,
-)
-from shellcut.models.oscillating import (
-    LAW as BAR_LAW,
-)
-from shellcut.models.oscillating import STIFFNESS_DAMPING, bar_before, way_of
-from shellcut.models.trouser import (
-    FRACTURE as TEAR_FRACTURE,
+    BAR_CONTACT,
+    BAR_FILM,
+    BAR_FRACTURE,
+    BAR_LAW,
+    STIFFNESS_DAMPING,
+    bar_before,
+    way_of,
 )
 from shellcut.models.trouser import (
-    LAW as TEAR_LAW,
+    MASS_DAMPING,
+    TEAR_FRACTURE,
+    TEAR_LAW,
+    THICKNESS,
+    trouser_strip,
 )
-from shellcut.models.trouser import MASS_DAMPING, THICKNESS, trouser_strip
 from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping

@@ -24,7 +24,7 @@ from shellcut.simulation.simulation import Simulation
 
 from .case import Case, check_length
 
-LAW = CohesiveLaw(
+TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
 """Default law: 11.5 N/mm, torn over 2.4 mm, several edges of the default quads."""
@@ -32,7 +32,7 @@ LAW = CohesiveLaw(
 THICKNESS = 0.2
 """Default thickness [mm]: the legs are stiff in bending beside their width."""
 
-FRACTURE = Fracture(path="free", check_every=20)
+TEAR_FRACTURE = Fracture(path="free", check_every=20)
 """Default; a crack advances by one quad between two checks at most."""
 
 MASS_DAMPING = 50.0
@@ -133,8 +133,8 @@ def trouser(
         mesh,
         material or ShellMaterial.homogeneous(thickness=THICKNESS),
         supports=[Support.clamped("tail"), *legs],
-        law=law or LAW,
-        **{"fracture": FRACTURE, "damping_alpha": MASS_DAMPING, **options},
+        law=law or TEAR_LAW,
+        **{"fracture": TEAR_FRACTURE, "damping_alpha": MASS_DAMPING, **options},
     )
     if simulation.fracture.path != "free":
         raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")
