@@ -21,7 +21,6 @@ A tooth in its straight coordinates, s forward along the motion and z up::
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import atan, ceil, cos, degrees, pi, radians, sin, sqrt, tan
 from typing import Annotated, TypeAlias
@@ -29,7 +28,7 @@ from typing import Annotated, TypeAlias
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, each
+from shellcut.arrays import each
 
 from .rounded_edge import EdgeRadius, with_edge_radius
 from .tool import Tool, ToolError
@@ -121,7 +120,13 @@ def tooth_ring(
     (2, 2)
     """
     problems = _angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg")
-    problems += _ring_problems(radius, half_thickness, length, relief_deg, height)
+    if (rise := length * tan(radians(relief_deg))) >= height:
+        problems.append(
+            f"the relief rises by length * tan(relief_deg) = {rise:.4g} mm, above height = "
+            f"{height:g} mm: shorten the tooth or lower relief_deg"
+        )
+    if half_thickness >= radius:
+        problems.append(f"half_thickness = {half_thickness:g} must be below radius = {radius:g}")
     if problems:
         raise _refused(*problems)
     tooth = Tooth(
@@ -145,7 +150,10 @@ def tooth_ring(
         straight = mirror * one.vertices - [_ahead_of_nose(one, tooth.cot), 0.0, 0.0]
         triangles, edges = one.triangles, one.edges
     phases = radians(phase_deg) + 2.0 * pi * np.arange(n_teeth) / n_teeth
-    vertices = _around_the_axis(straight + np.array([0.0, 0.0, tip_clearance]), radius, phases)
+    s, n, z = (straight + np.array([0.0, 0.0, tip_clearance])).T
+    angle, out = phases[:, None] + s / radius, radius + n
+    around = out * each(cos, angle), out * each(sin, angle), np.broadcast_to(z, angle.shape)
+    vertices = np.stack(around, axis=-1)  # of all teeth, (n_teeth, n, 3)
     offsets = straight.shape[0] * np.arange(n_teeth)[:, None, None]
     ring = Tool.from_triangles(
         vertices.reshape(-1, 3),
@@ -157,32 +165,10 @@ def tooth_ring(
     return replace(ring, edge_radius=edge_radius)
 
 
-def _around_the_axis(straight: Floats, radius: float, phases: Floats) -> Floats:
-    """Wind straight teeth (s, n, z) around the axis; return x, y, z, shape (n_phase, n, 3) [mm]."""
-    s, n, z = straight.T
-    angle = phases[:, None] + s / radius
-    out = radius + n
-    return np.stack(
-        [out * each(cos, angle), out * each(sin, angle), np.broadcast_to(z, angle.shape)], axis=-1
-    )
-
-
 def _ahead_of_nose(tool: Tool, cot: float) -> float:
     """Return the place at height 0 of an edge that rises by 1 over ``cot`` along x [mm]."""
     x, _, z = tool.vertices[tool.edges[0, 0]]
     return float(x - z * cot)
-
-
-def _ring_problems(
-    radius: float, half_thickness: float, length: float, relief_deg: float, height: float
-) -> Iterator[str]:
-    if (rise := length * tan(radians(relief_deg))) >= height:
-        yield (
-            f"the relief rises by length * tan(relief_deg) = {rise:.4g} mm, above height = "
-            f"{height:g} mm: shorten the tooth or lower relief_deg"
-        )
-    if half_thickness >= radius:
-        yield f"half_thickness = {half_thickness:g} must be below radius = {radius:g}"
 
 
 def _arc_pieces(tooth: Tooth, n_teeth: int, radius: float, n_arc: int | None) -> tuple[int, float]:

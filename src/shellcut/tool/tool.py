@@ -32,7 +32,7 @@ from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
-from .edge_chains import chains_facing_back, chains_of, reverse_chains
+from .edge_chains import chains_of, facing_alike
 from .surface import Surface, merge_vertices, six_volumes
 
 FARTHEST_SHIFT = 1e6
@@ -247,12 +247,9 @@ class Tool:
         plus, minus = surface.sides(segments)
         normal, back = surface.mid_planes(segments, plus, minus)
         if given is None:
-            body = surface.body[plus]
-            reverse = chains_facing_back(body, chain, normal)
-            if reverse.any():
-                segments = reverse_chains(segments, chain, reverse)
-                plus, minus = surface.sides(segments)
-                normal, back = surface.mid_planes(segments, plus, minus)
+            segments = facing_alike(segments, chain, surface.body[plus], normal)
+            plus, minus = surface.sides(segments)
+            normal, back = surface.mid_planes(segments, plus, minus)
         tooth, edge_tooth = surface.teeth(plus, minus, chain)
         return cls(
             vertices=surface.vertices,
