@@ -49,7 +49,6 @@ class MeshError(ValueError):
 def checked_arrays(
     nodes: npt.ArrayLike,
     quads: npt.ArrayLike,
-    *,
     node_sets: Mapping[str, npt.ArrayLike] | None,
     quad_sets: Mapping[str, npt.ArrayLike] | None,
     directors: npt.ArrayLike | None,

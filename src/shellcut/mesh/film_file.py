@@ -118,7 +118,12 @@ def read_film(
     film.say(*file.notes)
     if len(film.triangles):
         if triangles == "refuse":
-            raise FileError(path, film.triangle_problem())
+            raise FileError(
+                path,
+                f"a film is made of quads, got {len(film.triangles)} triangles beside "
+                f"{len(film.quads)} quads (ids {named(film.triangle_labels)}); mesh with quads "
+                'only, or choose triangles="split"',
+            )
         film.split()
     film.scale(unit)
     film.join(merge)
@@ -222,13 +227,6 @@ class _Film:
             + _bow(self.nodes, block)
         )
         return CellBlock(block.corners, block.labels, block.nodes[:, : N_CORNER[block.corners]])
-
-    def triangle_problem(self) -> str:
-        return (
-            f"a film is made of quads, got {len(self.triangles)} triangles beside "
-            f"{len(self.quads)} quads (ids {named(self.triangle_labels)}); mesh with quads only, "
-            'or choose triangles="split"'
-        )
 
     def split(self) -> None:
         n_triangle, n_quad = len(self.triangles), len(self.quads)

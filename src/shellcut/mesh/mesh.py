@@ -161,17 +161,8 @@ class Mesh:
         MeshError
             Lists all problems, one per line.
         """
-        return cls(
-            *checked_arrays(
-                nodes,
-                quads,
-                node_sets=node_sets,
-                quad_sets=quad_sets,
-                directors=directors,
-                origin=origin,
-                max_fold_deg=max_fold_deg,
-            )
-        )
+        sets = node_sets, quad_sets
+        return cls(*checked_arrays(nodes, quads, *sets, directors, origin, max_fold_deg))
 
     @property
     def n_node(self) -> int:
