@@ -24,11 +24,7 @@ class Line:
 
     path: Path
     line: int
-
-    @property
-    def shown(self) -> str:
-        """Its text, for messages."""
-        raise NotImplementedError
+    text: str
 
     def error(self, problem: str) -> FileError:
         """Return the error that names this line."""
@@ -111,7 +107,7 @@ def attached(parts: Iterator[Block | Line]) -> Iterator[Block]:
                 yield current
             current = part
         elif current is None:
-            raise part.error(f"a keyword must come first, got {part.shown[:30]!r}")
+            raise part.error(f"a keyword must come first, got {part.text[:30]!r}")
         else:
             current.data.append(part)
     if current is not None:

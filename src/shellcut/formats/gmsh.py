@@ -16,7 +16,7 @@ from shellcut.arrays import Floats, Ints
 
 from .declared_content import Content
 from .errors import named
-from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
+from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering
 from .losses import unused_note
 
 # Gmsh's element types: name, number of nodes. Only the four kinds of a film have constants.
@@ -282,7 +282,8 @@ class _Reader(Content):
                 corners = _QUADRATIC.get(cells.kind, "")
                 blocks.append(CellBlock(cells.kind, cells.labels[keep], nodes[keep], corners))
                 n_cell += len(keep)
-        mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=union(groups))
+        named_cells = {name: np.unique(np.concatenate(parts)) for name, parts in groups.items()}
+        mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=named_cells)
         mesh.notes += unused_note(+self.unused)
         if self.unnamed:
             mesh.notes.append(

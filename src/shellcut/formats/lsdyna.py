@@ -51,6 +51,7 @@ _SPELLED = (
 _CLOSE = 0.85  # similarity from which an unknown keyword is taken for a misspelt one
 _OTHER_SETS = ("BEAM", "SOLID", "TSHELL", "DISCRETE", "SEGMENT", "2D", "BOX", "MODE", "PERI")
 _CLOSE_SET = 0.6
+_NONE: Ints = np.empty(0, dtype=np.int64)
 _HEAD = 5  # entries of a set's id card: the id and four attributes
 
 
@@ -188,13 +189,13 @@ class _Reader(Deck):
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
 
-        node_sets = _Sets(self, "node", nodes).read(self.sets["NODE"])
+        node_sets = self._sets_of("node", nodes)
         cell_sets = [
             (self.part_titles.get(part) or f"part_{part}", part, shells)
             for part, shells in members_of.items()
         ]
-        cell_sets += _Sets(self, "shell", shells).read(self.sets["SHELL"])
-        for name, sid, members in _Sets(self, "part", None).read(self.sets["PART"]):
+        cell_sets += self._sets_of("shell", shells)
+        for name, sid, members in self._sets_of("part", None):
             rows = [shells_of(part) for part in members.tolist()]
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
         # a triangle is a quad with its last corner repeated, as in the file
@@ -211,24 +212,15 @@ class _Reader(Deck):
             positions,
             nodes.labels,
             blocks,
-            {name: np.unique(rows) for name, rows in unique_names(node_sets).items()},
-            {name: np.unique(rows) for name, rows in unique_names(cell_sets).items()},
+            unique_names(node_sets),
+            unique_names(cell_sets),
             self.notes,
         )
 
-
-_NONE: Ints = np.empty(0, dtype=np.int64)
-
-
-class _Sets:
-    # the sets of one kind; ids become rows, part sets keep their ids
-    def __init__(self, deck: Deck, kind: str, ids: Numbering | None):
-        self.notes, self.budget, self.kind, self.ids = deck.notes, deck.budget, kind, ids
-
-    def read(self, blocks: list[CardBlock]) -> list[tuple[str, int, Ints]]:
-        """Return (name, id, rows) of every set."""
+    def _sets_of(self, kind: str, numbers: Numbering | None) -> list[tuple[str, int, Ints]]:
+        # (name, id, rows) of every set of a kind; part sets keep their ids
         found: list[tuple[str, int, Ints]] = []
-        for block in blocks:
+        for block in self.sets[kind.upper()]:
             options = block.name.split("_")[2:]
             cards = [card for card in block.data if card.text.strip()]
             title = ""
@@ -240,56 +232,56 @@ class _Sets:
             head = cards.pop(0)
             entries = head.fields(_EIGHT[block.layout])
             sid = _id(head, entries[0], "the set id")
-            name = title or f"{self.kind}_set_{sid}"
+            name = title or f"{kind}_set_{sid}"
             if all(entry.isdigit() for entry in entries[: _HEAD + 1]):
                 self.notes.append(
-                    f"{self.kind} set {name!r}: the card of its id, line {head.line}, looks like "
+                    f"{kind} set {name!r}: the card of its id, line {head.line}, looks like "
                     "one of members: is a line lost?"
                 )
             how = "_".join(option for option in options if option != "COLLECT") or "LIST"
-            rows = self._rows(block, how, cards)
+            rows = self._rows(block, how, cards, numbers)
             if rows is None:
-                self.notes.append(
-                    f"{self.kind} set {name!r} is left out: *{block.name} is not read"
-                )
+                self.notes.append(f"{kind} set {name!r} is left out: *{block.name} is not read")
                 continue
             found.append((name, sid, rows))
         return found
 
-    def _rows(self, block: CardBlock, how: str, cards: list[Card]) -> Ints | None:
+    def _rows(
+        self, block: CardBlock, how: str, cards: list[Card], numbers: Numbering | None
+    ) -> Ints | None:
         if how == "LIST":
-            ids = self._integers(block, cards)
+            ids = _integers(block, cards)
             what = f"*{block.name} in line {block.line}"
-            counts = [(card.line, len(self._integers(block, [card]))) for card in cards]
+            counts = [(card.line, len(_integers(block, [card]))) for card in cards]
             self.notes += ragged_note(what, counts) + repeat_note(what, ids)
-            return self._find(block, ids)
+            return _found(block, ids, numbers)
         if how == "COLUMN":
             widths = _EIGHT[block.layout]
-            return self._find(block, [_id(card, card.fields(widths)[0], "an id") for card in cards])
-        if how in ("LIST_GENERATE", "GENERATE") and self.ids is not None:
-            ends = self._integers(block, cards)
+            ids = [_id(card, card.fields(widths)[0], "an id") for card in cards]
+            return _found(block, ids, numbers)
+        if how in ("LIST_GENERATE", "GENERATE") and numbers is not None:
+            ends = _integers(block, cards)
             if len(ends) % 2:
                 raise block.error(f"ranges must have a first and a last id, got {len(ends)} ids")
             ranges = [_NONE]
             for a, b in zip(ends[::2], ends[1::2], strict=True):
-                ranges.append(self.ids.between(a, b))
+                ranges.append(numbers.between(a, b))
                 self.budget.take("ids in its sets", len(ranges[-1]))
             return np.concatenate(ranges)
         return None
 
-    def _find(self, block: CardBlock, ids: list[int]) -> Ints:
-        if self.ids is None:
-            return np.array(ids, dtype=np.int64)
-        return self.ids.rows(np.array(ids, dtype=np.int64), f"*{block.name}, line {block.line},")
 
-    def _integers(self, block: CardBlock, cards: list[Card]) -> list[int]:
-        # zeros and blanks are padding
-        return [
-            value
-            for card in cards
-            for entry in card.fields(_EIGHT[block.layout])
-            if (value := card.integer(entry, "an id"))
-        ]
+def _integers(block: CardBlock, cards: list[Card]) -> list[int]:
+    # zeros and blanks are padding
+    entries = [(card, entry) for card in cards for entry in card.fields(_EIGHT[block.layout])]
+    return [value for card, entry in entries if (value := card.integer(entry, "an id"))]
+
+
+def _found(block: CardBlock, ids: list[int], numbers: Numbering | None) -> Ints:
+    members: Ints = np.array(ids, dtype=np.int64)
+    if numbers is None:
+        return members
+    return numbers.rows(members, f"*{block.name}, line {block.line},")
 
 
 def _first_number(card: Card) -> int:

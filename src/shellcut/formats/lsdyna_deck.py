@@ -27,13 +27,6 @@ _DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
 class Card(Line):
     """A line of data."""
 
-    text: str
-
-    @property
-    def shown(self) -> str:
-        """Its text."""
-        return self.text
-
     def fields(self, widths: list[int]) -> list[str]:
         """Return the entries without outer blanks: one per width, empty if missing."""
         if "," in self.text:
