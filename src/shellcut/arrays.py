@@ -53,8 +53,9 @@ def norm(vectors: Floats) -> Any:
 
 
 def unit(vectors: Floats) -> Floats:
-    """Return a vector, or every row along the last axis, divided by its length."""
-    return np.asarray(vectors / norm(vectors)[..., None])
+    """Return a vector, or every row along the last axis, divided by its length; zeros stay zero."""
+    length = norm(vectors)[..., None]
+    return np.divide(vectors, length, out=np.zeros(np.shape(vectors)), where=length != 0.0)
 
 
 def angles(one: Floats, two: Floats) -> Floats:

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, angles, norm
+from shellcut.arrays import Bools, Floats, Ints, angles, norm, unit
 from shellcut.formats.errors import named, point_text
 
 from .quad_geometry import (
@@ -22,7 +22,6 @@ from .quad_geometry import (
     mean_directors,
     quad_vectors,
     scaled_jacobian,
-    unit,
 )
 
 MAX_VALENCE = 12
