@@ -82,11 +82,6 @@ def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken
     )
 
 
-def raw_bytes(frame: Frame, n_field: int) -> int:
-    """Return about how many bytes :func:`take` keeps of a frame."""
-    return 4 * (3 * len(frame.points) + frame.quads.size + n_field * len(frame.quads))
-
-
 def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the description of a page's content, ready for JSON, and the packed tables by name."""
     tables: dict[str, PackedTable] = {}

@@ -33,8 +33,8 @@ class PackedTable:
     columns: int
     rows: list[int]
     """Number of rows in every frame."""
-    n_byte: int
-    """Bytes of a number, 2 or 4."""
+    bytes: int
+    """Of a number, 2 or 4."""
     low: list[float]
     """Value of the integer 0, column by column; empty for ids."""
     step: list[float]
@@ -44,13 +44,7 @@ class PackedTable:
 
     def described(self) -> dict[str, Any]:
         """Return what unpacking needs beside the data."""
-        return {
-            "columns": self.columns,
-            "rows": self.rows,
-            "bytes": self.n_byte,
-            "low": self.low,
-            "step": self.step,
-        }
+        return {name: value for name, value in vars(self).items() if name != "data"}
 
 
 def pack_ids(tables: Sequence[Ints]) -> PackedTable:
