@@ -55,7 +55,8 @@ def norm(vectors: Floats) -> Any:
 def unit(vectors: Floats) -> Floats:
     """Return a vector, or every row along the last axis, divided by its length; zeros stay zero."""
     length = norm(vectors)[..., None]
-    return np.divide(vectors, length, out=np.zeros(np.shape(vectors)), where=length != 0.0)
+    out = np.zeros(np.shape(vectors))
+    return np.asarray(np.divide(vectors, length, out=out, where=length != 0.0))
 
 
 def angles(one: Floats, two: Floats) -> Floats:

@@ -25,7 +25,7 @@ from shellcut.state import State
 
 from .cut_quads import CutQuads
 from .dead_loads import DeadLoad, DeadPressure, EdgeForces, Rule, Weight
-from .following_pressure import FollowingPressure
+from .pressure import FollowingPressure
 from .supports import NodeChoice, choose_nodes
 
 Factor = Callable[[float], float]

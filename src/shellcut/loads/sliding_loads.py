@@ -31,7 +31,7 @@ from shellcut.arrays import Floats, Ints, product
 from shellcut.state import State
 
 from .dead_loads import DeadLoad
-from .following_pressure import FollowingPressure
+from .pressure import FollowingPressure
 
 # Of the slide, over 1 mm: any step is exact for pressure, and for the mass of flat quads.
 _STEP = 0.01

@@ -27,8 +27,8 @@ from shellcut.formats.vtk import read_vtk
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
+from .checks import check_film_size
 from .film_doubts import film_doubts
-from .film_size import check_film_size
 from .mesh import Mesh, MeshError
 from .triangles_to_quads import split_in_quads
 

@@ -202,4 +202,5 @@ def _place(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
         share = _side(c, d, a) / (_side(c, d, a) - _side(c, d, b))
         crossing: Floats = (a + share[:, None] * (b - a))[0]
         return crossing
-    return (a, b, c, d)[int(_gaps(a, b, c, d)[:, 0].argmin())][0]
+    nearest: Floats = (a, b, c, d)[int(_gaps(a, b, c, d)[:, 0].argmin())][0]
+    return nearest

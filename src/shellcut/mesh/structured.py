@@ -30,7 +30,7 @@ import numpy.typing as npt
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, each
 
-from .film_size import MOST_QUADS, check_film_size
+from .checks import MOST_QUADS, check_film_size
 from .mesh import Mesh, MeshError
 
 _CORE_SHAPE = ((-0.396, 0.20), (0.101, 0.57), (-0.146, -0.21), (0.226, 0.01))

@@ -10,9 +10,12 @@ section, and ``--set material=pet``, stand for a section with this key alone.
 
 from __future__ import annotations
 
+import functools
 import re
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from importlib.resources import files
 from inspect import signature
 from typing import Any
 
@@ -31,8 +34,31 @@ from .errors import is_refusal
 from .forms import FORMS, choice
 from .hardening_file import read_hardening
 from .key import REQUIRED, Constructor, Key, Kind, Section, keys_of, optional, own_key
-from .presets import preset_names, presets
 from .source import Source
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+
+@functools.cache
+def presets() -> dict[str, dict[str, Any]]:
+    """Return the tables of ``presets.toml``: of each film its ``material``, the keys, and sources.
+
+    Examples
+    --------
+    >>> sorted(presets())
+    ['aluminium_foil', 'aluminium_sheet', 'foil_ldpe', 'frangi2010', 'ldpe', 'mild_steel', 'pet']
+    """
+    text = (files("shellcut.model_file") / "presets.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
+    """Return the names; of laminates, or of single layers, only if asked for."""
+    every = presets().items()
+    return tuple(name for name, one in every if layers in (None, "layers" in one["material"]))
 
 
 def _optional(owner: Constructor, unset: str, **names: str) -> dict[str, Key]:

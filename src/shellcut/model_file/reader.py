@@ -17,10 +17,9 @@ from shellcut.material.shell_material import ShellMaterial
 
 from .errors import ModelFileError, Problem, is_refusal
 from .key import REQUIRED, Key, Kind, Section
-from .material_keys import named_material, with_presets
+from .material_keys import named_material, presets, with_presets
 from .model import Model
 from .overrides import overridden
-from .presets import presets
 from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 

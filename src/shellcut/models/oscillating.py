@@ -28,7 +28,7 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
-from shellcut.tool.round_bar import Diameter, Tilt, round_bar
+from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length

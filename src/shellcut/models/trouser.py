@@ -9,13 +9,12 @@ a free crack goes through the quads (docs/theory/free-cracks.md).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
+from shellcut.loads.supports import Ramped, Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import QuadSize
@@ -40,20 +39,6 @@ MASS_DAMPING = 50.0
 
 # Strip left before its clamped end when the run ends, over its width: less would be stiffer.
 _LEFT = 2.0 / 3.0
-
-
-@dataclass(frozen=True)
-class _Pull:
-    """Velocity that rises from 0 over a ramp."""
-
-    speed: float
-    """[mm/s], with its sign."""
-    ramp: float
-    """[s]"""
-
-    def __call__(self, time: float) -> float:
-        """Return the velocity at a time [s]."""
-        return self.speed * min(1.0, time / self.ramp) if self.ramp > 0.0 else self.speed
 
 
 def trouser_strip(length: float, width: float, size: float) -> Mesh:
@@ -126,7 +111,7 @@ def trouser(
     duration = duration_of(length, width, travel=travel, speed=speed, ramp=ramp)
     mesh = trouser_strip(length, width, size)
     legs = [
-        Support(leg, translation="yz", rotation="", velocity={"z": _Pull(rate, ramp)})
+        Support(leg, translation="yz", rotation="", velocity={"z": Ramped(rate, ramp)})
         for leg, rate in (("up", speed), ("down", -speed))
     ]
     simulation = Simulation(
