@@ -1,7 +1,6 @@
 """Decks, the text input of Abaqus and LS-DYNA: keywords, the lines below them, included files.
 
-:mod:`shellcut.formats.abaqus_deck` and :mod:`shellcut.formats.lsdyna_deck` say how a line is
-written.
+:mod:`shellcut.formats.abaqus_deck` and :mod:`shellcut.formats.lsdyna` say how a line is written.
 """
 
 from __future__ import annotations

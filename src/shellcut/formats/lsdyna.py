@@ -7,24 +7,45 @@ sections, control, contact) is named in a note.
 
 A set is named by its title, otherwise ``node_set_3`` and the like; a part by its title, otherwise
 ``part_3``.
+
+The syntax follows the LS-DYNA Keyword User's Manual, Vol. I, "Introduction": ``$`` begins a
+comment, a card with a comma is in free format, ``*END`` ends the input. Three layouts of fixed
+columns exist: the standard one, ``i10`` and ``long``, chosen by ``*KEYWORD`` (``I10=Y``, ``LONG=Y``
+or ``LONG=S``) and, for one keyword, by a mark after its name (``-`` standard, ``%`` i10, ``+``
+long).
 """
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from shellcut.arrays import Ints
 
-from .deck import Deck
-from .errors import named
+from .deck import Block, Deck, Line, attached
+from .errors import FileError, named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
-from .losses import blank_note, gap_note, ragged_note, repeat_note, unused_note
-from .lsdyna_deck import Card, CardBlock, Layout, read_deck
+from .losses import (
+    blank_note,
+    comment_note,
+    gap_note,
+    is_numbers,
+    ragged_note,
+    repeat_note,
+    unused_note,
+)
+
+Layout = Literal["standard", "i10", "long"]
+_MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
+_CHOSEN: dict[str, Layout] = {"LONG=Y": "long", "LONG=S": "standard", "I10=Y": "i10"}
+_DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
 
 # Field widths of node cards, shell cards and cards of eight fields.
 _NODE: dict[Layout, list[int]] = {
@@ -58,7 +79,7 @@ _HEAD = 5  # entries of a set's id card: the id and four attributes
 def read_lsdyna(path: str | Path) -> FileMesh:
     """Read an LS-DYNA keyword file."""
     reader = _Reader(Path(path))
-    blocks, ended = read_deck(reader)
+    blocks, ended = _read_deck(reader)
     for block in blocks:
         reader.take(block)
     mesh = reader.mesh()
@@ -90,7 +111,9 @@ class _Reader(Deck):
         elif name == "ELEMENT_SHELL" or name.startswith("ELEMENT_SHELL_"):
             self._shells(block)
         elif first == "ELEMENT":
-            self.others[name] += [_first_number(card) for card in block.data if card.text.strip()]
+            # the id on each card, 0 on a continuation card
+            ids = (re.match(r"\s*(\d{1,20})", c.text) for c in block.data if c.text.strip())
+            self.others[name] += [int(found[1]) if found else 0 for found in ids]
         elif name == "PART" or name.startswith("PART_"):
             self._parts(block)
         elif first == "SET":
@@ -284,14 +307,120 @@ def _found(block: CardBlock, ids: list[int], numbers: Numbering | None) -> Ints:
     return numbers.rows(members, f"*{block.name}, line {block.line},")
 
 
-def _first_number(card: Card) -> int:
-    # the id on a card that is only counted; 0 on a continuation card
-    found = re.match(r"\s*(\d{1,20})", card.text)
-    return int(found[1]) if found else 0
-
-
 def _id(card: Card, entry: str, what: str) -> int:
     value = card.integer(entry, what)
     if value < 1:
         raise card.error(f"{what} must be 1 or more, got {entry!r}; is the file cut short?")
     return value
+
+
+# --- the syntax -----------------------------------------------------------------------------------
+
+
+@dataclass
+class Card(Line):
+    """A line of data."""
+
+    def fields(self, widths: list[int]) -> list[str]:
+        """Return the entries without outer blanks: one per width, empty if missing."""
+        if "," in self.text:
+            entries = [entry.strip() for entry in self.text.split(",")]
+            entries += [""] * (len(widths) - len(entries))
+            if any(entries[len(widths) :]):
+                raise self.error(f"a card must have {len(widths)} entries at most")
+            return entries[: len(widths)]
+        entries, at = [], 0
+        for width in widths:
+            entries.append(self.text[at : at + width].strip())
+            at += width
+        if self.text[at:].strip():
+            raise self.error(
+                f"a card must end at column {at}, got {self.text[at:].strip()[:20]!r} beyond; is "
+                "it in another layout (*KEYWORD LONG=Y, I10=Y)?"
+            )
+        return entries
+
+    def integer(self, entry: str, what: str) -> int:
+        """Return an entry as a whole number, 0 if it is empty."""
+        return self.whole(entry, what) if entry else 0
+
+
+@dataclass
+class CardBlock(Block):
+    """A keyword, with its options in the name, and its cards."""
+
+    layout: Layout
+
+
+def _read_deck(deck: Deck) -> tuple[list[CardBlock], bool]:
+    # the keywords of a file, its includes inserted, and whether it has an *END
+    blocks = list(_blocks(deck, deck.path, "standard"))
+    if not blocks:
+        raise FileError(deck.path, "an LS-DYNA file must hold *KEYWORD lines, got none")
+    ended = any(block.name == "END" and block.path == deck.path for block in blocks)
+    return [block for block in blocks if block.name != "END"], ended
+
+
+def _blocks(deck: Deck, path: Path, layout: Layout) -> Iterator[CardBlock]:
+    with deck.reading(path) as lines:
+        for block in attached(_parts(deck, path, lines, layout)):
+            assert isinstance(block, CardBlock)
+            if block.name == "KEYWORD":
+                layout = block.layout
+            elif block.name in ("INCLUDE_PATH", "INCLUDE_PATH_RELATIVE"):
+                deck.folders += [path.parent / name for name in _file_names(block)]
+            elif block.name == "INCLUDE":
+                for name in _file_names(block):
+                    yield from _blocks(deck, deck.included(block, name), layout)
+            elif block.name.startswith("INCLUDE"):
+                raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
+            else:
+                yield block
+
+
+def _parts(deck: Deck, path: Path, lines: list[str], layout: Layout) -> Iterator[CardBlock | Card]:
+    # without comments and blank lines at the beginning; below a keyword a blank line is a card
+    off: list[int] = []  # comments that look like data
+    begun = False
+    for number, line in enumerate(lines, start=1):
+        text = line.rstrip()
+        if text.startswith("$") or (not text and not begun):
+            if is_numbers(text[1:]) or text[1:].startswith(_DATA):
+                off.append(number)
+            continue
+        if not text.startswith("*"):
+            yield Card(path, number, text.expandtabs(8))
+            continue
+        begun, block = True, _keyword(path, number, text, layout)
+        yield block
+        if block.name == "KEYWORD":
+            layout = block.layout
+        if block.name == "END":
+            break
+    deck.notes += comment_note(off)
+
+
+def _keyword(path: Path, number: int, text: str, layout: Layout) -> CardBlock:
+    name = text[1:].strip().upper()
+    if name.startswith("KEYWORD"):
+        options = name[len("KEYWORD") :].replace(" ", "")
+        chosen = next((_CHOSEN[key] for key in _CHOSEN if key in options), layout)
+        return CardBlock(path, number, "KEYWORD", chosen)
+    if name[-1:] in _MARKS:
+        return CardBlock(path, number, name[:-1].strip(), _MARKS[name[-1]])
+    return CardBlock(path, number, name, layout)
+
+
+def _file_names(block: CardBlock) -> list[str]:
+    # one per line; a line that ends in " +" continues in the next
+    names, pending = [], ""
+    for card in block.data:
+        text = card.text.strip()
+        if text.endswith(" +"):
+            pending += text[:-2].strip()
+        elif pending or text:
+            names.append(pending + text)
+            pending = ""
+    if pending or not names:
+        raise block.error("must name a file: is this one cut short?")
+    return names
