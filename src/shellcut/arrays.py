@@ -77,6 +77,15 @@ def off_segments(points: Floats, starts: Floats, vectors: Floats) -> tuple[Float
     return arm - share[..., None] * vectors, share
 
 
+def three(name: str, values: Any, unit: str = "") -> Floats:
+    """Return three finite numbers; ValueError, by the name of the argument, if they are not."""
+    numbers = np.asarray(values, dtype=np.float64)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        of = f" in {unit}" if unit else ""
+        raise ValueError(f"{name} must be three finite numbers{of}, got {values!r}")
+    return numbers
+
+
 def each(function: Callable[..., float], *arrays: npt.ArrayLike) -> Floats:
     """Return a function of single numbers, of the module ``math``, for every element of arrays."""
     return np.asarray(np.frompyfunc(function, len(arrays), 1)(*arrays), float)

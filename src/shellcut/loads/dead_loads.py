@@ -30,7 +30,14 @@ class Rule:
     """
 
     def on(self, state: State, nodes: Ints) -> Floats:
-        """Return the forces on some nodes [N], shape (n, 3)."""
+        """Return the forces on some nodes [N], shape (n, 3), of whole quads first."""
+        force = np.zeros((state.n_node, 3))
+        rows, forces = self.entries(state, nodes)
+        scatter_rows(state.quads[rows], forces, force)
+        return np.asarray(force[nodes])
+
+    def entries(self, state: State, nodes: Ints) -> tuple[Ints, Floats]:
+        """Return the rows that load some nodes, and the forces at their corners, (n, 4, 3)."""
         raise NotImplementedError
 
     def on_rows(self, state: State, rows: Ints) -> Floats | None:
@@ -63,13 +70,12 @@ class DeadPressure(Rule):
         self._mesh, self._value = mesh, value
         self._pressed = PressedQuads(mesh, quads, cut)
 
-    def on(self, state: State, nodes: Ints) -> Floats:
-        """Return the forces on some nodes, of whole quads first."""
-        n, force = state.node, np.zeros((state.n_node, 3))
+    def entries(self, state: State, nodes: Ints) -> tuple[Ints, Floats]:
+        """Return all quads at the nodes, and their forces."""
+        n = state.node
         at = np.arange(n.quads.shape[1]) < n.n_quad_at[nodes, None]
         rows = self._pressed.whole_first(np.unique(n.quads[nodes][at]))
-        scatter_rows(state.quads[rows], self.on_rows(state, rows), force)
-        return np.asarray(force[nodes])
+        return rows, self.on_rows(state, rows)
 
     def on_rows(self, state: State, rows: Ints) -> Floats:
         """Return what single quads or copies bring to their corners."""
@@ -94,23 +100,16 @@ class EdgeForces(Rule):
         self._quads, self._sides, self._force, self._cut = quads, sides, force, cut
         self._rows = _at_ends(sides, force, np.zeros(quads.size), np.ones(quads.size))
 
-    def on(self, state: State, nodes: Ints) -> Floats:
-        """Return the forces on some nodes, of whole quads first."""
-        force = np.zeros((state.n_node, 3))
-        rows, forces = self._entries(state)
-        scatter_rows(state.quads[rows], forces, force)
-        return np.asarray(force[nodes])
-
     def on_rows(self, state: State, rows: Ints) -> Floats:
         """Return what single quads or copies bring to their corners."""
-        loaded, forces = self._entries(state)
+        loaded, forces = self.entries(state, rows)
         found = np.zeros((rows.size, 4, 3))
         i, k = np.nonzero(rows[:, None] == loaded)
         np.add.at(found, i, forces[k])
         return found
 
-    def _entries(self, state: State) -> tuple[Ints, Floats]:
-        """Return rows that hold film at the sides, and the forces at their corners, (n, 4, 3)."""
+    def entries(self, state: State, _nodes: Ints) -> tuple[Ints, Floats]:
+        """Return all rows that hold film at the sides, and their forces."""
         parts = self._cut.parts
         if not parts.rows.size:
             return self._quads, self._rows

@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, Number, product
+from shellcut.arrays import Floats, Ints, Number, product, three
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
@@ -34,13 +34,6 @@ Factor = Callable[[float], float]
 def steady(_time: float) -> float:
     """Return 1: a load applied as a step at t = 0, constant from then on."""
     return 1.0
-
-
-def _vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
-    v = tuple(float(c) for c in value)
-    if len(v) != 3 or not np.isfinite(v).all():
-        raise ValueError(f"{name} must be three finite numbers, got {value!r}")
-    return v
 
 
 @checked
@@ -127,13 +120,7 @@ Load = Gravity | Pressure | NodalForce | NodalMoment | EdgeTraction
 
 
 class LoadSet:
-    """All loads of a model, resolved to nodes and quads.
-
-    Raises
-    ------
-    ValueError
-        If a set is unknown, a vector does not have three components, or no edge is loaded.
-    """
+    """All loads of a model, resolved to nodes and quads; ValueError if one cannot be."""
 
     def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
         self._workers = workers or Workers(0)
@@ -148,14 +135,14 @@ class LoadSet:
         self._moment: list[tuple[Ints, Floats, Factor]] = []
         for one in loads:
             if isinstance(one, Gravity):
-                g = np.array(_vector("acceleration", one.acceleration))
+                g = three("acceleration", one.acceleration)
                 self._dead.append(DeadLoad(one.factor, Weight(g)))
             elif isinstance(one, NodalForce):
                 ids = choose_nodes(mesh, one.nodes)
-                self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
+                self._nodal.append((ids, three("force", one.force), one.factor))
             elif isinstance(one, NodalMoment):
                 ids = choose_nodes(mesh, one.nodes)
-                self._moment.append((ids, np.array(_vector("moment", one.moment)), one.factor))
+                self._moment.append((ids, three("moment", one.moment), one.factor))
             elif isinstance(one, Pressure):
                 if not np.isfinite(one.value):
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
@@ -247,7 +234,7 @@ class LoadSet:
 
 def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:
     """Return quads and sides on which an edge traction acts, and the force on each [N], (n, 3)."""
-    traction = np.array(_vector("traction", one.traction))
+    traction = three("traction", one.traction)
     chosen = np.zeros(mesh.n_node, np.bool_)
     chosen[choose_nodes(mesh, one.nodes)] = True
     pair = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=2)

@@ -168,10 +168,7 @@ class Support:
 class SupportSet:
     """All supports of a model, resolved to nodes.
 
-    Raises
-    ------
-    ValueError
-        If a set is unknown, or two supports prescribe the same component differently.
+    ValueError if a set is unknown, or two supports prescribe the same component differently.
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:

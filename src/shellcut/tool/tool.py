@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints, SmallInts, angles, product
+from shellcut.arrays import Floats, Ints, SmallInts, angles, product, three
 from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
@@ -371,9 +371,7 @@ class Tool:
             If the shift is not three finite numbers, or so large that round-off of the coordinates
             would change the tool's shape.
         """
-        move = np.asarray(shift, dtype=np.float64)
-        if move.shape != (3,) or not np.isfinite(move).all():
-            raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
+        move = three("shift", shift, "mm")
         size = float(np.ptp(self.vertices, axis=0).max())
         if np.abs(move).max() > FARTHEST_SHIFT * size:
             raise ValueError(
