@@ -185,7 +185,7 @@ def _remedy(problem: Exception, folder: Path) -> str:
 
 
 def _say_end(folder: Path, log: RunLog) -> None:
-    from shellcut.files.file_list import files_there
+    from shellcut.files.file_list import FileList
     from shellcut.files.regular_file import read_regular
 
     summary: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
@@ -193,6 +193,6 @@ def _say_end(folder: Path, log: RunLog) -> None:
         log.say(f"{label:<52} {value:>14}")
     for words, energy, share in chain(*account(summary)):
         log.say(f"{words:<52} {with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %")
-    log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
+    log.say(f"in {folder}: {', '.join(sorted(FileList(folder).there()))}")
     if not log.verdict:  # the run had already ended
         log.verdict += [str(Line(**line)) for line in summary.get("verdict", ())]
