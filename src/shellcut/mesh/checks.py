@@ -73,12 +73,14 @@ def checked_arrays(
     ancestors = _cast_origin(origin, n_node, problems)
     given = _cast_directors(directors, n_node, problems)
 
-    finite = _check_finite(X, problems)
+    infinite = np.flatnonzero(~np.isfinite(X).all(axis=1))
+    if len(infinite):
+        problems.append(f"nodes must be finite, got {_places(infinite, X)}; repair or remove them")
     if _check_ids(Q, n_node, problems):
         sound = _check_corners(X, Q, problems)
         edges = QuadSides(Q, n_node, np.flatnonzero(sound))
         _check_edges(X, Q, edges, problems)
-        if finite:
+        if not len(infinite):
             sound &= _check_shapes(X, Q, sound, problems)
             _check_folds(X, Q, edges, sound, max_fold_deg, problems)
             if given is not None:
@@ -214,13 +216,6 @@ def _cast_directors(
         )
         return None
     return T
-
-
-def _check_finite(X: Floats, problems: list[str]) -> bool:
-    bad = np.flatnonzero(~np.isfinite(X).all(axis=1))
-    if len(bad):
-        problems.append(f"nodes must be finite, got {_places(bad, X)}; repair or remove them")
-    return not len(bad)
 
 
 def _check_ids(Q: Ints, n_node: int, problems: list[str]) -> bool:

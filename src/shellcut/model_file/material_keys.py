@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import functools
 import re
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
@@ -34,12 +33,7 @@ from .errors import is_refusal
 from .forms import FORMS, choice
 from .hardening_file import read_hardening
 from .key import REQUIRED, Constructor, Key, Kind, Section, keys_of, optional, own_key
-from .source import Source
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from .source import Source, loaded
 
 
 @functools.cache
@@ -52,7 +46,7 @@ def presets() -> dict[str, dict[str, Any]]:
     ['aluminium_foil', 'aluminium_sheet', 'foil_ldpe', 'frangi2010', 'ldpe', 'mild_steel', 'pet']
     """
     text = (files("shellcut.model_file") / "presets.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+    return loaded(text)
 
 
 def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
