@@ -23,13 +23,6 @@ def load(rows: Numbers, i: int) -> Vec3:
 
 
 @always_inline
-def load_of(table: Numbers, i: int, j: int) -> Vec3:
-    """Return row j of the i-th rows of a table, neither of them negative."""
-    m, k = np.uintp(i), np.uintp(j)
-    return table[m, k, 0], table[m, k, 1], table[m, k, 2]
-
-
-@always_inline
 def store(rows: Floats, i: int, a: Vec3) -> None:
     """Write a into row i."""
     k = np.uintp(i)

@@ -26,7 +26,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, Numbers, SmallInts, Vec3, angles, unit
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import dot, load_of, sub
+from shellcut.numerics.vec3 import dot, sub
 
 from .signed_distance import (
     CellLists,
@@ -34,7 +34,7 @@ from .signed_distance import (
     GridCells,
     TriangleGrid,
     TriangleSurface,
-    closest_of,
+    closest_on_triangle,
     query_points,
 )
 from .tool import Tool
@@ -210,18 +210,28 @@ def _separations(
     the signed distance of the point from the surface (negative inside) times the length of the
     pseudo-normal.
     """
-    flank = surface.flank
+    corners, flank, pseudo_normals = surface.corners, surface.flank, surface.pseudo_normals
     least = least_plus = least_minus = np.inf
     height = 0.0
     for m in range(candidates.size):
         t = candidates[m]
-        q, feature = closest_of(centre, t, surface.corners)
+        q, feature = closest_on_triangle(
+            centre,
+            (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
+            (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
+            (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
+        )
         away = sub(centre, q)
         d = sqrt(dot(away, away))
         separation[m] = d
         if d < least:
             least = d
-            height = dot(away, load_of(surface.pseudo_normals, t, feature))
+            normal = (
+                pseudo_normals[t, feature, 0],
+                pseudo_normals[t, feature, 1],
+                pseudo_normals[t, feature, 2],
+            )
+            height = dot(away, normal)
         if flank[t] >= 0:
             least_plus = min(least_plus, d)
         if flank[t] <= 0:

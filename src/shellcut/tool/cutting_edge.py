@@ -30,7 +30,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
-from shellcut.numerics.vec3 import combine, dot, load_of, norm, sub
+from shellcut.numerics.vec3 import combine, dot, norm, sub
 
 from .closest_triangles import ClosestTriangleGrid
 from .signed_distance import TriangleGrid, signed_distance
@@ -103,7 +103,7 @@ class CuttingEdges(NamedTuple):
 @inline
 def segment_part(segments: Floats, k: int, part: int) -> Vec3:
     """Return a (``START``), L e (``VECTOR``), b (``NORMAL``) or k (``BACK``) of segment k."""
-    return load_of(segments, k, part)
+    return segments[k, part, 0], segments[k, part, 1], segments[k, part, 2]
 
 
 @inline

@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from shellcut.arrays import Floats, Vec3, product
 from shellcut.numerics.jit import inline
-from shellcut.numerics.vec3 import add, dot, load, sub
 
 
 class Pose(NamedTuple):
@@ -61,7 +60,7 @@ class Pose(NamedTuple):
 def to_body(p: Vec3, pose: Pose) -> Vec3:
     """Return Rᵀ (p - r)."""
     r = pose.translation
-    return turn_back(sub(p, (r[0], r[1], r[2])), pose)
+    return turn_back((p[0] - r[0], p[1] - r[1], p[2] - r[2]), pose)
 
 
 @inline
@@ -79,11 +78,16 @@ def turn_back(d: Vec3, pose: Pose) -> Vec3:
 def turn(d: Vec3, pose: Pose) -> Vec3:
     """Return R d."""
     rotation = pose.rotation
-    return dot(load(rotation, 0), d), dot(load(rotation, 1), d), dot(load(rotation, 2), d)
+    return (
+        rotation[0, 0] * d[0] + rotation[0, 1] * d[1] + rotation[0, 2] * d[2],
+        rotation[1, 0] * d[0] + rotation[1, 1] * d[1] + rotation[1, 2] * d[2],
+        rotation[2, 0] * d[0] + rotation[2, 1] * d[1] + rotation[2, 2] * d[2],
+    )
 
 
 @inline
 def to_space(p: Vec3, pose: Pose) -> Vec3:
     """Return R p + r."""
+    q = turn(p, pose)
     r = pose.translation
-    return add(turn(p, pose), (r[0], r[1], r[2]))
+    return q[0] + r[0], q[1] + r[1], q[2] + r[2]

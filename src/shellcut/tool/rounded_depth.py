@@ -44,7 +44,7 @@ import scipy
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
-from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, load_of, norm, scale, sub
+from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, sub
 
 from .signed_distance import TriangleGrid, away_from, closest_of_side
 from .tool import Tool
@@ -172,7 +172,9 @@ def rounded_depth(
     side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.  radius : r [mm].  across : the face
     that was found beyond the edge near by last time, which is tried first; -1 for none.
     """
-    g, out = face_depth(p, q, load_of(grid.surface.pseudo_normals, triangle, 0))
+    normals = grid.surface.pseudo_normals
+    face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
+    g, out = face_depth(p, q, face)
     if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
         return g, out, across
     tried = False
@@ -204,12 +206,12 @@ def _way_to_two(
     """
     grid = borrowed(grid)
     surface = grid.surface
-    normal = load_of(surface.pseudo_normals, across, 0)
-    needed = radius - dot(sub(load_of(surface.corners, across, 0), p), normal)
+    normal = load(surface.pseudo_normals[across], 0)
+    needed = radius - dot(sub(load(surface.corners[across], 0), p), normal)
     w = _least_of_two(out, radius - g, normal, needed, radius)
     z = sub(p, w)
     found, t, _, q, _ = closest_of_side(z, side, grid)
-    depth, closest = face_depth(z, q, load_of(surface.pseudo_normals, t, 0))
+    depth, closest = face_depth(z, q, load(surface.pseudo_normals[t], 0))
     if not found or depth < radius * (1.0 - _MET) or side * surface.flank[across] < 0:
         return False, w
     # It touches the one that is closest; the other must be as close.
@@ -234,12 +236,13 @@ def _no_edge_near(
 
     g, out : depth of p and way out of it to its closest triangle.
     """
-    surface = grid.surface
+    corners, flank, normals = grid.surface.corners, grid.surface.flank, grid.surface.pseudo_normals
     for k in range(around.start[triangle], around.start[triangle + 1]):
         t = around.triangle[k]
-        if side * surface.flank[t] < 0:
+        if side * flank[t] < 0:
             continue
-        normal, corner = load_of(surface.pseudo_normals, t, 0), load_of(surface.corners, t, 0)
+        normal = normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]
+        corner = corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]
         depth = dot(sub(corner, p), normal) + (radius - g) * dot(normal, out)
         if depth < radius * (1.0 - _MET):
             return False
@@ -289,7 +292,8 @@ def _face_beyond(
     """
     z = sub(p, w)
     found, t, _, q, _ = closest_of_side(z, side, grid)
-    depth, normal = face_depth(z, q, load_of(grid.surface.pseudo_normals, t, 0))
+    normals = grid.surface.pseudo_normals
+    depth, normal = face_depth(z, q, (normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]))
     deep = not found or depth >= radius * (1.0 - _MET)
     return deep, t, normal, radius - depth + dot(normal, w)
 

@@ -27,7 +27,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import combine, dot, load_of, sub
+from shellcut.numerics.vec3 import combine, dot, sub
 
 Cells3: TypeAlias = tuple[int, int, int]
 
@@ -114,13 +114,6 @@ def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
 
 
 @inline
-def closest_of(p: Vec3, t: int, corners: Floats) -> tuple[Vec3, int]:
-    """Return :func:`closest_on_triangle` of the t-th triangle, corners : (n_triangle, 3, 3)."""
-    a, b, c = load_of(corners, t, 0), load_of(corners, t, 1), load_of(corners, t, 2)
-    return closest_on_triangle(p, a, b, c)
-
-
-@inline
 def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
     """Return the height of p over the plane of a triangle, and how far it is inside its edges [mm].
 
@@ -139,7 +132,8 @@ def within_edges(p: Vec3, t: int, surface: TriangleSurface) -> float:
 
 @inline
 def _above(p: Vec3, t: int, k: int, planes: Floats) -> float:
-    return dot(load_of(planes, t, k), p) - float(planes[t, k, 3])
+    n = planes[t, k, 0], planes[t, k, 1], planes[t, k, 2]
+    return dot(n, p) - float(planes[t, k, 3])
 
 
 @inline
@@ -148,8 +142,10 @@ def _foot(
 ) -> tuple[Vec3, int]:
     """Return :func:`closest_on_triangle` of a triangle for a point that is :func:`_over` it so."""
     if within > 0.0:
-        return combine(1.0, p, -height, load_of(surface.planes, t, 0)), 0
-    return closest_of(p, t, surface.corners)
+        planes = surface.planes
+        n = planes[t, 0, 0], planes[t, 0, 1], planes[t, 0, 2]
+        return combine(1.0, p, -height, n), 0
+    return closest_on_triangle(p, *_corners(surface.corners, t))
 
 
 @inline
@@ -356,7 +352,11 @@ def _lies_above(t: int, triangle: int, surface: TriangleSurface, up: float = 1.0
     """
     least = np.inf
     for a in range(3):
-        corner = load_of(surface.corners, t, a)
+        corner = (
+            surface.corners[t, a, 0],
+            surface.corners[t, a, 1],
+            surface.corners[t, a, 2],
+        )
         least = min(least, up * _above(corner, triangle, 0, surface.planes))
     return least > -ROUND_OFF
 
@@ -381,7 +381,12 @@ def signed_distance(
     if not in_grid or cell_start[cell] == cell_start[cell + 1]:
         return False, False, 0, p, 0, 0.0
     _, triangle, i, nearest, ahead = closest_of_side(p, 0, grid)
-    inside = dot(sub(p, nearest), load_of(pseudo_normals, triangle, i)) < 0.0
+    normal = (
+        pseudo_normals[triangle, i, 0],
+        pseudo_normals[triangle, i, 1],
+        pseudo_normals[triangle, i, 2],
+    )
+    inside = dot(sub(p, nearest), normal) < 0.0
     found = True
     whole = triangle
     if side * flank[triangle] < 0:
@@ -398,11 +403,26 @@ def signed_distance_to(
 
     whole : the closest triangle of all.  triangle : the closest of the side.
     """
+    pseudo_normals = surface.pseudo_normals
     nearest, i = _foot(p, *_over(p, whole, surface.planes), whole, surface)
-    inside = dot(sub(p, nearest), load_of(surface.pseudo_normals, whole, i)) < 0.0
+    normal = (
+        pseudo_normals[whole, i, 0],
+        pseudo_normals[whole, i, 1],
+        pseudo_normals[whole, i, 2],
+    )
+    inside = dot(sub(p, nearest), normal) < 0.0
     if triangle != whole:
         nearest, _ = _foot(p, *_over(p, triangle, surface.planes), triangle, surface)
     return inside, nearest
+
+
+@inline
+def _corners(corners: Floats, t: int) -> tuple[Vec3, Vec3, Vec3]:
+    return (
+        (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
+        (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
+        (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
+    )
 
 
 @kernel
