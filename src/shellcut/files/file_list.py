@@ -179,12 +179,12 @@ def _read(folder: Path, record: str) -> list[str] | None:
     heading, *names = text.split("\n")[:-1] or [""]
     if heading != _HEADINGS[record]:
         return None
-    return [name for name in dict.fromkeys(names) if _is_inside(name)]
-
-
-def _is_inside(name: str) -> bool:
-    parts = PurePosixPath(name).parts
-    return bool(parts) and ".." not in parts and not PureWindowsPath(name).anchor
+    inside = []
+    for name in dict.fromkeys(names):
+        parts = PurePosixPath(name).parts
+        if parts and ".." not in parts and not PureWindowsPath(name).anchor:
+            inside.append(name)
+    return inside
 
 
 def _leads_away(folder: Path, name: str) -> bool:

@@ -106,7 +106,10 @@ class _Reader(Content):
             seen.add(name)
             in_text = not self.order or name == "PhysicalNames"
             if in_text:
-                self._take_tokens(name)
+                start = self.at
+                self._skip_to_end(name)
+                end = self.content.rfind(b"$End", start, self.at)
+                self.tokens, self.next_token = self.content[start:end].split(), 0
             readers[name]()
             if not in_text:
                 self._end(name)
@@ -320,13 +323,6 @@ class _Reader(Content):
             raise self.error(f"${name} must end with $End{name}: the file is cut short")
         self.at = end
         self.line()
-
-    def _take_tokens(self, name: str) -> None:
-        start = self.at
-        self._skip_to_end(name)
-        end = self.content.rfind(b"$End", start, self.at)
-        self.tokens = self.content[start:end].split()
-        self.next_token = 0
 
     def _sizes(self, n: int) -> list[int]:
         sizes: list[int] = self.numbers("i8", n).tolist()

@@ -79,11 +79,14 @@ _HEAD = 5  # entries of a set's id card: the id and four attributes
 def read_lsdyna(path: str | Path) -> FileMesh:
     """Read an LS-DYNA keyword file."""
     reader = _Reader(Path(path))
-    blocks, ended = _read_deck(reader)
+    blocks = list(_blocks(reader, reader.path, "standard"))
+    if not blocks:
+        raise FileError(path, "an LS-DYNA file must hold *KEYWORD lines, got none")
     for block in blocks:
-        reader.take(block)
+        if block.name != "END":
+            reader.take(block)
     mesh = reader.mesh()
-    if not ended:
+    if not any(block.name == "END" and block.path == reader.path for block in blocks):
         mesh.notes.append("there is no *END: the file may be cut short")
     return mesh
 
@@ -352,16 +355,8 @@ class CardBlock(Block):
     layout: Layout
 
 
-def _read_deck(deck: Deck) -> tuple[list[CardBlock], bool]:
-    # the keywords of a file, its includes inserted, and whether it has an *END
-    blocks = list(_blocks(deck, deck.path, "standard"))
-    if not blocks:
-        raise FileError(deck.path, "an LS-DYNA file must hold *KEYWORD lines, got none")
-    ended = any(block.name == "END" and block.path == deck.path for block in blocks)
-    return [block for block in blocks if block.name != "END"], ended
-
-
 def _blocks(deck: Deck, path: Path, layout: Layout) -> Iterator[CardBlock]:
+    # the keywords of a file, its includes inserted
     with deck.reading(path) as lines:
         for block in attached(_parts(deck, path, lines, layout)):
             assert isinstance(block, CardBlock)

@@ -149,7 +149,14 @@ def disc(
     >>> mesh.n_quad, len(mesh.node_set("ring_9.4"))
     (2660, 152)
     """
-    rings = _check_rings(radius, ring_radii)
+    given = [float(r) for r in ring_radii]
+    if any(not 0.0 < r <= radius for r in given):
+        raise MeshError(
+            f"ring_radii must lie above 0 and within the radius {radius:g}, got {given}"
+        )
+    if any(outer <= inner for outer, inner in pairwise(given)):
+        raise MeshError(f"ring_radii must decrease from the rim inwards, got {given}; sort them")
+    rings = [float(radius), *(r for r in given if r < radius)]
     n_exact = len(rings) - 1
     n_free = ceil(n_side * (1.0 / pi - 0.25))  # chord of the ring = mean spacing inside, or above
     if n_layer is not None:
@@ -321,17 +328,3 @@ def _closed(ids: Ints) -> Ints:
 
 def _four_sides(ids: Ints) -> dict[str, npt.ArrayLike]:
     return {"left": ids[:, 0], "right": ids[:, -1], "bottom": ids[0], "top": ids[-1]}
-
-
-# --- checks of arguments -------------------------------------------------------------------------
-
-
-def _check_rings(radius: float, ring_radii: Sequence[float]) -> list[float]:
-    rings = [float(r) for r in ring_radii]
-    if any(not 0.0 < r <= radius for r in rings):
-        raise MeshError(
-            f"ring_radii must lie above 0 and within the radius {radius:g}, got {rings}"
-        )
-    if any(outer <= inner for outer, inner in pairwise(rings)):
-        raise MeshError(f"ring_radii must decrease from the rim inwards, got {rings}; sort them")
-    return [float(radius), *(r for r in rings if r < radius)]
