@@ -18,7 +18,7 @@ from shellcut.command_line import main, view
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page import page as page_module
-from shellcut.scene_page.tables import pack_ids, pack_numbers
+from shellcut.scene_page.packed_run import pack_ids, pack_numbers
 from shellcut.view import Look
 from shellcut.view.fields import at_corners, field_limits, fields_of
 

@@ -13,8 +13,7 @@ import pytest
 
 import shellcut.files.file_lock
 from shellcut.files.file_list import FILES, OTHERS, FileList, claim, target
-from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
-from shellcut.files.taken_folder import TakenFolder
+from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, TakenFolder, refuse_if_in_use
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from shellcut.files.folder_lock import TakenFolder
 from shellcut.files.run_folder import (
     ENERGY_PICTURE,
     HISTORY,
@@ -17,7 +18,6 @@ from shellcut.files.run_folder import (
     snapshot,
     snapshots,
 )
-from shellcut.files.taken_folder import TakenFolder
 from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import HistoryWriter
 from shellcut.results.vtkhdf import VtkHdfWriter

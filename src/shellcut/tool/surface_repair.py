@@ -88,7 +88,9 @@ def _swap(done: Repaired, flat: Bools) -> bool:
     touched: set[int] = set()
     removed: set[int] = set()
     for t in np.flatnonzero(flat).tolist():
-        a, b, c = _longest_side_first(done.vertices, rows[t])
+        points = done.vertices[rows[t]]
+        longest = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).argmax()
+        a, b, c = np.roll(rows[t], -longest).tolist()  # the longest side first
         other = beside.get((b, a))
         if other is None or {t, other} & touched:
             continue
@@ -103,13 +105,6 @@ def _swap(done: Repaired, flat: Bools) -> bool:
     kept = [row for t, row in enumerate(rows) if t not in removed]
     done.triangles = np.array(kept, dtype=np.int64).reshape(-1, 3)
     return bool(touched)
-
-
-def _longest_side_first(vertices: Floats, row: list[int]) -> tuple[int, int, int]:
-    points = vertices[row]
-    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    k = int(np.argmax(lengths))
-    return row[k], row[(k + 1) % 3], row[(k + 2) % 3]
 
 
 def _remove_repeated(done: Repaired) -> None:

@@ -32,8 +32,7 @@ from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
-from .edge_chains import chains_of, facing_alike
-from .surface import Surface, merge_vertices, six_volumes
+from .surface import Surface, chains_of, facing_alike, merge_vertices, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
