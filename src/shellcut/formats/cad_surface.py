@@ -5,7 +5,7 @@ of such units (``CONVERSION_BASED_UNIT``). What it cannot resolve it takes for m
 file is refused here.
 
 Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL). Each face has vertices of its
-own; :mod:`shellcut.tool.seams` joins them.
+own; :mod:`shellcut.tool.surface_repair` joins them.
 """
 
 from __future__ import annotations

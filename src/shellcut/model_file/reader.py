@@ -104,12 +104,8 @@ class ModelVariants:
         """Return the model with further overrides.
 
         Without ``try_out`` the values of a section are read, but not tried together: that is a
-        hundred times faster for a tool, which is built for the trial.
-
-        Raises
-        ------
-        ModelFileError
-            Lists every problem.
+        hundred times faster for a tool, which is built for the trial. ModelFileError lists every
+        problem.
         """
         together = self._overrides | dict(overrides)
         return _Reading(overridden(self._source, together), try_out=try_out).model()
