@@ -217,24 +217,28 @@ def show(axes: Any, image: Floats, across: float) -> None:
     axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} {unit}", **text)
 
 
+def color_scale(look: Look, limits: tuple[float, float]) -> Any:
+    """Return Matplotlib's map from the numbers of a field to colour."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    return ScalarMappable(Normalize(*limits), ListedColormap(look.colors()))
+
+
 def add_color_bar(
     figure: Any,
-    look: Look,
-    limits: tuple[float, float],
+    scale: Any,
     shown: Sequence[Floats],
     box: tuple[float, float, float, float],
     label: str,
 ) -> None:
-    """Add the colour scale of a field, with pointed ends where numbers shown lie beyond it."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import ListedColormap, Normalize
-
-    low, high = limits
+    """Add the colour scale, with pointed ends where numbers shown lie beyond it."""
+    low, high = scale.get_clim()
     below = any((values < low).any() for values in shown)
     above = any((values > high).any() for values in shown)
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}
     bar = figure.colorbar(
-        ScalarMappable(Normalize(low, high), ListedColormap(look.colors())),
+        scale,
         cax=figure.add_axes(box),
         orientation="horizontal",
         extend=extend.get((below, above), "both"),
