@@ -8,7 +8,7 @@ from pathlib import Path
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
 from shellcut.model_file import preset_film
 from shellcut.model_file.key_index import unit_of_key
-from shellcut.model_file.presets import presets
+from shellcut.model_file.material_keys import presets
 from shellcut.unit import after
 
 PAGE = Path(__file__).parent / "materials.md"

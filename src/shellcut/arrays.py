@@ -53,8 +53,10 @@ def norm(vectors: Floats) -> Any:
 
 
 def unit(vectors: Floats) -> Floats:
-    """Return a vector, or every row along the last axis, divided by its length."""
-    return np.asarray(vectors / norm(vectors)[..., None])
+    """Return a vector, or every row along the last axis, divided by its length; zeros stay zero."""
+    length = norm(vectors)[..., None]
+    out = np.zeros(np.shape(vectors))
+    return np.asarray(np.divide(vectors, length, out=out, where=length != 0.0))
 
 
 def angles(one: Floats, two: Floats) -> Floats:
@@ -73,6 +75,15 @@ def off_segments(points: Floats, starts: Floats, vectors: Floats) -> tuple[Float
     squared = np.maximum(np.add.reduce(vectors * vectors, axis=-1), tiny)
     share = np.clip(np.add.reduce(arm * vectors, axis=-1) / squared, 0.0, 1.0)
     return arm - share[..., None] * vectors, share
+
+
+def three(name: str, values: Any, unit: str = "") -> Floats:
+    """Return three finite numbers; ValueError, by the name of the argument, if they are not."""
+    numbers = np.asarray(values, dtype=np.float64)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        of = f" in {unit}" if unit else ""
+        raise ValueError(f"{name} must be three finite numbers{of}, got {values!r}")
+    return numbers
 
 
 def each(function: Callable[..., float], *arrays: npt.ArrayLike) -> Floats:

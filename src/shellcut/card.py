@@ -31,10 +31,10 @@ _COLORS = {"good": "#1a7f37", "doubt": "#b3261e", "note": "#2f5d8a"}
 def card(
     title: str, figures: Figures, said: Iterable[tuple[str, str]] = (), picture: str = ""
 ) -> str:
-    """Return a card as HTML, with a picture that is HTML, too.
+    """Return a card as HTML, which the picture is too.
 
-    ``said`` has the kind, one of ``good``, ``doubt`` and ``note``, and the text of each sentence of
-    the verdict.
+    What is ``said`` are the kind, ``good``, ``doubt`` or ``note``, and the text of each sentence of
+    a verdict.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def drawing(
 ) -> str:
     """Return faces as an SVG, the near ones before the far ones, and lines over them.
 
-    Of each part there are points, shape (n, 3), their ids in each face, and a colour.
+    parts : points, (n, 3) [mm], their ids in each face, and colour of each.  lines : (m, 3) [mm].
     """
     axes = np.stack((_RIGHT, -np.cross(_TOWARD, _RIGHT), _TOWARD))  # rows of a picture go down
     places = [points @ axes.T for points, _, _ in parts if len(points)]

@@ -221,14 +221,24 @@ class Frame:
         }
         object.__setattr__(self, "quad_history", MappingProxyType(history))
         for name, rows in ROWS.items():
-            if rows.ids:
-                self._check_ids(name, n[rows.ids])
+            ids = getattr(self, name) if rows.ids else np.zeros(0)
+            if ids.size and (ids.min() < 0 or ids.max() >= n[rows.ids]):
+                span = f"{ids.min()}..{ids.max()}"
+                raise ValueError(f"{name} must lie in 0..{n[rows.ids] - 1}, got {span}")
         if not np.isin(self.cable_state, (STRAIGHT, JOINTED)).all():
             raise ValueError("cable_state must be 0 (straight) or 1 (jointed)")
         for name in ("time", "coordinate"):
             if not np.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
-        self._check_scalars()
+        unpaired = sorted(set(self.scalars) ^ set(self.scalar_units))
+        if unpaired:
+            raise ValueError(f"scalars and scalar_units must have the same names, not {unpaired}")
+        scalars = {name: float(value) for name, value in self.scalars.items()}
+        for name, value in scalars.items():
+            if not np.isfinite(value):
+                raise ValueError(f"scalar {name!r} must be finite, got {value}")
+        object.__setattr__(self, "scalars", MappingProxyType(scalars))
+        object.__setattr__(self, "scalar_units", MappingProxyType(dict(self.scalar_units)))
 
     def _fill_in(self, name: str, rows: Rows, n: Mapping[str, int]) -> None:
         if len(getattr(self, name)):
@@ -240,22 +250,6 @@ class Frame:
         else:
             value = np.full((n[rows.of], *rows.shape), rows.left_out, rows.dtype)
         object.__setattr__(self, name, value)
-
-    def _check_ids(self, name: str, n: int) -> None:
-        ids = getattr(self, name)
-        if ids.size and (ids.min() < 0 or ids.max() >= n):
-            raise ValueError(f"{name} must lie in 0..{n - 1}, got {ids.min()}..{ids.max()}")
-
-    def _check_scalars(self) -> None:
-        unpaired = sorted(set(self.scalars) ^ set(self.scalar_units))
-        if unpaired:
-            raise ValueError(f"scalars and scalar_units must have the same names, not {unpaired}")
-        scalars = {name: float(value) for name, value in self.scalars.items()}
-        for name, value in scalars.items():
-            if not np.isfinite(value):
-                raise ValueError(f"scalar {name!r} must be finite, got {value}")
-        object.__setattr__(self, "scalars", MappingProxyType(scalars))
-        object.__setattr__(self, "scalar_units", MappingProxyType(dict(self.scalar_units)))
 
     @property
     def displacement(self) -> Floats:

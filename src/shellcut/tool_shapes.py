@@ -4,7 +4,6 @@
 1
 """
 
-from .tool.round_bar import round_bar
 from .tool.shapes import (
     BLUNTEST_EDGE,
     DEFAULT_DEVIATION,
@@ -12,6 +11,7 @@ from .tool.shapes import (
     FLANK_MARGIN,
     LONGEST_TRIANGLE,
     MOST_TRIANGLES,
+    round_bar,
     straight_blade,
     tooth_ring,
 )

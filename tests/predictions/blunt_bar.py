@@ -5,7 +5,7 @@ import numpy as np
 import shellcut as sc
 from oscillating_cut import extremes, grown
 from prediction import Figure, Prediction, Run
-from shellcut.models.oscillating import FILM
+from shellcut.models.oscillating import BAR_FILM
 from shellcut.view import Curve, Diagram, draw_curves
 
 BARS = 6.0, 9.0
@@ -18,7 +18,7 @@ def wave(d, size, thickness, off, speed, length):
 
     Both are nan where fewer than three extremes lie beyond the bar's sides.
     """
-    film = sc.ShellMaterial.homogeneous(**{**FILM, "thickness": thickness * (1.0 + 1e-6 * off)})
+    film = sc.ShellMaterial.homogeneous(**{**BAR_FILM, "thickness": thickness * (1.0 + 1e-6 * off)})
     case = sc.oscillating(
         size, diameter=d, length=length * d, offset=OFFSET * d, speed=speed, material=film
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from shellcut import read_tool
-from shellcut.formats import cad_unit
+from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError
 from shellcut.formats.length_unit import MILLIMETRES, unit_in_mm
 
@@ -30,10 +30,10 @@ def test_flags_of_iges(flag, length):
     lines = [f"{text[k : k + 72]:72}G{k // 72 + 1:7}" for k in range(0, len(text), 72)]
     content = "\n".join([f"{'':72}S      1", *lines]).encode()
     if isinstance(length, float):
-        assert cad_unit.stated_unit(Path("a.igs"), content) == [length]
+        assert cad_surface.stated_unit(Path("a.igs"), content) == [length]
     else:
         with pytest.raises(FileError, match=length):
-            cad_unit.stated_unit(Path("a.igs"), content)
+            cad_surface.stated_unit(Path("a.igs"), content)
 
 
 @pytest.mark.parametrize("unit", list(MILLIMETRES))
@@ -75,7 +75,7 @@ def test_a_missing_gmsh_is_named(monkeypatch):
 @pytest.mark.parametrize("name", ["two_teeth_inch.step", "two_teeth_inch.iges"])
 def test_another_program_states_inches(name):
     path = DATA / name
-    assert cad_unit.stated_unit(path, path.read_bytes()) == [25.4]
+    assert cad_surface.stated_unit(path, path.read_bytes()) == [25.4]
 
 
 def step(*units, used="#1"):
@@ -100,7 +100,7 @@ def test_a_unit_is_what_defines_it_whatever_its_name():
     """As the kernel converts: test_cad_tool compares with it."""
 
     def stated(*units, used="#2"):
-        return cad_unit.stated_unit(Path("a.stp"), step(*units, used=used))
+        return cad_surface.stated_unit(Path("a.stp"), step(*units, used=used))
 
     for name, number, length in (
         ("INCH", "LENGTH_MEASURE(25.4)", 25.4),
@@ -113,7 +113,7 @@ def test_a_unit_is_what_defines_it_whatever_its_name():
         assert stated(metre, *by_name(name, number)) == [1e3 * length]
     assert stated(MM, *by_name("INCH", "25.4"), used="#1,#2") == [1.0, 25.4]
     assert stated(MM.replace("MILLI", "MICRO"), used="#1") == [1e-3]
-    assert cad_unit.stated_unit(Path("a.stp"), b"ISO-10303-21;") == []
+    assert cad_surface.stated_unit(Path("a.stp"), b"ISO-10303-21;") == []
 
 
 @pytest.mark.parametrize(
@@ -132,4 +132,4 @@ def test_a_unit_is_what_defines_it_whatever_its_name():
 )
 def test_a_unit_that_the_kernel_passes_over_is_refused(units):
     with pytest.raises(FileError, match=r"unit of length.* #2, must be a metre .* for mm"):
-        cad_unit.stated_unit(Path("a.stp"), step(*units, used="#2"))
+        cad_surface.stated_unit(Path("a.stp"), step(*units, used="#2"))

@@ -8,8 +8,7 @@ import pytest
 from opening_frame import RADIUS, opening_frame
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.view import Curve, Diagram, curves, draw_crack_map, draw_curves
-from shellcut.view._teeth import teeth_of, tooth_paths
-from shellcut.view.crack_map import crack_history
+from shellcut.view.crack_map import crack_history, teeth_of, tooth_paths
 
 pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
 

@@ -10,7 +10,7 @@ import pytest
 from known_film import LEFT, NODES, QUADS, check_geometry
 from shellcut import mesh_from_outline, read_film
 from shellcut.formats.errors import FileError
-from shellcut.mesh import film_size
+from shellcut.mesh import checks
 from shellcut.mesh.mesh import MeshError
 from shellcut.mesh.structured import annulus, cylinder, disc, rectangle
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -169,7 +169,7 @@ def test_triangles_are_counted_before_they_are_split(tmp_path, monkeypatch):
     deck = f"*NODE\n{nodes}*ELEMENT, TYPE=S3\n1, 1, 2, 3\n2, 1, 3, 4\n"
     (tmp_path / "film.inp").write_text(deck)
     assert read_film(tmp_path / "film.inp", unit="mm", triangles="split").n_quad == 6
-    monkeypatch.setattr(film_size, "MOST_QUADS", 5)
+    monkeypatch.setattr(checks, "MOST_QUADS", 5)
     with pytest.raises(MeshError, match=r"5 quads at most, .* about 6, .*: mesh coarser"):
         read_film(tmp_path / "film.inp", unit="mm", triangles="split")
 
@@ -177,11 +177,11 @@ def test_triangles_are_counted_before_they_are_split(tmp_path, monkeypatch):
 def test_memory_of_the_machine_counts_where_it_is_known(monkeypatch):
     names = ["SC_PHYS_PAGES", "SC_PAGE_SIZE"]
     monkeypatch.setattr(os, "sysconf", dict(zip(names, (1e6, 1e3), strict=True)).__getitem__)
-    film_size.check_film_size(1e6, "enlarge size")
+    checks.check_film_size(1e6, "enlarge size")
     with pytest.raises(MeshError, match=r"this machine's memory of 1 GB, .* which take 1.8 GB: e"):
-        film_size.check_film_size(2e6, "enlarge size")
+        checks.check_film_size(2e6, "enlarge size")
     monkeypatch.delattr(os, "sysconf")
-    film_size.check_film_size(2e6, "enlarge size")
+    checks.check_film_size(2e6, "enlarge size")
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from shellcut.material import (
 )
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
 from shellcut.model_file import ModelFileError, preset_film
-from shellcut.model_file.presets import presets
+from shellcut.model_file.material_keys import presets
 
 MODULI = Elastic(1678.0, 0.3, 1e-9)
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from shellcut.mesh.film_file import split_in_quads
 from shellcut.mesh.mesh import Mesh, MeshError
 from shellcut.mesh.structured import annulus, cylinder, disc, opening_disc, rectangle
-from shellcut.mesh.triangles_to_quads import split_in_quads
 
 # name: quads, nodes on the ring, floor of the smallest edge [mm], radii of the exact circles
 # (measured edges 0.5815, 0.2757, 0.1643; the time step of every run follows from them)

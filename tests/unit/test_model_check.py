@@ -15,8 +15,7 @@ from shellcut.checks.steps import check_steps
 from shellcut.fracture.puncture import bending_length
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut
-from shellcut.tool.round_bar import round_bar
-from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import round_bar, straight_blade, tooth_ring
 from test_preview import two_rings
 
 SIDES = (shellcut.Support.clamped("bottom"), shellcut.Support.clamped("top"))

@@ -23,10 +23,9 @@ from shellcut import (
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
 from shellcut.model_file.forms import written
-from shellcut.model_file.load_sections import SUPPORT
 from shellcut.model_file.material_keys import HOMOGENEOUS, LAMINATE, PLY
 from shellcut.model_file.schema import schema
-from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS
+from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS, SUPPORT
 from shellcut.recording.run_options import RunOptions
 from shellcut.study.study_file import study_schema
 from shellcut.tool.shapes import straight_blade, tooth_ring

@@ -14,7 +14,7 @@ from shellcut.arguments import declared
 from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.recording.run_options import RunOptions
 from shellcut.tensile.specimen import SpecimenSize
-from shellcut.tool.round_bar import round_bar
+from shellcut.tool.shapes import round_bar
 
 KINDS = {k for of in (SECTIONS, LISTS) for s in of.values() for kinds in s.values() for k in kinds}
 OWNERS = {key.owner for kind in KINDS for key in kind.keys.values()} - {None}

@@ -9,9 +9,8 @@ from shellcut.contact.settings import STEEPEST
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import kernel
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
-from shellcut.tool.round_bar import round_bar
 from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
-from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import round_bar, straight_blade, tooth_ring
 from shellcut.tool.signed_distance import TriangleGrid, signed_distance
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool

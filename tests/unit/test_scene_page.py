@@ -18,7 +18,7 @@ from shellcut.command_line import main, view
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page import page as page_module
-from shellcut.scene_page.tables import pack_ids, pack_numbers
+from shellcut.scene_page.packed_run import pack_ids, pack_numbers
 from shellcut.view import Look
 from shellcut.view.fields import at_corners, field_limits, fields_of
 
@@ -71,14 +71,14 @@ def unpacked(packed):
     frames, before = [], np.zeros((0, packed.columns), int)
     for rows in packed.rows:
         count = rows * packed.columns
-        planes = [stream.read(count) for _ in range(packed.n_byte)]
+        planes = [stream.read(count) for _ in range(packed.bytes)]
         table = np.zeros((rows, packed.columns), int)
         for at in range(count):
             folded = sum(plane[at] << (8 * k) for k, plane in enumerate(planes))
             change = -(folded // 2) - 1 if folded % 2 else folded // 2
             row, column = at % rows, at // rows
             known = before[row, column] if row < len(before) else 0
-            table[row, column] = (known + change) % (1 << (8 * packed.n_byte))
+            table[row, column] = (known + change) % (1 << (8 * packed.bytes))
         frames.append(table)
         before = table
     assert stream.read() == b""
@@ -92,7 +92,7 @@ class TestTables:
         tables = [random.integers(0, largest, (n, 3), endpoint=True) for n in (5, 8, 0, 2)]
         tables[0][0, 0] = largest
         packed = pack_ids(tables)
-        assert packed.n_byte == (2 if largest < 65_536 else 4)
+        assert packed.bytes == (2 if largest < 65_536 else 4)
         for given, found in zip(tables, unpacked(packed), strict=True):
             np.testing.assert_array_equal(found, given)
 

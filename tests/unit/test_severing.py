@@ -10,7 +10,7 @@ from gone_on import check_goes_on
 from notched_strip import cutting
 from shellcut import CohesiveLaw, guillotine, read, trouser
 from shellcut.checks.finding import DOUBT
-from shellcut.models.trouser import LAW as TEAR_LAW
+from shellcut.models.trouser import TEAR_LAW
 from shellcut.results.summary_figures import key_figures
 from shellcut.tool.shapes import straight_blade
 

@@ -5,10 +5,9 @@ import pytest
 
 from shellcut.mesh.structured import annulus
 from shellcut.numerics.consistent_winding import common_winding
-from shellcut.tool.seams import closed_seams
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.surface import Surface
-from shellcut.tool.surface_repair import repaired
+from shellcut.tool.surface_repair import closed_seams, repaired
 from test_tool import joined, wedge
 
 

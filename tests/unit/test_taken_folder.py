@@ -12,9 +12,8 @@ import time
 import pytest
 
 import shellcut.files.file_lock
-from shellcut.files.file_list import FILES, OTHERS, FileList, claim, files_there, names_in, target
-from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
-from shellcut.files.taken_folder import TakenFolder
+from shellcut.files.file_list import FILES, OTHERS, FileList, claim, target
+from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, TakenFolder, refuse_if_in_use
 
 
 @pytest.fixture
@@ -60,7 +59,7 @@ def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
     begin(out, ["history.csv"])
     assert left(out) == sorted([*mine, FILES])
     assert not (out / "a_frames").exists()
-    assert names_in(out) == ["history.csv"]
+    assert FileList(out).names == ["history.csv"]
 
 
 def test_a_folder_of_frames_with_something_else_in_it_stays(tmp_path):
@@ -110,20 +109,20 @@ def test_a_list_leads_to_nothing_outside(tmp_path):
     wrong += ["C:\\precious.txt", "\\\\host\\precious.txt"]
     (out / FILES).write_text("\n".join([heading, *wrong, "history.csv", "precious.t"]))
     # The last line was not finished: what it names is not known.
-    assert names_in(out) == ["history.csv"]
+    assert FileList(out).names == ["history.csv"]
     begin(out, [])
     assert (tmp_path / "precious.txt").exists()
 
 
 def test_names_are_listed_before_their_files_are_there(taken):
     taken.begin(["history.csv"], replace=True)
-    assert names_in(taken.path) == ["history.csv"]
+    assert FileList(taken.path).names == ["history.csv"]
     taken.files.add("a_frames/frame_0000.vtu")
     taken.files.add("history.csv")
-    assert names_in(taken.path) == ["history.csv", "a_frames/frame_0000.vtu"]
-    assert files_there(taken.path) == []
+    assert FileList(taken.path).names == ["history.csv", "a_frames/frame_0000.vtu"]
+    assert FileList(taken.path).there() == []
     fill(taken.path, "history.csv")
-    assert files_there(taken.path) == ["history.csv"]
+    assert FileList(taken.path).there() == ["history.csv"]
     taken.clear()
     assert left(taken.path) == ["run.lock"]
 
@@ -167,10 +166,10 @@ def test_a_list_behind_a_link_is_somebody_elses(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / FILES).symlink_to(tmp_path / "other" / FILES)
     fill(tmp_path / "out", "history.csv")
-    assert names_in(tmp_path / "out") == []
+    assert FileList(tmp_path / "out").names == []
     with pytest.raises(FileExistsError, match=FILES):
         begin(tmp_path / "out", ["history.csv"])
-    assert names_in(tmp_path / "other") == ["history.csv"]
+    assert FileList(tmp_path / "other").names == ["history.csv"]
 
 
 def test_a_command_replaces_what_commands_wrote_and_no_input(tmp_path):
@@ -178,13 +177,13 @@ def test_a_command_replaces_what_commands_wrote_and_no_input(tmp_path):
     claim(tmp_path, ["a.csv", "b.csv"])
     fill(tmp_path, "a.csv", "mine.csv")
     claim(tmp_path, ["b.csv", "a.csv"])
-    assert names_in(tmp_path, OTHERS) == ["a.csv", "b.csv"]
+    assert FileList(tmp_path, OTHERS).names == ["a.csv", "b.csv"]
     for name in ("mine.csv", "history.csv", "run.lock", FILES):
         with pytest.raises(FileExistsError, match=name):
             claim(tmp_path, ["c.csv", name])
     with pytest.raises(FileExistsError, match=r"a\.csv is read here"):
         claim(tmp_path, ["a.csv"], [tmp_path / "nothing", tmp_path / "." / "a.csv"])
-    assert names_in(tmp_path, OTHERS) == ["a.csv", "b.csv"]
+    assert FileList(tmp_path, OTHERS).names == ["a.csv", "b.csv"]
     # What a user names is replaced, but no input and nothing of a run.
     assert target(tmp_path / "mine.csv", tmp_path / "c.csv") == tmp_path / "mine.csv"
     for name in ("a.csv", "history.csv", "run.lock", FILES, OTHERS):

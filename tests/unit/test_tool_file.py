@@ -112,12 +112,12 @@ class TestTheDefaultToothOutAndBack:
         with pytest.raises(ToolError, match=r"surface in .*cap\.stl cannot be a tool") as caught:
             read_tool(cap, unit="mm")
         (problem,) = caught.value.problems
-        assert "mm across, 4 edges" in problem
+        assert "mm across, with 4 edges" in problem
         told = [float(c) for c in problem.split("around (")[1].split(")")[0].split(", ")]
         np.testing.assert_allclose(told, place, atol=1e-4)  # to six digits
         far = int(np.argmax(RING.triangle_body == 3))
         write_stl(cap, V, np.delete(RING.triangles, [40, 41, far], axis=0), header="two holes")
-        with pytest.raises(ToolError, match=r"the surface has 2 holes around .* 4 edges; around"):
+        with pytest.raises(ToolError, match=r"the surface has 2 holes around .* 4 edges, around"):
             read_tool(cap, unit="mm")
 
 

@@ -12,7 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 import shellcut as sc
-from shellcut.models.oscillating import FILM, FRACTURE, LAW, STIFFNESS_DAMPING, film_before
+from shellcut.models.oscillating import (
+    BAR_FILM,
+    BAR_FRACTURE,
+    BAR_LAW,
+    STIFFNESS_DAMPING,
+    film_before,
+)
 
 GROWN = 0.5
 """Of the diameter: the wave has grown when an extreme lies beyond the bar's side."""
@@ -91,10 +97,12 @@ def arguments():
     number("--width", type=float, default=6.0, help="of the film [diameters]")
     number("--band", type=float, default=1.2, help="half that of the fine quads [diameters]")
     number("--damping", type=float, default=STIFFNESS_DAMPING, help="of the stiffness [s]")
-    number("--fibres", type=int, default=FRACTURE.fibres, help="of a segment")
+    number("--fibres", type=int, default=BAR_FRACTURE.fibres, help="of a segment")
     number("--notch", type=float, default=1.5, help="its length [diameters]")
     number("--offset", type=float, default=0.35, help="of the notch from the bar [diameters]")
-    number("--strength", type=float, default=LAW.strength, help="at the same fracture energy [MPa]")
+    number(
+        "--strength", type=float, default=BAR_LAW.strength, help="at the same fracture energy [MPa]"
+    )
     number("--until", type=float, default=3600.0, help="wall time at most [s]")
     parser.add_argument("--mesh", choices=("moved", "turned", "gmsh"), default="moved")
     return parser.parse_args()
@@ -102,12 +110,12 @@ def arguments():
 
 def weaker(strength):
     """Return the default law with another strength and the same fracture energy."""
-    longer = LAW.strength / strength
+    longer = BAR_LAW.strength / strength
     lengths = {
-        name: longer * getattr(LAW, name)
+        name: longer * getattr(BAR_LAW, name)
         for name in ("opening_a", "opening_p", "opening_u", "onset")
     }
-    return sc.CohesiveLaw(strength=strength, plateau=LAW.plateau / longer, **lengths)
+    return sc.CohesiveLaw(strength=strength, plateau=BAR_LAW.plateau / longer, **lengths)
 
 
 def case_of(chosen):
@@ -126,8 +134,8 @@ def case_of(chosen):
         notch=chosen.notch * d,
         offset=chosen.offset * d,
         law=weaker(chosen.strength),
-        material=sc.ShellMaterial.homogeneous(**{**FILM, "thickness": chosen.thickness}),
-        fracture=replace(FRACTURE, fibres=chosen.fibres),
+        material=sc.ShellMaterial.homogeneous(**{**BAR_FILM, "thickness": chosen.thickness}),
+        fracture=replace(BAR_FRACTURE, fibres=chosen.fibres),
         damping_beta=chosen.damping,
     )
 

@@ -14,11 +14,11 @@ import pytest
 import shellcut as sc
 from curved_films import moved
 from harness import load_cases
-from shellcut.models.trouser import LAW, THICKNESS
+from shellcut.models.trouser import TEAR_LAW, THICKNESS
 
 LENGTH, WIDTH, NOTCH = 19.0, 6.0, 6.0
 UPRIGHT, FAR = 3.0, 9.0
-TEARING = LAW.fracture_energy * THICKNESS
+TEARING = TEAR_LAW.fracture_energy * THICKNESS
 
 
 def trouser(kind, size, share=None):

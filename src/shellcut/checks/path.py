@@ -77,7 +77,12 @@ def check_path(
         return
     yield from _attack(sweep)
     rows = Rows(sweep)
-    yield from _precut(rows, sweep)
+    if rows.open.all():
+        yield doubt(
+            "there must be film to cut on the path of the cutting edges",
+            "a path that lies in existing cuts from end to end",
+            "take a shorter notch, or move the tool",
+        )
     if along_edges:
         yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
@@ -200,15 +205,6 @@ def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
     for i, at in zip(rest.tolist(), near, strict=True):
         back[i] = any(time[j] < sweep.time[i] for j in at)
     return back
-
-
-def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    if rows.open.all():
-        yield doubt(
-            "there must be film to cut on the path of the cutting edges",
-            "a path that lies in existing cuts from end to end",
-            "take a shorter notch, or move the tool",
-        )
 
 
 def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:

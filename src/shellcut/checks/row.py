@@ -50,7 +50,11 @@ class Rows:
         """Nodes of the side, shape (n_place, 2)."""
         self.share: Floats = share[at, best]
         """Where the place is along the side, from 0 to 1, shape (n_place,)."""
-        self.open: Bools = _open_sides(mesh, self.ends) & (self.off <= AT_ROW)
+        edges = mesh.edges()  # flanks of a cut: two sides that were one
+        single = mesh.origin[edges.nodes[edges.n_quad == 1]]
+        keys, count = np.unique(_keys(mesh, single), return_counts=True)
+        of_cut = np.isin(_keys(mesh, mesh.origin[self.ends]), keys[count > 1])
+        self.open: Bools = of_cut & (self.off <= AT_ROW)
         """Whether the side was cut before the run, shape (n_place,)."""
         found = length[at, best][np.isfinite(self.off)]
         self.spacing = float(np.median(found if len(found) else sweep.edge_length))
@@ -108,11 +112,3 @@ def row_of(sweep: Sweep, chain: int) -> Ints:
 def _keys(mesh: Mesh, ends: Ints) -> Ints:
     """Return one number per pair of nodes, shape (n,), in whichever order they stand."""
     return np.asarray(product(np.sort(ends, axis=1), [mesh.n_node, 1]))
-
-
-def _open_sides(mesh: Mesh, ends: Ints) -> Bools:
-    """Return whether sides of quads, shape (n, 2), are flanks of a cut."""
-    edges = mesh.edges()
-    single = mesh.origin[edges.nodes[edges.n_quad == 1]]
-    keys, count = np.unique(_keys(mesh, single), return_counts=True)
-    return np.asarray(np.isin(_keys(mesh, mesh.origin[ends]), keys[count > 1]))

@@ -328,14 +328,12 @@ class _Search:
             "normal": np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
             "along_edge": along[order],
         }
-        return part, self._fate(k, at, ends, above, p, x), self._top_speed(x)
-
-    def _top_speed(self, x: Floats) -> float:
         # include mean speeds between samples: a table may jump between two
         mean = np.linalg.norm(np.diff(x, axis=0), axis=2).max() / self._times[1]
-        arm = x - self._translation[: len(x), None]
-        velocity = self._velocity[: len(x), None] + np.cross(self._spin[: len(x), None], arm)
-        return max(float(mean), float(np.linalg.norm(velocity, axis=2).max()))
+        arms = x - self._translation[:, None]
+        velocity = self._velocity[:, None] + np.cross(self._spin[:, None], arms)
+        top = max(float(mean), float(np.linalg.norm(velocity, axis=2).max()))
+        return part, self._fate(k, at, ends, above, p, x), top
 
     def _fate(
         self, k: int, at: Floats, ends: Bools, above: Bools, place: Floats, x: Floats

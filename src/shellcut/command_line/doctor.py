@@ -13,7 +13,7 @@ import platform
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -124,7 +124,11 @@ def _compiler() -> Iterator[Finding]:
 
 def _cache() -> Finding:
     """Report where Numba stores machine code, from the imported kernels."""
-    folders = _cache_folders()
+    # The kernels of one package folder share one folder of machine code.
+    rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
+    caches = [getattr(kernel, "_cache", None) for room in rooms for kernel in vars(room).values()]
+    stored = [one for one in caches if isinstance(one, KernelCache) and one.can_store]
+    folders = sorted({Path(one.cache_path) for one in stored})
     remedy = "set NUMBA_CACHE_DIR to a folder you can write to"
     if not folders:
         value = "no folder can be written: every run compiles what no release brings"
@@ -145,14 +149,6 @@ def _cache() -> Finding:
         return Finding("note", "compiled code", f"none yet in {common}", remedy)
     size = sum(entry.st_size for entry in held) / 1e6
     return Finding("ok", "compiled code", f"{size:.1f} MB in {common}")
-
-
-def _cache_folders() -> list[Path]:
-    # The kernels of one package folder share one folder of machine code.
-    rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
-    caches = [getattr(kernel, "_cache", None) for room in rooms for kernel in vars(room).values()]
-    stored = [one for one in caches if isinstance(one, KernelCache) and one.can_store]
-    return sorted({Path(one.cache_path) for one in stored})
 
 
 def _files() -> Iterator[Finding]:
@@ -184,29 +180,22 @@ def _files() -> Iterator[Finding]:
 
 def _extras() -> Iterator[Finding]:
     for package, (purpose, remedy) in _EXTRAS.items():
+        status: Literal["ok", "note", "PROBLEM"] = "ok"
         try:
             found = version(package)
+            numbers = tuple(int(part) for part in found.split(".") if part.isdecimal())
+            if package == "vtk" and numbers[:2] < _FIRST_RIGHT_VTK:
+                status, remedy = "PROBLEM", 'pip install "vtk>=9.3"'
+                found = f"{found} silently misreads shellcut's files"
+            elif package == "gmsh":  # may be installed without the system libraries it needs
+                importlib.import_module("gmsh")
         except PackageNotFoundError:
-            yield Finding("note", package, f"not installed: no {purpose}", remedy)
-            continue
-        yield _extra(package, found)
-
-
-def _extra(package: str, found: str) -> Finding:
-    numbers = tuple(int(part) for part in found.split(".") if part.isdecimal())
-    if package == "vtk" and numbers[:2] < _FIRST_RIGHT_VTK:
-        value = f"{found} silently misreads shellcut's files"
-        return Finding("PROBLEM", package, value, 'pip install "vtk>=9.3"')
-    if package == "gmsh":
-        # The package may be installed without the system libraries it needs.
-        try:
-            importlib.import_module("gmsh")
+            status, found = "note", f"not installed: no {purpose}"
         except (ImportError, OSError) as reason:
             remedy = "on Debian: apt-get install libglu1-mesa libxcursor1 libxinerama1 libxft2"
-            return Finding("note", package, f"{found} does not load: {reason}", remedy)
-    return Finding("ok", package, found)
+            status, found = "note", f"{found} does not load: {reason}"
+        yield Finding(status, package, found, remedy * (status != "ok"))
 
 
-CHECKS: tuple[Callable[[], Iterator[Finding]], ...]
 CHECKS = (_versions, _cores, _compiler, _files, _extras)
 """In the order of the report."""

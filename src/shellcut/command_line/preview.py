@@ -33,27 +33,23 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build the model, draw it, print its contents."""
-    with RunLog(words=in_keys).library_said():
-        return _drawn(arguments)
-
-
-def _drawn(arguments: argparse.Namespace) -> int:
     from shellcut.model_file import ModelFileError, read_model
     from shellcut.models.preview import preview
 
     model = None
-    try:
-        model = read_model(arguments.model, settings_of(arguments))
-        case = model.build()
-    except ModelFileError as problem:
-        return _draw_refused(model or problem.partial, arguments, problem)
-    try:
-        picture = _picture(arguments, model)
-        report = preview(case.simulation, picture, time=case.duration, check=case.check)
-    except (ValueError, ImportError, OSError) as problem:
-        return refuse(problem)
-    print(f"{model.words(report)}\nwrote {picture}")
-    return BAD_INPUT if case.check.of("refuse") else DONE
+    with RunLog(words=in_keys).library_said():
+        try:
+            model = read_model(arguments.model, settings_of(arguments))
+            case = model.build()
+        except ModelFileError as problem:
+            return _draw_refused(model or problem.partial, arguments, problem)
+        try:
+            picture = _picture(arguments, model)
+            report = preview(case.simulation, picture, time=case.duration, check=case.check)
+        except (ValueError, ImportError, OSError) as problem:
+            return refuse(problem)
+        print(f"{model.words(report)}\nwrote {picture}")
+        return BAD_INPUT if case.check.of("refuse") else DONE
 
 
 def _picture(arguments: argparse.Namespace, model: Model) -> Path:

@@ -85,7 +85,7 @@ def _read(arguments: argparse.Namespace) -> Model:
 
 def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> list[str]:
     """Return why the run cannot have its folder; none if it can."""
-    from shellcut.files.file_list import files_there, refuse_input
+    from shellcut.files.file_list import FileList, refuse_input
     from shellcut.files.folder_lock import refuse_if_in_use
 
     folder: Path | None = arguments.out
@@ -93,7 +93,7 @@ def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> li
         return ["give a folder for the results: -o OUT"]
     if folder.exists() and not folder.is_dir():
         return [f"{folder} is a file: -o must name a folder"]
-    earlier = files_there(folder)
+    earlier = FileList(folder).there()
     try:
         refuse_if_in_use(folder)
         if arguments.overwrite:

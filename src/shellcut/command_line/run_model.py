@@ -69,10 +69,14 @@ def run_model(
 def _ready(
     model: Model, folder: Path, log: RunLog, options: dict[str, bool]
 ) -> tuple[Case, Recorder] | int:
-    """Return a case and the recorder of its run, or the exit code if it cannot run."""
+    """Return a case and the recorder of its run, which holds the folder with its files open.
+
+    Or the exit code if it cannot run.
+    """
     from shellcut.checks import RefusedModel
     from shellcut.model_file import ModelFileError
-    from shellcut.recording.recorder import RunEnded
+    from shellcut.model_file.model import digest_of
+    from shellcut.recording.recorder import Recorder, RunEnded
 
     try:
         case, lines = _built(model, log, options)
@@ -80,7 +84,28 @@ def _ready(
         log.warn(refused(problem))
         return BAD_INPUT
     try:
-        return case, _recorder(case, lines, model, folder, log, options)
+        recorder = Recorder(
+            case.simulation,
+            folder,
+            until=case.duration,
+            name=case.name,
+            **model.run_options(),
+            **options,
+            log=log.keep,
+            check=case.check,
+            also=(USED, LOG),
+        )
+        try:
+            if not options["resume"]:
+                model.write(folder / USED)
+            log.open(folder / LOG)
+            digest = digest_of(folder / USED)
+            for line in (f"shellcut {version('shellcut')}, {USED} with sha256 {digest}", *lines):
+                log.say(line)
+        except BaseException:
+            recorder.give_up()
+            raise
+        return case, recorder
     except RunEnded as ended:
         log.warn(f"{ended}; nothing was changed")
         try:
@@ -101,13 +126,20 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, l
     from shellcut.recording.status_line import start_lines
 
     began: list[float] = []
+    said = time.perf_counter()
 
     def compiling() -> None:
         began.append(time.perf_counter())
         log.say("compiling (first run only) ...")
 
+    def told(n: int, n_all: int) -> None:
+        nonlocal said
+        if time.perf_counter() - said > _BETWEEN_LINES:
+            said = time.perf_counter()
+            log.say(f"compiling {n} of {n_all} kernels ...")
+
     with on_compilation(compiling):
-        warmup([model.head.model], told=_Told(log))
+        warmup([model.head.model], told=told)
         case = model.build()
         if not options["resume"]:
             case.check.enforce(force=options["force"])
@@ -117,55 +149,6 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, l
     if began:
         log.say(f"compiled in {time.perf_counter() - began[0]:.0f} s")
     return case, lines
-
-
-class _Told:
-    """Say now and then how many kernels are compiled."""
-
-    def __init__(self, log: RunLog) -> None:
-        self._log = log
-        self._said = time.perf_counter()
-
-    def __call__(self, n: int, n_all: int) -> None:
-        if time.perf_counter() - self._said > _BETWEEN_LINES:
-            self._said = time.perf_counter()
-            self._log.say(f"compiling {n} of {n_all} kernels ...")
-
-
-def _recorder(
-    case: Case,
-    lines: list[str],
-    model: Model,
-    folder: Path,
-    log: RunLog,
-    options: dict[str, bool],
-) -> Recorder:
-    """Lock the folder, open the files of the run and the command's own, and say the lines."""
-    from shellcut.model_file.model import digest_of
-    from shellcut.recording.recorder import Recorder
-
-    recorder = Recorder(
-        case.simulation,
-        folder,
-        until=case.duration,
-        name=case.name,
-        **model.run_options(),
-        **options,
-        log=log.keep,
-        check=case.check,
-        also=(USED, LOG),
-    )
-    try:
-        if not options["resume"]:
-            model.write(folder / USED)
-        log.open(folder / LOG)
-        log.say(f"shellcut {version('shellcut')}, {USED} with sha256 {digest_of(folder / USED)}")
-        for line in lines:
-            log.say(line)
-    except BaseException:
-        recorder.give_up()
-        raise
-    return recorder
 
 
 def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
@@ -202,7 +185,7 @@ def _remedy(problem: Exception, folder: Path) -> str:
 
 
 def _say_end(folder: Path, log: RunLog) -> None:
-    from shellcut.files.file_list import files_there
+    from shellcut.files.file_list import FileList
     from shellcut.files.regular_file import read_regular
 
     summary: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
@@ -210,6 +193,6 @@ def _say_end(folder: Path, log: RunLog) -> None:
         log.say(f"{label:<52} {value:>14}")
     for words, energy, share in chain(*account(summary)):
         log.say(f"{words:<52} {with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %")
-    log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
+    log.say(f"in {folder}: {', '.join(sorted(FileList(folder).there()))}")
     if not log.verdict:  # the run had already ended
         log.verdict += [str(Line(**line)) for line in summary.get("verdict", ())]

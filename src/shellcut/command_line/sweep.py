@@ -57,7 +57,11 @@ def run(arguments: argparse.Namespace) -> int:
         return refuse(problem)
     if arguments.dry_run:
         done = done_before(planned, arguments.out) if arguments.out else {}
-        _print(planned, len(done))
+        print(f"{counted(len(planned.runs), 'run')}, {len(done)} of them done before")
+        for one in planned.runs[:_DRY_SHOWN]:
+            print(f"{one.number:>5}  {one.key}  {with_values(one.values)}")
+        if len(planned.runs) > _DRY_SHOWN:
+            print(f"... and {len(planned.runs) - _DRY_SHOWN} more")
         return DONE
     try:
         with engine_given(arguments) as executor:
@@ -91,11 +95,3 @@ def _planned(arguments: argparse.Namespace) -> Plan:
             )
         return study.plan({**FEW_FILES, **factors_of(given)[1]})
     return Definition(arguments.model, given, FEW_FILES, made_of(arguments, Design)).plan()
-
-
-def _print(planned: Plan, n_done: int) -> None:
-    print(f"{counted(len(planned.runs), 'run')}, {n_done} of them done before")
-    for one in planned.runs[:_DRY_SHOWN]:
-        print(f"{one.number:>5}  {one.key}  {with_values(one.values)}")
-    if len(planned.runs) > _DRY_SHOWN:
-        print(f"... and {len(planned.runs) - _DRY_SHOWN} more")

@@ -71,7 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
             path = target(arguments.output, arguments.out / "view.html")
             page = view_html(results, path, frames=arguments.frames, look=look)
             print(page)
-            if arguments.output is None and _has_screen():
+            # A browser would have a window; on Linux one of text would take the terminal.
+            is_plain = sys.platform not in ("darwin", "win32")
+            screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+            if arguments.output is None and (screen or not is_plain):
                 webbrowser.open(page.path.resolve().as_uri())
         else:
             path = _drawn(arguments, results, look)
@@ -87,12 +90,6 @@ def _suffix(arguments: argparse.Namespace) -> str:
 
 def _is_page(arguments: argparse.Namespace) -> bool:
     return _suffix(arguments) == ".html" or (arguments.output is None and arguments.frame is None)
-
-
-def _has_screen() -> bool:
-    """Whether a browser would have a window; on Linux one of text would take the terminal."""
-    is_plain = sys.platform not in ("darwin", "win32")
-    return not is_plain or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def _check(arguments: argparse.Namespace) -> None:

@@ -152,18 +152,8 @@ def refuse_input(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None:
 
 def _refuse_needed(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None:
     refuse_input(path, inputs)
-    if path.name in (FILES, OTHERS, LOCK, *names_in(path.parent)):
+    if path.name in (FILES, OTHERS, LOCK, *FileList(path.parent).names):
         raise FileExistsError(f"{path} is a file of a run, which needs it: choose another name")
-
-
-def names_in(folder: Path, record: str = FILES) -> list[str]:
-    """Return the names in the record of a folder; none without one."""
-    return _read(folder, record) or []
-
-
-def files_there(folder: Path) -> list[str]:
-    """Return the names of the files in a folder that a run has written and that still exist."""
-    return FileList(folder).there()
 
 
 def folder_named(path: str | os.PathLike[str]) -> Path:
@@ -189,12 +179,12 @@ def _read(folder: Path, record: str) -> list[str] | None:
     heading, *names = text.split("\n")[:-1] or [""]
     if heading != _HEADINGS[record]:
         return None
-    return [name for name in dict.fromkeys(names) if _is_inside(name)]
-
-
-def _is_inside(name: str) -> bool:
-    parts = PurePosixPath(name).parts
-    return bool(parts) and ".." not in parts and not PureWindowsPath(name).anchor
+    inside = []
+    for name in dict.fromkeys(names):
+        parts = PurePosixPath(name).parts
+        if parts and ".." not in parts and not PureWindowsPath(name).anchor:
+            inside.append(name)
+    return inside
 
 
 def _leads_away(folder: Path, name: str) -> bool:

@@ -18,13 +18,14 @@ import socket
 import sys
 import time
 import weakref
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from . import file_lock
-from .file_list import LOCK
-from .whole_file import opened
+from .file_list import FILES, LOCK, FileList, folder_named
+from .whole_file import opened, unfinished
 
 _log = logging.getLogger(__name__)
 
@@ -129,6 +130,45 @@ class FolderLock:
             return os.path.samestat(os.fstat(file.fileno()), self._path.lstat())
         except FileNotFoundError:
             return False
+
+
+class TakenFolder:
+    """Hold a folder until its ``lock`` is closed, or the process ends; ``files`` lists its files.
+
+    It is created if missing; FolderInUse is raised if another run writes there.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = folder_named(path)
+        self.path.mkdir(parents=True, exist_ok=True)
+        self.lock = FolderLock(self.path)
+        self.files = FileList(self.path)
+
+    def begin(self, names: Iterable[str], later: Iterable[str] = (), *, replace: bool) -> None:
+        """Prepare the folder for a new run, which writes these names and later may list others.
+
+        FileExistsError is raised, and nothing has been changed, if there is a run that must not be
+        replaced, or one of the names belongs to a file of another origin.
+        """
+        earlier, names = self.files.there(), list(names)
+        if earlier and not replace:
+            raise FileExistsError(f"{self.path} already holds a run, with {earlier[0]}")
+        self.files.refuse_foreign([*names, *later])
+        self.files.remove(self.files.names)
+        self.files.write(names)
+
+    def resume(self, names: Iterable[str]) -> None:
+        """Resume the run in the folder, which may write these further files."""
+        self.files.refuse_foreign(names := list(names))
+        for name in self.files.names:
+            for of_killed in unfinished(self.path / name):
+                of_killed.unlink(missing_ok=True)
+        self.files.write([*self.files.names, *names])
+
+    def clear(self) -> None:
+        """Remove all files of the run, and the list."""
+        self.files.remove(self.files.names)
+        (self.path / FILES).unlink(missing_ok=True)
 
 
 def refuse_if_in_use(folder: Path) -> None:

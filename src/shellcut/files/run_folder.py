@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .file_list import names_in
+from .file_list import FileList
 
 HISTORY = "history.csv"
 CHECKPOINT = "checkpoint.h5"
@@ -56,7 +56,7 @@ def snapshots(folder: Path, first: int = 0) -> list[Path]:
         for path in folder.glob(f"{_SNAPSHOT}*.png")
         if (number := path.stem.removeprefix(_SNAPSHOT)).isdecimal()
     ]
-    listed = names_in(folder)
+    listed = FileList(folder).names
     return [
         path
         for number, path in sorted(numbered)

@@ -205,7 +205,7 @@ class _Reader(Deck):
         entries = self._set_entries(kind, keyword.required(keyword.name), shown=shown)
         instance = keyword.parameters.get("INSTANCE", "")
         if "ELSET" in keyword.parameters and kind == "node":
-            where = DataLine(keyword.path, keyword.line, [], False)
+            where = DataLine(keyword.path, keyword.line, "", [], False)
             entries.append(
                 Entry(where, other=keyword.required("ELSET"), kind="element", instance=instance)
             )

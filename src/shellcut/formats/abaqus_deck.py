@@ -31,11 +31,6 @@ class DataLine(Line):
     continues: bool
     """Whether the line ends in a comma."""
 
-    @property
-    def shown(self) -> str:
-        """Its entries."""
-        return ",".join(self.entries)
-
     def integer(self, k: int) -> int:
         """Return entry ``k`` as a whole number."""
         return self.whole(self._entry(k), f"entry {k + 1}")
@@ -115,7 +110,9 @@ def _parts(deck: Deck, path: Path, lines: list[str]) -> Iterator[Keyword | DataL
             number, text = pending[0], pending[1] + text
             pending = None
         elif not text.startswith("*"):
-            yield _data_line(path, number, text)
+            entries = [_unquoted(entry) for entry in _split(text)]
+            continues = entries[-1] == ""
+            yield DataLine(path, number, text, entries[:-1] if continues else entries, continues)
             continue
         if text.endswith(","):
             pending = number, text
@@ -136,14 +133,6 @@ def _keyword(path: Path, number: int, text: str) -> Keyword:
         key, equals, value = item.partition("=")
         parameters["".join(key.upper().split())] = _unquoted(value) if equals else ""
     return Keyword(path, number, name, parameters)
-
-
-def _data_line(path: Path, number: int, text: str) -> DataLine:
-    entries = [_unquoted(entry) for entry in _split(text)]
-    continues = entries[-1] == ""
-    if continues:
-        entries.pop()
-    return DataLine(path, number, entries, continues)
 
 
 def _split(text: str) -> list[str]:

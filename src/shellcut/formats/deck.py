@@ -1,7 +1,6 @@
 """Decks, the text input of Abaqus and LS-DYNA: keywords, the lines below them, included files.
 
-:mod:`shellcut.formats.abaqus_deck` and :mod:`shellcut.formats.lsdyna_deck` say how a line is
-written.
+:mod:`shellcut.formats.abaqus_deck` and :mod:`shellcut.formats.lsdyna` say how a line is written.
 """
 
 from __future__ import annotations
@@ -24,11 +23,7 @@ class Line:
 
     path: Path
     line: int
-
-    @property
-    def shown(self) -> str:
-        """Its text, for messages."""
-        raise NotImplementedError
+    text: str
 
     def error(self, problem: str) -> FileError:
         """Return the error that names this line."""
@@ -111,7 +106,7 @@ def attached(parts: Iterator[Block | Line]) -> Iterator[Block]:
                 yield current
             current = part
         elif current is None:
-            raise part.error(f"a keyword must come first, got {part.shown[:30]!r}")
+            raise part.error(f"a keyword must come first, got {part.text[:30]!r}")
         else:
             current.data.append(part)
     if current is not None:

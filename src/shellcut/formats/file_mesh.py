@@ -7,7 +7,7 @@ labels for messages.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -104,24 +104,17 @@ class Numbering:
         rows: Ints = found.astype(np.int64)
         return rows
 
-    def between(self, first: int, last: int, step: int = 1) -> Ints:
-        """Return the rows of the existing labels among ``first, first + step, ... last``."""
+    def between(self, first: int, last: int) -> Ints:
+        """Return the rows of the existing labels from ``first`` to ``last``."""
         low, high = np.searchsorted(self._sorted, [first, last + 1])
-        within = np.arange(low, high)
-        chosen: Ints = within[(self._sorted[within] - first) % step == 0]
-        rows: Ints = self._order[chosen].astype(np.int64)
+        rows: Ints = self._order[low:high].astype(np.int64)
         return rows
 
 
 def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:
-    """Return groups by name; groups with the same name get their id appended, ``name (id)``."""
+    """Return members by name, each once; of one name groups get their id, ``name (id)``."""
     n_group = Counter(name for name, _, _ in groups)
     return {
-        name if n_group[name] == 1 else f"{name} ({label})": members
+        name if n_group[name] == 1 else f"{name} ({label})": np.unique(members)
         for name, label, members in groups
     }
-
-
-def union(parts: Mapping[str, Sequence[Ints]]) -> dict[str, Ints]:
-    """Return every name with the ascending union of its parts."""
-    return {name: np.unique(np.concatenate(members)) for name, members in parts.items() if members}

@@ -16,7 +16,7 @@ from shellcut.arrays import Floats, Ints
 
 from .declared_content import Content
 from .errors import named
-from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
+from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering
 from .losses import unused_note
 
 # Gmsh's element types: name, number of nodes. Only the four kinds of a film have constants.
@@ -106,7 +106,10 @@ class _Reader(Content):
             seen.add(name)
             in_text = not self.order or name == "PhysicalNames"
             if in_text:
-                self._take_tokens(name)
+                start = self.at
+                self._skip_to_end(name)
+                end = self.content.rfind(b"$End", start, self.at)
+                self.tokens, self.next_token = self.content[start:end].split(), 0
             readers[name]()
             if not in_text:
                 self._end(name)
@@ -282,7 +285,8 @@ class _Reader(Content):
                 corners = _QUADRATIC.get(cells.kind, "")
                 blocks.append(CellBlock(cells.kind, cells.labels[keep], nodes[keep], corners))
                 n_cell += len(keep)
-        mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=union(groups))
+        named_cells = {name: np.unique(np.concatenate(parts)) for name, parts in groups.items()}
+        mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=named_cells)
         mesh.notes += unused_note(+self.unused)
         if self.unnamed:
             mesh.notes.append(
@@ -319,13 +323,6 @@ class _Reader(Content):
             raise self.error(f"${name} must end with $End{name}: the file is cut short")
         self.at = end
         self.line()
-
-    def _take_tokens(self, name: str) -> None:
-        start = self.at
-        self._skip_to_end(name)
-        end = self.content.rfind(b"$End", start, self.at)
-        self.tokens = self.content[start:end].split()
-        self.next_token = 0
 
     def _sizes(self, n: int) -> list[int]:
         sizes: list[int] = self.numbers("i8", n).tolist()

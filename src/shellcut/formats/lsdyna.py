@@ -7,24 +7,45 @@ sections, control, contact) is named in a note.
 
 A set is named by its title, otherwise ``node_set_3`` and the like; a part by its title, otherwise
 ``part_3``.
+
+The syntax follows the LS-DYNA Keyword User's Manual, Vol. I, "Introduction": ``$`` begins a
+comment, a card with a comma is in free format, ``*END`` ends the input. Three layouts of fixed
+columns exist: the standard one, ``i10`` and ``long``, chosen by ``*KEYWORD`` (``I10=Y``, ``LONG=Y``
+or ``LONG=S``) and, for one keyword, by a mark after its name (``-`` standard, ``%`` i10, ``+``
+long).
 """
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from shellcut.arrays import Ints
 
-from .deck import Deck
-from .errors import named
+from .deck import Block, Deck, Line, attached
+from .errors import FileError, named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
-from .losses import blank_note, gap_note, ragged_note, repeat_note, unused_note
-from .lsdyna_deck import Card, CardBlock, Layout, read_deck
+from .losses import (
+    blank_note,
+    comment_note,
+    gap_note,
+    is_numbers,
+    ragged_note,
+    repeat_note,
+    unused_note,
+)
+
+Layout = Literal["standard", "i10", "long"]
+_MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
+_CHOSEN: dict[str, Layout] = {"LONG=Y": "long", "LONG=S": "standard", "I10=Y": "i10"}
+_DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
 
 # Field widths of node cards, shell cards and cards of eight fields.
 _NODE: dict[Layout, list[int]] = {
@@ -51,17 +72,21 @@ _SPELLED = (
 _CLOSE = 0.85  # similarity from which an unknown keyword is taken for a misspelt one
 _OTHER_SETS = ("BEAM", "SOLID", "TSHELL", "DISCRETE", "SEGMENT", "2D", "BOX", "MODE", "PERI")
 _CLOSE_SET = 0.6
+_NONE: Ints = np.empty(0, dtype=np.int64)
 _HEAD = 5  # entries of a set's id card: the id and four attributes
 
 
 def read_lsdyna(path: str | Path) -> FileMesh:
     """Read an LS-DYNA keyword file."""
     reader = _Reader(Path(path))
-    blocks, ended = read_deck(reader)
+    blocks = list(_blocks(reader, reader.path, "standard"))
+    if not blocks:
+        raise FileError(path, "an LS-DYNA file must hold *KEYWORD lines, got none")
     for block in blocks:
-        reader.take(block)
+        if block.name != "END":
+            reader.take(block)
     mesh = reader.mesh()
-    if not ended:
+    if not any(block.name == "END" and block.path == reader.path for block in blocks):
         mesh.notes.append("there is no *END: the file may be cut short")
     return mesh
 
@@ -89,7 +114,9 @@ class _Reader(Deck):
         elif name == "ELEMENT_SHELL" or name.startswith("ELEMENT_SHELL_"):
             self._shells(block)
         elif first == "ELEMENT":
-            self.others[name] += [_first_number(card) for card in block.data if card.text.strip()]
+            # the id on each card, 0 on a continuation card
+            ids = (re.match(r"\s*(\d{1,20})", c.text) for c in block.data if c.text.strip())
+            self.others[name] += [int(found[1]) if found else 0 for found in ids]
         elif name == "PART" or name.startswith("PART_"):
             self._parts(block)
         elif first == "SET":
@@ -188,13 +215,13 @@ class _Reader(Deck):
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
 
-        node_sets = _Sets(self, "node", nodes).read(self.sets["NODE"])
+        node_sets = self._sets_of("node", nodes)
         cell_sets = [
             (self.part_titles.get(part) or f"part_{part}", part, shells)
             for part, shells in members_of.items()
         ]
-        cell_sets += _Sets(self, "shell", shells).read(self.sets["SHELL"])
-        for name, sid, members in _Sets(self, "part", None).read(self.sets["PART"]):
+        cell_sets += self._sets_of("shell", shells)
+        for name, sid, members in self._sets_of("part", None):
             rows = [shells_of(part) for part in members.tolist()]
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
         # a triangle is a quad with its last corner repeated, as in the file
@@ -211,24 +238,15 @@ class _Reader(Deck):
             positions,
             nodes.labels,
             blocks,
-            {name: np.unique(rows) for name, rows in unique_names(node_sets).items()},
-            {name: np.unique(rows) for name, rows in unique_names(cell_sets).items()},
+            unique_names(node_sets),
+            unique_names(cell_sets),
             self.notes,
         )
 
-
-_NONE: Ints = np.empty(0, dtype=np.int64)
-
-
-class _Sets:
-    # the sets of one kind; ids become rows, part sets keep their ids
-    def __init__(self, deck: Deck, kind: str, ids: Numbering | None):
-        self.notes, self.budget, self.kind, self.ids = deck.notes, deck.budget, kind, ids
-
-    def read(self, blocks: list[CardBlock]) -> list[tuple[str, int, Ints]]:
-        """Return (name, id, rows) of every set."""
+    def _sets_of(self, kind: str, numbers: Numbering | None) -> list[tuple[str, int, Ints]]:
+        # (name, id, rows) of every set of a kind; part sets keep their ids
         found: list[tuple[str, int, Ints]] = []
-        for block in blocks:
+        for block in self.sets[kind.upper()]:
             options = block.name.split("_")[2:]
             cards = [card for card in block.data if card.text.strip()]
             title = ""
@@ -240,62 +258,56 @@ class _Sets:
             head = cards.pop(0)
             entries = head.fields(_EIGHT[block.layout])
             sid = _id(head, entries[0], "the set id")
-            name = title or f"{self.kind}_set_{sid}"
+            name = title or f"{kind}_set_{sid}"
             if all(entry.isdigit() for entry in entries[: _HEAD + 1]):
                 self.notes.append(
-                    f"{self.kind} set {name!r}: the card of its id, line {head.line}, looks like "
+                    f"{kind} set {name!r}: the card of its id, line {head.line}, looks like "
                     "one of members: is a line lost?"
                 )
             how = "_".join(option for option in options if option != "COLLECT") or "LIST"
-            rows = self._rows(block, how, cards)
+            rows = self._rows(block, how, cards, numbers)
             if rows is None:
-                self.notes.append(
-                    f"{self.kind} set {name!r} is left out: *{block.name} is not read"
-                )
+                self.notes.append(f"{kind} set {name!r} is left out: *{block.name} is not read")
                 continue
             found.append((name, sid, rows))
         return found
 
-    def _rows(self, block: CardBlock, how: str, cards: list[Card]) -> Ints | None:
+    def _rows(
+        self, block: CardBlock, how: str, cards: list[Card], numbers: Numbering | None
+    ) -> Ints | None:
         if how == "LIST":
-            ids = self._integers(block, cards)
+            ids = _integers(block, cards)
             what = f"*{block.name} in line {block.line}"
-            counts = [(card.line, len(self._integers(block, [card]))) for card in cards]
+            counts = [(card.line, len(_integers(block, [card]))) for card in cards]
             self.notes += ragged_note(what, counts) + repeat_note(what, ids)
-            return self._find(block, ids)
+            return _found(block, ids, numbers)
         if how == "COLUMN":
             widths = _EIGHT[block.layout]
-            return self._find(block, [_id(card, card.fields(widths)[0], "an id") for card in cards])
-        if how in ("LIST_GENERATE", "GENERATE") and self.ids is not None:
-            ends = self._integers(block, cards)
+            ids = [_id(card, card.fields(widths)[0], "an id") for card in cards]
+            return _found(block, ids, numbers)
+        if how in ("LIST_GENERATE", "GENERATE") and numbers is not None:
+            ends = _integers(block, cards)
             if len(ends) % 2:
                 raise block.error(f"ranges must have a first and a last id, got {len(ends)} ids")
             ranges = [_NONE]
             for a, b in zip(ends[::2], ends[1::2], strict=True):
-                ranges.append(self.ids.between(a, b))
+                ranges.append(numbers.between(a, b))
                 self.budget.take("ids in its sets", len(ranges[-1]))
             return np.concatenate(ranges)
         return None
 
-    def _find(self, block: CardBlock, ids: list[int]) -> Ints:
-        if self.ids is None:
-            return np.array(ids, dtype=np.int64)
-        return self.ids.rows(np.array(ids, dtype=np.int64), f"*{block.name}, line {block.line},")
 
-    def _integers(self, block: CardBlock, cards: list[Card]) -> list[int]:
-        # zeros and blanks are padding
-        return [
-            value
-            for card in cards
-            for entry in card.fields(_EIGHT[block.layout])
-            if (value := card.integer(entry, "an id"))
-        ]
+def _integers(block: CardBlock, cards: list[Card]) -> list[int]:
+    # zeros and blanks are padding
+    entries = [(card, entry) for card in cards for entry in card.fields(_EIGHT[block.layout])]
+    return [value for card, entry in entries if (value := card.integer(entry, "an id"))]
 
 
-def _first_number(card: Card) -> int:
-    # the id on a card that is only counted; 0 on a continuation card
-    found = re.match(r"\s*(\d{1,20})", card.text)
-    return int(found[1]) if found else 0
+def _found(block: CardBlock, ids: list[int], numbers: Numbering | None) -> Ints:
+    members: Ints = np.array(ids, dtype=np.int64)
+    if numbers is None:
+        return members
+    return numbers.rows(members, f"*{block.name}, line {block.line},")
 
 
 def _id(card: Card, entry: str, what: str) -> int:
@@ -303,3 +315,107 @@ def _id(card: Card, entry: str, what: str) -> int:
     if value < 1:
         raise card.error(f"{what} must be 1 or more, got {entry!r}; is the file cut short?")
     return value
+
+
+# --- the syntax -----------------------------------------------------------------------------------
+
+
+@dataclass
+class Card(Line):
+    """A line of data."""
+
+    def fields(self, widths: list[int]) -> list[str]:
+        """Return the entries without outer blanks: one per width, empty if missing."""
+        if "," in self.text:
+            entries = [entry.strip() for entry in self.text.split(",")]
+            entries += [""] * (len(widths) - len(entries))
+            if any(entries[len(widths) :]):
+                raise self.error(f"a card must have {len(widths)} entries at most")
+            return entries[: len(widths)]
+        entries, at = [], 0
+        for width in widths:
+            entries.append(self.text[at : at + width].strip())
+            at += width
+        if self.text[at:].strip():
+            raise self.error(
+                f"a card must end at column {at}, got {self.text[at:].strip()[:20]!r} beyond; is "
+                "it in another layout (*KEYWORD LONG=Y, I10=Y)?"
+            )
+        return entries
+
+    def integer(self, entry: str, what: str) -> int:
+        """Return an entry as a whole number, 0 if it is empty."""
+        return self.whole(entry, what) if entry else 0
+
+
+@dataclass
+class CardBlock(Block):
+    """A keyword, with its options in the name, and its cards."""
+
+    layout: Layout
+
+
+def _blocks(deck: Deck, path: Path, layout: Layout) -> Iterator[CardBlock]:
+    # the keywords of a file, its includes inserted
+    with deck.reading(path) as lines:
+        for block in attached(_parts(deck, path, lines, layout)):
+            assert isinstance(block, CardBlock)
+            if block.name == "KEYWORD":
+                layout = block.layout
+            elif block.name in ("INCLUDE_PATH", "INCLUDE_PATH_RELATIVE"):
+                deck.folders += [path.parent / name for name in _file_names(block)]
+            elif block.name == "INCLUDE":
+                for name in _file_names(block):
+                    yield from _blocks(deck, deck.included(block, name), layout)
+            elif block.name.startswith("INCLUDE"):
+                raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
+            else:
+                yield block
+
+
+def _parts(deck: Deck, path: Path, lines: list[str], layout: Layout) -> Iterator[CardBlock | Card]:
+    # without comments and blank lines at the beginning; below a keyword a blank line is a card
+    off: list[int] = []  # comments that look like data
+    begun = False
+    for number, line in enumerate(lines, start=1):
+        text = line.rstrip()
+        if text.startswith("$") or (not text and not begun):
+            if is_numbers(text[1:]) or text[1:].startswith(_DATA):
+                off.append(number)
+            continue
+        if not text.startswith("*"):
+            yield Card(path, number, text.expandtabs(8))
+            continue
+        begun, block = True, _keyword(path, number, text, layout)
+        yield block
+        if block.name == "KEYWORD":
+            layout = block.layout
+        if block.name == "END":
+            break
+    deck.notes += comment_note(off)
+
+
+def _keyword(path: Path, number: int, text: str, layout: Layout) -> CardBlock:
+    name = text[1:].strip().upper()
+    if name.startswith("KEYWORD"):
+        options = name[len("KEYWORD") :].replace(" ", "")
+        chosen = next((_CHOSEN[key] for key in _CHOSEN if key in options), layout)
+        return CardBlock(path, number, "KEYWORD", chosen)
+    if name[-1:] in _MARKS:
+        return CardBlock(path, number, name[:-1].strip(), _MARKS[name[-1]])
+    return CardBlock(path, number, name, layout)
+
+
+def _file_names(block: CardBlock) -> list[str]:
+    # one per line; a line that ends in " +" continues in the next
+    names, pending = [], ""
+    for card in block.data:
+        text = card.text.strip()
+        if text.endswith(" +"):
+            pending += text[:-2].strip()
+        elif pending or text:
+            names.append(pending + text)
+            pending = ""
+    if pending or not names:
+        raise block.error("must name a file: is this one cut short?")
+    return names

@@ -93,7 +93,10 @@ class NumberTable:
                     values[i, k] = float(cell.replace(",", "."))
                     mark |= {m: (cell, line) for m in ".," if m in cell and m not in mark}
                 else:
-                    problems.append(f"line {line}: {_no_number(cell)}")
+                    said = f"must be a number, got {cell!r}" if cell else "a number is missing"
+                    if _THOUSANDS.fullmatch(cell):
+                        said = f"thousands separators are not read, got {cell!r}"
+                    problems.append(f"line {line}: {said}")
         if len(mark) == 2:
             (point, at), (comma, there) = mark["."], mark[","]
             problems.append(
@@ -352,11 +355,3 @@ def _heading_cells(text: str, separator: str, n: int) -> list[str]:
     if len(units) == n and all(map(dimension, units)):  # "Strain, %, Stress, MPa"
         ways.append([f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)])
     return next((cells for cells in ways if len(cells) == n and any(cells)), [])
-
-
-def _no_number(cell: str) -> str:
-    if not cell:
-        return "a number is missing"
-    if _THOUSANDS.fullmatch(cell):
-        return f"thousands separators are not read, got {cell!r}"
-    return f"must be a number, got {cell!r}"

@@ -44,29 +44,31 @@ def read_ply(path: str | Path) -> SurfaceFile:
 class _Reader(Content):
     def __init__(self, path: Path):
         super().__init__(path)
-        self.first_line = 0  # line number after the header of a text file
-        self.row_lines: list[int] = []  # line number of each element
         self.elements: list[_Element] = []
 
     def surface(self) -> SurfaceFile:
         self._header()
-        ends: list[int] = []
+        # of a text: the number of each line and of the values up to its end, if each has an element
+        ends: list[tuple[int, int]] = []
         if not self.order:
+            first = self.content[: self.at].count(b"\n") + 1
             lines = [line.split() for line in self.content[self.at :].splitlines()]
-            self.first_line = self.content[: self.at].count(b"\n") + 1
             self.tokens = [token for line in lines for token in line]
-            ends = self._line_ends(lines)
+            held = [(number, line) for number, line in enumerate(lines, first) if line]
+            if len(held) == sum(element.count for element in self.elements):
+                n_value = accumulate(len(line) for _, line in held)
+                ends = [(number, n) for (number, _), n in zip(held, n_value, strict=True)]
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
         n_row = 0
         for element in self.elements:
             for _ in range(element.count):
                 row = self._row(element)
-                if ends and self.next_token != ends[n_row]:
-                    more = "more" if self.next_token < ends[n_row] else "fewer"
+                if ends and self.next_token != ends[n_row][1]:
+                    more = "more" if self.next_token < ends[n_row][1] else "fewer"
                     raise self.error(
                         f"each {element.name} must have its own line, but {element.name} in line "
-                        f"{self.row_lines[n_row]} of the file has {more} values than it should"
+                        f"{ends[n_row][0]} of the file has {more} values than it should"
                     )
                 n_row += 1
                 if element.name == "vertex":
@@ -79,14 +81,6 @@ class _Reader(Content):
         if self.at < len(self.content) if self.order else self.next_token < len(self.tokens):
             raise self.error("the file must end after the content declared in the header")
         return surface_of_polygons(self.path, vertices, faces)
-
-    def _line_ends(self, lines: list[list[bytes]]) -> list[int]:
-        """Return the number of values up to the end of each line; empty if lines do not matter."""
-        held = [(number, line) for number, line in enumerate(lines, self.first_line) if line]
-        if len(held) != sum(element.count for element in self.elements):
-            return []
-        self.row_lines = [number for number, _ in held]
-        return list(accumulate(len(line) for _, line in held))
 
     def _header(self) -> None:
         end = self.content.find(b"end_header")

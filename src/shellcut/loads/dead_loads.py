@@ -6,7 +6,6 @@ A split or cut changes the loads of its own nodes: these are summed anew over th
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
@@ -17,31 +16,30 @@ from shellcut.state import KnownTopology, State, columns
 from .cut_quads import CutQuads
 from .pressure import PressedQuads, pressure_rows, scatter_rows
 
-OnSlid = Callable[[State, Ints, Floats, Floats], Floats]
 
-
-class Rule(Protocol):
+class Rule:
     """Force of a dead load at a factor of one."""
 
     def on(self, state: State, nodes: Ints) -> Floats:
-        """Return the forces on some nodes [N], shape (n, 3)."""
+        """Return the forces on some nodes [N], shape (n, 3), of whole quads first."""
+        force = np.zeros((state.n_node, 3))
+        rows, forces = self.entries(state, nodes)
+        scatter_rows(state.quads[rows], forces, force)
+        return np.asarray(force[nodes])
+
+    def entries(self, state: State, nodes: Ints) -> tuple[Ints, Floats]:
+        """Return the rows that load some nodes, and the forces at their corners, (n, 4, 3)."""
+        raise NotImplementedError
 
     def on_rows(self, state: State, rows: Ints) -> Floats | None:
         """Return what single quads or copies bring to their corners [N], shape (n, 4, 3).
 
-        None if the load does not act on quads.
+        None if the load does not act on quads, or accelerates both sides of a split alike.
         """
-
-    @property
-    def on_slid(self) -> OnSlid | None:
-        """The forces at the corners of some rows [N], shape (n, 4, 3), of which some have slid.
-
-        None if the load does not act on quads. Takes the state, the rows, shape (n,), the places X
-        of their corners in the reference, shape (n, 4, 3), and the masses there [t], shape (n, 4).
-        """
+        return None
 
 
-class Weight:
+class Weight(Rule):
     """Mass times an acceleration g : (3,)."""
 
     def __init__(self, g: Floats) -> None:
@@ -51,86 +49,50 @@ class Weight:
         """Return mass times g."""
         return np.asarray(state.node.mass[nodes, None] * self._g)
 
-    def on_rows(self, _state: State, _rows: Ints) -> None:
-        """Return nothing: weight accelerates both sides of a split alike."""
 
-    def on_slid(self, _state: State, _rows: Ints, _X: Floats, mass: Floats) -> Floats:
-        """Return mass times g."""
-        return np.asarray(mass[:, :, None] * self._g)
-
-
-class DeadPressure:
-    """Dead pressure on some quads: area and direction of the reference.
-
-    Parameters
-    ----------
-    mesh, quads, cut : Mesh, ndarray of int, CutQuads
-        As of :class:`.PressedQuads`.
-    value : float
-        [MPa]
-    """
+class DeadPressure(Rule):
+    """Dead pressure [MPa] on some quads: area and direction of the reference."""
 
     def __init__(self, mesh: Mesh, quads: Ints, value: float, cut: CutQuads) -> None:
         self._mesh, self._value = mesh, value
         self._pressed = PressedQuads(mesh, quads, cut)
 
-    def on(self, state: State, nodes: Ints) -> Floats:
-        """Return the forces on some nodes, of whole quads first."""
-        n, force = state.node, np.zeros((state.n_node, 3))
+    def entries(self, state: State, nodes: Ints) -> tuple[Ints, Floats]:
+        """Return all quads at the nodes, and their forces."""
+        n = state.node
         at = np.arange(n.quads.shape[1]) < n.n_quad_at[nodes, None]
         rows = self._pressed.whole_first(np.unique(n.quads[nodes][at]))
-        scatter_rows(state.quads[rows], self.on_rows(state, rows), force)
-        return np.asarray(force[nodes])
+        return rows, self.on_rows(state, rows)
 
     def on_rows(self, state: State, rows: Ints) -> Floats:
         """Return what single quads or copies bring to their corners."""
         X = self._mesh.nodes[self._mesh.quads[state.quad.parent[rows]]]
-        return self.on_slid(state, rows, X, X)
-
-    def on_slid(self, state: State, rows: Ints, X: Floats, _mass: Floats) -> Floats:
-        """Return the forces at the corners of some rows, which may have slid."""
         corners = np.arange(4 * rows.size, dtype=np.int32).reshape(-1, 4)
         X, force = np.asfortranarray(X.reshape(-1, 3)), np.empty((rows.size, 4, 3))
         pressure_rows(X, corners, self._pressed.film_of(state, rows), self._value, force)
         return force
 
 
-class EdgeForces:
+class EdgeForces(Rule):
     """Forces along sides of quads, even over the length of the reference.
 
-    Parameters
-    ----------
-    quads, sides : ndarray of int, shape (n,)
-        Which sides.
-    force : ndarray, shape (n, 3)
-        On each, traction times length [N].
-    cut : CutQuads
-        Parts of cut quads.
+    quads, sides : (n,), which sides.  force : (n, 3), on each, traction times length [N].
     """
-
-    on_slid = None
 
     def __init__(self, quads: Ints, sides: Ints, force: Floats, cut: CutQuads) -> None:
         self._quads, self._sides, self._force, self._cut = quads, sides, force, cut
         self._rows = _at_ends(sides, force, np.zeros(quads.size), np.ones(quads.size))
 
-    def on(self, state: State, nodes: Ints) -> Floats:
-        """Return the forces on some nodes, of whole quads first."""
-        force = np.zeros((state.n_node, 3))
-        rows, forces = self._entries(state)
-        scatter_rows(state.quads[rows], forces, force)
-        return np.asarray(force[nodes])
-
     def on_rows(self, state: State, rows: Ints) -> Floats:
         """Return what single quads or copies bring to their corners."""
-        loaded, forces = self._entries(state)
+        loaded, forces = self.entries(state, rows)
         found = np.zeros((rows.size, 4, 3))
         i, k = np.nonzero(rows[:, None] == loaded)
         np.add.at(found, i, forces[k])
         return found
 
-    def _entries(self, state: State) -> tuple[Ints, Floats]:
-        """Return rows that hold film at the sides, and the forces at their corners, (n, 4, 3)."""
+    def entries(self, state: State, _nodes: Ints) -> tuple[Ints, Floats]:
+        """Return all rows that hold film at the sides, and their forces."""
         parts = self._cut.parts
         if not parts.rows.size:
             return self._quads, self._rows

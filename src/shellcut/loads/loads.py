@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, Number, product
+from shellcut.arrays import Floats, Ints, Number, product, three
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
@@ -25,7 +25,7 @@ from shellcut.state import State
 
 from .cut_quads import CutQuads
 from .dead_loads import DeadLoad, DeadPressure, EdgeForces, Rule, Weight
-from .following_pressure import FollowingPressure
+from .pressure import FollowingPressure
 from .supports import NodeChoice, choose_nodes
 
 Factor = Callable[[float], float]
@@ -34,13 +34,6 @@ Factor = Callable[[float], float]
 def steady(_time: float) -> float:
     """Return 1: a load applied as a step at t = 0, constant from then on."""
     return 1.0
-
-
-def _vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
-    v = tuple(float(c) for c in value)
-    if len(v) != 3 or not np.isfinite(v).all():
-        raise ValueError(f"{name} must be three finite numbers, got {value!r}")
-    return v
 
 
 @checked
@@ -127,13 +120,7 @@ Load = Gravity | Pressure | NodalForce | NodalMoment | EdgeTraction
 
 
 class LoadSet:
-    """All loads of a model, resolved to nodes and quads.
-
-    Raises
-    ------
-    ValueError
-        If a set is unknown, a vector does not have three components, or no edge is loaded.
-    """
+    """All loads of a model, resolved to nodes and quads; ValueError if one cannot be."""
 
     def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
         self._workers = workers or Workers(0)
@@ -148,14 +135,14 @@ class LoadSet:
         self._moment: list[tuple[Ints, Floats, Factor]] = []
         for one in loads:
             if isinstance(one, Gravity):
-                g = np.array(_vector("acceleration", one.acceleration))
+                g = three("acceleration", one.acceleration)
                 self._dead.append(DeadLoad(one.factor, Weight(g)))
             elif isinstance(one, NodalForce):
                 ids = choose_nodes(mesh, one.nodes)
-                self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
+                self._nodal.append((ids, three("force", one.force), one.factor))
             elif isinstance(one, NodalMoment):
                 ids = choose_nodes(mesh, one.nodes)
-                self._moment.append((ids, np.array(_vector("moment", one.moment)), one.factor))
+                self._moment.append((ids, three("moment", one.moment), one.factor))
             elif isinstance(one, Pressure):
                 if not np.isfinite(one.value):
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
@@ -177,8 +164,12 @@ class LoadSet:
         work = 0.0
         self._workers.run(self._cleared, n.count, n.force_rows)
         for dead in self._dead:
-            work += self._dead_force(state, dead, float(dead.factor(now)), dead.factor(before))
-        self.add_nodal_forces(state, n.force)
+            dead.follow(state)
+            times, sums = float(dead.factor(now)), np.zeros(-(-n.count // NODE_CHUNK))
+            scaled = dead.force, times, n.velocity_half, n.force_rows, sums
+            self._workers.run(self._added, n.count, *scaled)
+            work += 0.5 * (times + dead.factor(before)) * dt * float(np.add.reduce(sums))
+        self._add_nodal_forces(state, n.force)
         for ids, force, factor in self._nodal:
             mean = 0.5 * (factor(now) + factor(before)) * force
             work += dt * float(product(n.velocity_half[ids], mean).sum())
@@ -198,14 +189,6 @@ class LoadSet:
             work += dt * float(product(n.spin_half[ids], mean).sum())
         return work
 
-    def _dead_force(self, state: State, dead: DeadLoad, now: float, before: float) -> float:
-        n = state.node
-        dead.follow(state)
-        sums = np.zeros(-(-n.count // NODE_CHUNK))
-        force = dead.force, now, n.velocity_half, n.force_rows, sums
-        self._workers.run(self._added, n.count, *force)
-        return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
-
     def largest(self, state: State) -> float:
         """Return the largest component of the nodal loads, without moments [N]."""
         n = state.node.count
@@ -213,10 +196,10 @@ class LoadSet:
         for dead in self._dead:
             dead.follow(state)
             every += dead.factor(state.time) * dead.force[:n]
-        self.add_nodal_forces(state, every)
+        self._add_nodal_forces(state, every)
         return float(np.abs(every).max(initial=0.0))
 
-    def add_nodal_forces(self, state: State, force: Floats) -> None:
+    def _add_nodal_forces(self, state: State, force: Floats) -> None:
         """Add the forces given for single nodes to those on the nodes, (n_node, 3) [N]."""
         for ids, one, factor in self._nodal:
             np.add.at(force, ids, factor(state.time) * one)
@@ -230,25 +213,11 @@ class LoadSet:
             push.add_stiffness(state, stiffness)
         return stiffness
 
-    @property
-    def on_film(self) -> tuple[Sequence[DeadLoad], Sequence[FollowingPressure]]:
-        """Those that are more than forces and moments on nodes: dead ones, and pressures."""
-        return self._dead, self._following
-
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
         """Add the load on a node that comes from a single quad, without gravity [N].
 
-        Parameters
-        ----------
-        state : State
-            At t_n.
-        quads, nodes : ndarray of int, shape (n,)
-            Quad, and one of its nodes.
-        force : ndarray, shape (n, 3)
-            Added to.
+        quads, nodes : (n,), quad and one of its nodes.  force : (n, 3), added to.
         """
-        if not self._dead and not self._following:
-            return
         corner = state.quads[quads] == nodes[:, None]
         for dead in self._dead:
             rows = dead.rule.on_rows(state, quads)
@@ -260,7 +229,7 @@ class LoadSet:
 
 def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:
     """Return quads and sides on which an edge traction acts, and the force on each [N], (n, 3)."""
-    traction = np.array(_vector("traction", one.traction))
+    traction = three("traction", one.traction)
     chosen = np.zeros(mesh.n_node, np.bool_)
     chosen[choose_nodes(mesh, one.nodes)] = True
     pair = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=2)

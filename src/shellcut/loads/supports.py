@@ -48,6 +48,18 @@ NodeChoice: TypeAlias = Annotated[
 ]
 
 
+@dataclass(frozen=True)
+class Ramped:
+    """A value that rises linearly from 0 over a time [s]; without one it is there at once."""
+
+    value: float
+    ramp: float = 0.0
+
+    def __call__(self, time: float) -> float:
+        """Return the value at a time [s]."""
+        return self.value * min(max(time / self.ramp, 0.0), 1.0) if self.ramp > 0.0 else self.value
+
+
 def choose_nodes(mesh: Mesh, nodes: NodeChoice) -> Ints:
     """Return node ids from the name of a set or from ids, checked."""
     if isinstance(nodes, str):
@@ -156,10 +168,7 @@ class Support:
 class SupportSet:
     """All supports of a model, resolved to nodes.
 
-    Raises
-    ------
-    ValueError
-        If a set is unknown, or two supports prescribe the same component differently.
+    ValueError if a set is unknown, or two supports prescribe the same component differently.
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:

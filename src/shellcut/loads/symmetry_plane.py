@@ -39,12 +39,7 @@ _ACROSS = 1e-6
 def put_directors_into_planes(mesh: Mesh, supports: Sequence[Support]) -> Mesh:
     """Return the mesh with the directors of nodes on symmetry planes in these planes.
 
-    The mesh itself, if they already are.
-
-    Raises
-    ------
-    ValueError
-        If a set of nodes is unknown.
+    The mesh itself, if they already are; ValueError if a set of nodes is unknown.
     """
     leaning = np.zeros((mesh.n_node, 3), np.bool_)
     for support in supports:

@@ -6,13 +6,14 @@ X are positions, Q quads, T directors; corners of a quad are numbered as in :mod
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from difflib import get_close_matches
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, angles, norm
+from shellcut.arrays import Bools, Floats, Ints, angles, norm, unit
 from shellcut.formats.errors import named, point_text
 
 from .quad_geometry import (
@@ -22,11 +23,16 @@ from .quad_geometry import (
     mean_directors,
     quad_vectors,
     scaled_jacobian,
-    unit,
 )
 
 MAX_VALENCE = 12
 """Largest number of quads at a node: the split kernels keep a node's fan in an array this long."""
+
+MOST_QUADS = 10_000_000
+"""Quads of the largest film allowed: 9 GB, and half a second per step."""
+
+BYTES_A_QUAD = 902.0
+"""Memory of a run, measured between 1e5 and 1e6 quads (docs/performance.md)."""
 
 _MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; smaller is round-off
 _MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
@@ -49,7 +55,6 @@ class MeshError(ValueError):
 def checked_arrays(
     nodes: npt.ArrayLike,
     quads: npt.ArrayLike,
-    *,
     node_sets: Mapping[str, npt.ArrayLike] | None,
     quad_sets: Mapping[str, npt.ArrayLike] | None,
     directors: npt.ArrayLike | None,
@@ -68,12 +73,14 @@ def checked_arrays(
     ancestors = _cast_origin(origin, n_node, problems)
     given = _cast_directors(directors, n_node, problems)
 
-    finite = _check_finite(X, problems)
+    infinite = np.flatnonzero(~np.isfinite(X).all(axis=1))
+    if len(infinite):
+        problems.append(f"nodes must be finite, got {_places(infinite, X)}; repair or remove them")
     if _check_ids(Q, n_node, problems):
         sound = _check_corners(X, Q, problems)
         edges = QuadSides(Q, n_node, np.flatnonzero(sound))
         _check_edges(X, Q, edges, problems)
-        if finite:
+        if not len(infinite):
             sound &= _check_shapes(X, Q, sound, problems)
             _check_folds(X, Q, edges, sound, max_fold_deg, problems)
             if given is not None:
@@ -209,13 +216,6 @@ def _cast_directors(
         )
         return None
     return T
-
-
-def _check_finite(X: Floats, problems: list[str]) -> bool:
-    bad = np.flatnonzero(~np.isfinite(X).all(axis=1))
-    if len(bad):
-        problems.append(f"nodes must be finite, got {_places(bad, X)}; repair or remove them")
-    return not len(bad)
 
 
 def _check_ids(Q: Ints, n_node: int, problems: list[str]) -> bool:
@@ -399,3 +399,36 @@ def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
     names = ", ".join(dict.fromkeys([*near, *sorted(sets)])) or "none"
     hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
     raise MeshError(f"{kind} set must be one of those present ({names}), got {name!r}{hint}")
+
+
+def check_film_size(n_quad: float, remedy: str) -> None:
+    """Refuse a film of too many quads, about, for the library or for this machine's memory.
+
+    The number may be infinite.
+
+    Examples
+    --------
+    >>> check_film_size(75e6, "enlarge size")
+    Traceback (most recent call last):
+    ...
+    shellcut.mesh.checks.MeshError: the film must have 10,000,000 quads at most, it would have ...
+    """
+    needed = n_quad * BYTES_A_QUAD
+    shown = f"{n_quad:,.0f}" if n_quad < 1e12 else f"{n_quad:.3g}"
+    takes = f"it would have about {shown}, which take {needed / 1e9:,.3g} GB"
+    if not n_quad <= MOST_QUADS:
+        raise MeshError(f"the film must have {MOST_QUADS:,} quads at most, {takes}: {remedy}")
+    there = _memory()
+    if there is not None and needed > there:
+        raise MeshError(
+            f"the film must fit into this machine's memory of {there / 1e9:.3g} GB, {takes}: "
+            f"{remedy}"
+        )
+
+
+def _memory() -> float | None:
+    """Return this machine's memory in bytes, None if unknown."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES")) * float(os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):
+        return None

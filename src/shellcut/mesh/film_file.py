@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
@@ -16,7 +17,7 @@ import numpy as np
 import scipy
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.formats.abaqus import read_abaqus
 from shellcut.formats.errors import FileError, named, naming, point_text
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
@@ -27,10 +28,9 @@ from shellcut.formats.vtk import read_vtk
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
+from .checks import check_film_size
 from .film_doubts import film_doubts
-from .film_size import check_film_size
 from .mesh import Mesh, MeshError
-from .triangles_to_quads import split_in_quads
 
 Triangles: TypeAlias = Literal["refuse", "split"]
 Quadratic: TypeAlias = Literal["refuse", "corners"]
@@ -118,7 +118,12 @@ def read_film(
     film.say(*file.notes)
     if len(film.triangles):
         if triangles == "refuse":
-            raise FileError(path, film.triangle_problem())
+            raise FileError(
+                path,
+                f"a film is made of quads, got {len(film.triangles)} triangles beside "
+                f"{len(film.quads)} quads (ids {named(film.triangle_labels)}); mesh with quads "
+                'only, or choose triangles="split"',
+            )
         film.split()
     film.scale(unit)
     film.join(merge)
@@ -222,13 +227,6 @@ class _Film:
             + _bow(self.nodes, block)
         )
         return CellBlock(block.corners, block.labels, block.nodes[:, : N_CORNER[block.corners]])
-
-    def triangle_problem(self) -> str:
-        return (
-            f"a film is made of quads, got {len(self.triangles)} triangles beside "
-            f"{len(self.quads)} quads (ids {named(self.triangle_labels)}); mesh with quads only, "
-            'or choose triangles="split"'
-        )
 
     def split(self) -> None:
         n_triangle, n_quad = len(self.triangles), len(self.quads)
@@ -346,3 +344,103 @@ def _parted(block: CellBlock) -> list[tuple[str, Ints, Ints]]:
         (QUAD, np.flatnonzero(~flat), quads[~flat]),
         (TRIANGLE, np.flatnonzero(flat), triangles),
     ]
+
+
+# --- triangles to quads ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class QuadSplit:
+    """A mesh of quads and its relation to the cells before the split.
+
+    All cells are split, a triangle in three and a quad in four, from the centre of each to the
+    midpoints of its edges, so that the mesh stays conforming. Nodes keep their numbers; the
+    midpoints of edges follow, then the centres of cells.
+    """
+
+    nodes: Floats
+    """Shape (n_new_node, 3)."""
+    quads: Ints
+    """Shape (n_quad, 4), with the orientation of their cells."""
+    parent: Ints
+    """Cell of each quad, shape (n_quad,): quads first, then triangles, in the given order."""
+    edge_ends: Ints
+    """Ends of the old mesh's edges, lower id first, sorted, shape (n_edge, 2)."""
+    edge_n_cell: Ints
+    """Number of cells on each, shape (n_edge,)."""
+    cells: tuple[Ints, Ints]
+    """The quads and triangles that were split."""
+    n_node: int
+    """Number of old nodes."""
+
+    def with_middles(self, members: Ints) -> Ints:
+        """Return a set of nodes extended by the new nodes between them.
+
+        An edge's midpoint joins if both ends are members, a cell's centre if all corners are. For a
+        set that lies on the boundary only, just boundary edges count: a cell in a corner has all
+        its nodes on the boundary, but its inner edges and centre lie inside.
+        """
+        within = np.zeros(self.n_node, dtype=np.bool_)
+        within[members] = True
+        rim = self.edge_n_cell == 1
+        edges = within[self.edge_ends].all(axis=1)
+        on_rim = np.zeros(self.n_node, dtype=np.bool_)
+        on_rim[self.edge_ends[rim]] = True
+        if on_rim[members].all():
+            return np.concatenate([members, self.n_node + np.flatnonzero(edges & rim)])
+        first = self.n_node + len(self.edge_ends)
+        centres = np.concatenate([within[cells].all(axis=1) for cells in self.cells])
+        middles = self.n_node + np.flatnonzero(edges)
+        return np.concatenate([members, middles, first + np.flatnonzero(centres)])
+
+    def middles(self, lines: Ints) -> Ints:
+        """Return the midpoints of those lines, shape (n_line, 2), that are edges of the mesh."""
+        ordered = np.sort(lines, axis=1)
+        key = product(ordered, np.array([self.n_node, 1]))
+        keys = product(self.edge_ends, np.array([self.n_node, 1]))
+        found: Ints = np.flatnonzero(np.isin(keys, key)) + self.n_node
+        return found
+
+
+def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
+    """Return the mesh with each cell split into quads.
+
+    Examples
+    --------
+    >>> nodes = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]])
+    >>> split = split_in_quads(nodes, np.array([[0, 1, 2, 3]]), np.array([[1, 4, 2]]))
+    >>> len(split.nodes), split.parent.tolist()
+    (13, [0, 0, 0, 0, 1, 1, 1])
+    """
+    n_node = len(nodes)
+    start = np.concatenate([quads.ravel(), triangles.ravel()])
+    following = (np.roll(cells, -1, axis=1).ravel() for cells in (quads, triangles))
+    end = np.concatenate(list(following))
+    keys, edge, n_cell = np.unique(
+        np.minimum(start, end) * n_node + np.maximum(start, end),
+        return_inverse=True,
+        return_counts=True,
+    )
+    ends = np.stack([keys // n_node, keys % n_node], axis=1)
+    centres = [nodes[cells].mean(axis=1) for cells in (quads, triangles)]
+    new_quads, parent = [], []
+    first_side = first_cell = 0
+    for cells in (quads, triangles):
+        n, k = cells.shape
+        middle = n_node + edge[first_side : first_side + n * k].reshape(n, k)
+        cell = first_cell + np.arange(n)
+        centre = np.broadcast_to((n_node + len(keys) + cell)[:, None], (n, k))
+        corners = (cells, middle, centre, np.roll(middle, 1, axis=1))
+        new_quads.append(np.stack(corners, axis=-1).reshape(-1, 4))
+        parent.append(np.repeat(cell, k))
+        first_side += n * k
+        first_cell += n
+    return QuadSplit(
+        nodes=np.concatenate([nodes, nodes[ends].mean(axis=1), *centres]),
+        quads=np.concatenate(new_quads).astype(np.int64),
+        parent=np.concatenate(parent),
+        edge_ends=ends,
+        edge_n_cell=n_cell.astype(np.int64),
+        cells=(quads, triangles),
+        n_node=n_node,
+    )

@@ -95,9 +95,11 @@ def meetings(loops: Sequence[Floats], reach: float = 0.0) -> list[Meeting]:
         p, q = i[part], j[part]
         crosses[part] = _cross(a[p], b[p], a[q], b[q])
         # of neighbours, which share a point, the other two points count: sides folded back
-        share = np.stack([after[q] == p, after[p] == q], axis=1)
+        gaps = _gaps(a[p], b[p], a[q], b[q])
+        gaps[np.ix_((0, 3), after[q] == p)] = np.inf
+        gaps[np.ix_((1, 2), after[p] == q)] = np.inf
         far = np.where(loop_of[p] == loop_of[q], tiny, max(reach, tiny))
-        meets[part] = crosses[part] | (_distance(a[p], b[p], a[q], b[q], share) <= far)
+        meets[part] = crosses[part] | (gaps.min(axis=0) <= far)
     i, j, crosses = i[meets], j[meets], crosses[meets]
     found = []
     for one, other in np.unique(np.stack([loop_of[i], loop_of[j]], axis=1), axis=0)[:_NAMED]:
@@ -189,17 +191,9 @@ def _off(p: Floats, a: Floats, b: Floats) -> Floats:
     return np.asarray(norm(off_segments(p, a, b - a)[0]))
 
 
-def _distance(a: Floats, b: Floats, c: Floats, d: Floats, share: Bools) -> Floats:
-    # least distance of an end of a-b or c-d from the other side; `share`: whether a is d, b is c
-    first, last = share.T
-    ends = [
-        np.where(first, np.inf, _off(a, c, d)),
-        np.where(last, np.inf, _off(b, c, d)),
-        np.where(last, np.inf, _off(c, a, b)),
-        np.where(first, np.inf, _off(d, a, b)),
-    ]
-    least: Floats = np.minimum.reduce(ends)
-    return least
+def _gaps(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+    # distances of a and b from the sides c-d, of c and d from a-b, shape (4, n)
+    return np.stack([_off(a, c, d), _off(b, c, d), _off(c, a, b), _off(d, a, b)])
 
 
 def _place(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
@@ -208,8 +202,5 @@ def _place(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
         share = _side(c, d, a) / (_side(c, d, a) - _side(c, d, b))
         crossing: Floats = (a + share[:, None] * (b - a))[0]
         return crossing
-    ends = [
-        (p, _off(p, *side)[0]) for p, side in ((a, (c, d)), (b, (c, d)), (c, (a, b)), (d, (a, b)))
-    ]
-    nearest: Floats = min(ends, key=lambda end: float(end[1]))[0][0]
+    nearest: Floats = (a, b, c, d)[int(_gaps(a, b, c, d)[:, 0].argmin())][0]
     return nearest

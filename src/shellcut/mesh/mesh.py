@@ -161,17 +161,8 @@ class Mesh:
         MeshError
             Lists all problems, one per line.
         """
-        return cls(
-            *checked_arrays(
-                nodes,
-                quads,
-                node_sets=node_sets,
-                quad_sets=quad_sets,
-                directors=directors,
-                origin=origin,
-                max_fold_deg=max_fold_deg,
-            )
-        )
+        sets = node_sets, quad_sets
+        return cls(*checked_arrays(nodes, quads, *sets, directors, origin, max_fold_deg))
 
     @property
     def n_node(self) -> int:
@@ -395,7 +386,10 @@ class Mesh:
                 f"line_of_nodes must pass each node once, got {named(twice)} again; cut in parts"
             )
         for i, j in pairwise(line):
-            count = self._edge_count(i, j)
+            # rows are in lexicographic order: find the row (low, high), none if there is no edge
+            start, stop = np.searchsorted(self._edges.nodes[:, 0], [min(i, j), min(i, j) + 1])
+            row = np.flatnonzero(self._edges.nodes[start:stop, 1] == max(i, j))
+            count = self._edges.n_quad[start + row[0]] if len(row) else 0
             if count == 0:
                 twins = {n: np.flatnonzero(self.origin == self.origin[n]).tolist() for n in (i, j)}
                 hint = "".join(
@@ -415,13 +409,6 @@ class Mesh:
         if problems:
             raise error(problems)
         return line
-
-    def _edge_count(self, i: int, j: int) -> int:
-        # rows are in lexicographic order: find the row (low, high), 0 if there is none
-        low, high = min(i, j), max(i, j)
-        start, stop = np.searchsorted(self._edges.nodes[:, 0], [low, low + 1])
-        row = np.flatnonzero(self._edges.nodes[start:stop, 1] == high)
-        return int(self._edges.n_quad[start + row[0]]) if len(row) else 0
 
 
 # --- the cut -------------------------------------------------------------------------------------

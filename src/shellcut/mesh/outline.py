@@ -23,7 +23,7 @@ from shellcut.formats.errors import FileError
 from shellcut.formats.own_process import gmsh
 
 from . import outline_process
-from .film_size import check_film_size
+from .checks import check_film_size
 from .loops import area_of, not_one_film
 from .mesh import Mesh, MeshError
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, norm
+from shellcut.arrays import Bools, Floats, Ints, norm, unit
 
 _FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
 
@@ -60,14 +60,6 @@ def edge_lengths(X: Floats, quads: Ints) -> Floats:
     return np.stack([norm(side) for side in sides], axis=1)
 
 
-def unit(vectors: Floats) -> Floats:
-    """Return every row divided by its length."""
-    # rows of length zero stay zero; they are reported as degenerate
-    length = norm(vectors)[:, None]
-    unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
-    return unit
-
-
 def scaled_jacobian(X: Floats, quads: Ints) -> Floats:
     """Return the smallest scaled Jacobian of every quad; see :meth:`Mesh.scaled_jacobian`."""
     normals = unit(quad_vectors(X, quads))
@@ -99,7 +91,5 @@ def mean_directors(X: Floats, quads: Ints) -> Floats:
 
 def corner_normals(corners: Floats) -> Floats:
     """Return the unit normals of quads by their diagonals, corners : (..., 4, 3)."""
-    normal = np.cross(
-        corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
-    )
-    return np.asarray(normal / norm(normal)[..., None])
+    one, other = corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
+    return unit(np.cross(one, other))

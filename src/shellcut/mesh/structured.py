@@ -30,7 +30,7 @@ import numpy.typing as npt
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, each
 
-from .film_size import MOST_QUADS, check_film_size
+from .checks import MOST_QUADS, check_film_size
 from .mesh import Mesh, MeshError
 
 _CORE_SHAPE = ((-0.396, 0.20), (0.101, 0.57), (-0.146, -0.21), (0.226, 0.01))
@@ -149,7 +149,14 @@ def disc(
     >>> mesh.n_quad, len(mesh.node_set("ring_9.4"))
     (2660, 152)
     """
-    rings = _check_rings(radius, ring_radii)
+    given = [float(r) for r in ring_radii]
+    if any(not 0.0 < r <= radius for r in given):
+        raise MeshError(
+            f"ring_radii must lie above 0 and within the radius {radius:g}, got {given}"
+        )
+    if any(outer <= inner for outer, inner in pairwise(given)):
+        raise MeshError(f"ring_radii must decrease from the rim inwards, got {given}; sort them")
+    rings = [float(radius), *(r for r in given if r < radius)]
     n_exact = len(rings) - 1
     n_free = ceil(n_side * (1.0 / pi - 0.25))  # chord of the ring = mean spacing inside, or above
     if n_layer is not None:
@@ -176,7 +183,8 @@ def disc(
     circles = len(core) + np.arange((n_free + n_exact) * 4 * n_side).reshape(-1, 4 * n_side)
     layers = np.concatenate([inner[None, :], circles])
     quads = np.concatenate([_strip_quads(grid.T), _strip_quads(_closed(layers).T)])
-    node_sets = {"rim": circles[-1], "centre": _middle(grid)}
+    low, high = n_side // 2, (n_side + 1) // 2 + 1
+    node_sets = {"rim": circles[-1], "centre": grid[low:high, low:high].ravel()}
     for k, ring in enumerate(rings[1:], start=2):
         node_sets[f"ring_{ring:g}"] = circles[-k]
     return Mesh.from_arrays(nodes, quads, node_sets=node_sets)
@@ -271,21 +279,16 @@ def cylinder(
 # --- the disc ------------------------------------------------------------------------------------
 
 
-def _core_shape(n_side: int, n_free: int) -> tuple[float, float, float, float, float]:
-    # w, b1 .. b4 for a circle of radius 1; the core's half width is w (1 + b2)
-    b1, b2, b3, b4 = (b + slope / max(n_side, _COARSEST_STUDIED) for b, slope in _CORE_SHAPE)
-    spacing = sqrt(pi / (n_side**2 + 4 * n_side * n_free))
-    w = (1.0 - n_free * _LAYER_THICKNESS * spacing) / (1.0 + b2)
-    # many layers on a small core are flat and wide: make them as thick as its edges, 2 w / n_side
-    thin = 1.0 / (1.0 + 2.0 * n_free / n_side)
-    return (w if 3 * n_free < n_side else thin), b1, b2, b3, b4
-
-
 def _core(n_side: int, n_free: int) -> tuple[Floats, Ints]:
     # Positions ((n_side + 1)², 2) within a circle of radius 1 and their ids as a grid [u, v].
     # An odd core is rotated by half a spacing: its sides have no middle node to put on the x axis.
     t = (2 * np.arange(n_side + 1) - n_side) / n_side
-    w, b1, b2, b3, b4 = _core_shape(n_side, n_free)
+    b1, b2, b3, b4 = (b + slope / max(n_side, _COARSEST_STUDIED) for b, slope in _CORE_SHAPE)
+    spacing = sqrt(pi / (n_side**2 + 4 * n_side * n_free))
+    w = (1.0 - n_free * _LAYER_THICKNESS * spacing) / (1.0 + b2)  # half width: w (1 + b2)
+    if 3 * n_free >= n_side:
+        # many layers on a small core are flat and wide: make them as thick as its edges, 2 w / n
+        w = 1.0 / (1.0 + 2.0 * n_free / n_side)
 
     def place(u: Floats, v: Floats) -> Floats:
         p, q = u * u, v * v
@@ -297,12 +300,6 @@ def _core(n_side: int, n_free: int) -> tuple[Floats, Ints]:
     c, s = cos(turn), sin(turn)
     grid = np.arange((n_side + 1) ** 2).reshape(n_side + 1, n_side + 1)
     return np.stack([c * x - s * y, s * x + c * y], axis=1), grid
-
-
-def _middle(grid: Ints) -> Ints:
-    n = len(grid) - 1
-    middle = grid[n // 2 : (n + 1) // 2 + 1, n // 2 : (n + 1) // 2 + 1]
-    return middle.ravel()
 
 
 def _circle(n: int) -> Floats:
@@ -331,17 +328,3 @@ def _closed(ids: Ints) -> Ints:
 
 def _four_sides(ids: Ints) -> dict[str, npt.ArrayLike]:
     return {"left": ids[:, 0], "right": ids[:, -1], "bottom": ids[0], "top": ids[-1]}
-
-
-# --- checks of arguments -------------------------------------------------------------------------
-
-
-def _check_rings(radius: float, ring_radii: Sequence[float]) -> list[float]:
-    rings = [float(r) for r in ring_radii]
-    if any(not 0.0 < r <= radius for r in rings):
-        raise MeshError(
-            f"ring_radii must lie above 0 and within the radius {radius:g}, got {rings}"
-        )
-    if any(outer <= inner for outer, inner in pairwise(rings)):
-        raise MeshError(f"ring_radii must decrease from the rim inwards, got {rings}; sort them")
-    return [float(radius), *(r for r in rings if r < radius)]

@@ -42,9 +42,16 @@ def tables() -> Iterator[Table]:
     """Yield all sections and their kinds, in order."""
     every = tuple(SECTIONS)
     yield Table("", HEAD, every, HEAD.keys)
-    for title, kinds in _owners().items():
+    # the kinds of each section, each with the models that have it
+    owners: dict[str, dict[Kind, list[str]]] = {}
+    for layout in (SECTIONS, LISTS):
+        for model, sections in layout.items():
+            for title, kinds in sections.items():
+                for kind in kinds:
+                    owners.setdefault(title, {}).setdefault(kind, []).append(model)
+    for title, models_of in owners.items():
         brackets = f"[[{title}]]" if title in LISTS["free"] else f"[{title}]"
-        for kind, models in kinds.items():
+        for kind, models in models_of.items():
             yield Table(brackets, kind, tuple(models), kind.keys)
             for name, key in kind.keys.items():
                 if (of := key.tables) is not None:
@@ -66,7 +73,11 @@ def found(words: Sequence[str]) -> list[Table]:
     chosen = []
     for table in tables():
         own = " ".join((table.title, table.kind.name, table.kind.doc)).lower()
-        keys = {name: key for name, key in table.keys.items() if _has(own, name, key, wanted)}
+        keys = {}
+        for name, key in table.keys.items():
+            told = (name, key.also, key.wants, key.option.unit, key.option.text)
+            if all(word in own or word in " ".join(told).lower() for word in wanted):
+                keys[name] = key
         if keys:
             chosen.append(replace(table, keys=keys))
     if not chosen:
@@ -74,22 +85,6 @@ def found(words: Sequence[str]) -> list[Table]:
         near = "".join(guess(word, sorted(names)) for word in words)
         raise ValueError(f"no key contains {' and '.join(map(repr, words))}{near}")
     return chosen
-
-
-def _has(own: str, name: str, key: Key, wanted: Sequence[str]) -> bool:
-    text = " ".join((name, key.also, key.wants, key.option.unit, key.option.text)).lower()
-    return all(word in own or word in text for word in wanted)
-
-
-def _owners() -> dict[str, dict[Kind, list[str]]]:
-    """Return the kinds of each section, each with the models that have it."""
-    owners: dict[str, dict[Kind, list[str]]] = {}
-    for layout in (SECTIONS, LISTS):
-        for model, sections in layout.items():
-            for title, kinds in sections.items():
-                for kind in kinds:
-                    owners.setdefault(title, {}).setdefault(kind, []).append(model)
-    return owners
 
 
 def unit_of_key(key: str) -> str:

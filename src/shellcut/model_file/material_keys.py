@@ -10,29 +10,119 @@ section, and ``--set material=pet``, stand for a section with this key alone.
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from importlib.resources import files
 from inspect import signature
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
-from shellcut.arguments import declared
-from shellcut.formats.errors import FileError
+import numpy as np
+
+from shellcut.arguments import Option, checked, declared
+from shellcut.arrays import Floats
+from shellcut.formats.errors import FileError, naming
+from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.elastic import Elastic
 from shellcut.material.hardening import Hardening, Linear, Swift, Table, Voce
+from shellcut.material.hardening_points import fewer_points
 from shellcut.material.hencky import Hencky
 from shellcut.material.material import Material
 from shellcut.material.orthotropic import Orthotropic
 from shellcut.material.plastic import Plastic
 from shellcut.material.rate_factor import CowperSymonds, JohnsonCook, RateFactor
 from shellcut.material.shell_material import Layer, ShellMaterial
+from shellcut.unit import conversion
 
 from .errors import is_refusal
 from .forms import FORMS, choice
-from .hardening_file import read_hardening
 from .key import REQUIRED, Constructor, Key, Kind, Section, keys_of, optional, own_key
-from .presets import preset_names, presets
-from .source import Source
+from .source import Source, loaded
+
+
+@functools.cache
+def presets() -> dict[str, dict[str, Any]]:
+    """Return the tables of ``presets.toml``: of each film its ``material``, the keys, and sources.
+
+    Examples
+    --------
+    >>> sorted(presets())
+    ['aluminium_foil', 'aluminium_sheet', 'foil_ldpe', 'frangi2010', 'ldpe', 'mild_steel', 'pet']
+    """
+    text = (files("shellcut.model_file") / "presets.toml").read_text(encoding="utf-8")
+    return loaded(text)
+
+
+def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
+    """Return the names; of laminates, or of single layers, only if asked for."""
+    every = presets().items()
+    return tuple(name for name, one in every if layers in (None, "layers" in one["material"]))
+
+
+@checked
+def read_hardening(
+    path: Annotated[
+        str | Path,
+        Option(
+            "",
+            "table of plastic strain and true stress, as shellcut tensile writes it",
+            form="path",
+        ),
+    ],
+) -> Table:
+    """Return the hardening in a text file.
+
+    ::
+
+        plastic strain [-],true stress [MPa]
+        0,20.1
+        0.01,22.4
+
+    Columns are known by the words strain and stress in their headings; without headings the first
+    two are taken. More points than a law may have are thinned. FileError if columns or units are
+    not known, or the values are no hardening curve.
+    """
+    table = read_number_table(path)
+    (strain_at, strain_unit), (stress_at, stress_unit) = _columns(table, Path(path))
+    rows = table.numbers([strain_at, stress_at])
+    strain: Floats = rows[:, 0] * strain_unit
+    stress: Floats = rows[:, 1] * stress_unit
+    if len(rows) > 2 and not (np.diff(strain) <= 0.0).any():
+        strain, stress = fewer_points(strain, stress)
+    with naming(path):
+        return Table(strain, stress)
+
+
+def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[int, float]]:
+    if not table.headings:
+        return (0, 1.0), (1, 1.0)
+    found = {}
+    for word in ("strain", "stress"):
+        places = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
+        if len(places) != 1:
+            raise FileError(
+                path,
+                f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress "
+                f"[MPa]', got {', '.join(repr(one.text) for one in table.headings)}",
+            )
+        found[word] = places[0]
+    if wrong := [h.text for h in table.headings if _OTHER.search(h.name)]:
+        raise FileError(
+            path,
+            f"a hardening table must have plastic strains and true stresses, got {wrong[0]!r}; "
+            "shellcut tensile makes one of nominal curves",
+        )
+    factors, problems = [], []
+    for word, usual in (("strain", "-"), ("stress", "MPa")):
+        try:
+            factors.append(conversion(table.headings[found[word]].unit or usual, usual))
+        except ValueError as problem:
+            problems.append(f"{word} {problem}")
+    if problems:
+        raise FileError(path, "; ".join(problems))
+    return (found["strain"], factors[0]), (found["stress"], factors[1])
 
 
 def _optional(owner: Constructor, unset: str, **names: str) -> dict[str, Key]:
@@ -46,6 +136,7 @@ def _preset(*, layers: bool | None = None) -> dict[str, Key]:
     return {"preset": own_key(choice(*preset_names(layers=layers)), text, None, unset="none")}
 
 
+_OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
 _LAW = own_key(
     choice("elastic", "hencky", "plastic"),
     "elastic: St.Venant-Kirchhoff; hencky: elastic by logarithmic strain; plastic: it yields",

@@ -64,7 +64,7 @@ class Model:
 
         Used to draw a refused model; :meth:`build` reports the problems of the other parts.
         """
-        from .parts import parts
+        from .build import parts
 
         return parts(self)
 

@@ -17,10 +17,9 @@ from shellcut.material.shell_material import ShellMaterial
 
 from .errors import ModelFileError, Problem, is_refusal
 from .key import REQUIRED, Key, Kind, Section
-from .material_keys import named_material, with_presets
+from .material_keys import named_material, presets, with_presets
 from .model import Model
 from .overrides import overridden
-from .presets import presets
 from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 
@@ -105,12 +104,8 @@ class ModelVariants:
         """Return the model with further overrides.
 
         Without ``try_out`` the values of a section are read, but not tried together: that is a
-        hundred times faster for a tool, which is built for the trial.
-
-        Raises
-        ------
-        ModelFileError
-            Lists every problem.
+        hundred times faster for a tool, which is built for the trial. ModelFileError lists every
+        problem.
         """
         together = self._overrides | dict(overrides)
         return _Reading(overridden(self._source, together), try_out=try_out).model()

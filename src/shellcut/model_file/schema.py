@@ -7,7 +7,7 @@ from typing import Any
 from .forms import NUMBER
 from .key import REQUIRED, Key, Kind
 from .key_index import tables
-from .presets import preset_names
+from .material_keys import preset_names
 from .quantity import pattern
 from .section_table import HEAD, LISTS, SECTIONS, Kinds
 

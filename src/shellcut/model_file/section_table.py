@@ -13,6 +13,8 @@ from typing import Any
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import NO_IMPRINT, Fracture
+from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure, steady
+from shellcut.loads.supports import Ramped, Support
 from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.outline import mesh_from_outline
@@ -20,25 +22,21 @@ from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
 from shellcut.models.oscillating import (
-    CONTACT as BAR_CONTACT,
-)
-from shellcut.models.oscillating import (
-    FILM as BAR_FILM,
-)
-from shellcut.models.oscillating import (
-    FRACTURE as BAR_FRACTURE,
-)
-from shellcut.models.oscillating import (
-    LAW as BAR_LAW,
-)
-from shellcut.models.oscillating import STIFFNESS_DAMPING, bar_before, way_of
-from shellcut.models.trouser import (
-    FRACTURE as TEAR_FRACTURE,
+    BAR_CONTACT,
+    BAR_FILM,
+    BAR_FRACTURE,
+    BAR_LAW,
+    STIFFNESS_DAMPING,
+    bar_before,
+    way_of,
 )
 from shellcut.models.trouser import (
-    LAW as TEAR_LAW,
+    MASS_DAMPING,
+    TEAR_FRACTURE,
+    TEAR_LAW,
+    THICKNESS,
+    trouser_strip,
 )
-from shellcut.models.trouser import MASS_DAMPING, THICKNESS, trouser_strip
 from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
@@ -49,7 +47,6 @@ from shellcut.tool.tool_file import read_tool
 
 from .forms import FORMS, choice
 from .key import Constructor, Kind, Section, keys_of, optional, own_key
-from .load_sections import LOADS, SUPPORT
 from .material_keys import HOMOGENEOUS, LAMINATE
 
 Kinds = tuple[Kind, ...]
@@ -251,6 +248,48 @@ def _unsteered(like: Fracture, *names: str) -> Kind:
     keys = keys_of(Fracture, "check_every", *names, like=like)
     doc = "The crack goes through the quads; nothing steers it."
     return Kind(doc, keys, Fracture, fixed={"path": "free"})
+
+
+# --- supports and loads ---------------------------------------------------------------------------
+
+
+def _support(section: Section) -> Support:
+    given = section.arguments()
+    moved = {
+        name: {axis: Ramped(rate) for axis, rate in given.get(name, ())}
+        for name in ("velocity", "spin")
+    }
+    return Support(**given | moved)
+
+
+def _load(doc: str, constructor: Constructor, name: str, sign: str) -> Kind:
+    ramp = own_key(FORMS["number"], "time over which it rises from zero", 0.0, unit="s", least=0)
+    keys = keys_of(constructor) | {"ramp": ramp}
+
+    def make(section: Section) -> Any:
+        return section.called(factor=Ramped(1.0, section.ramp) if section.ramp else steady)
+
+    return Kind(doc, keys, constructor, name=name, sign=sign, make=make)
+
+
+SUPPORT = Kind(
+    "Hold or move nodes, any number of [[supports]].",
+    keys_of(Support, defaults={"velocity": None, "spin": None}),
+    Support,
+    make=_support,
+)
+LOADS = (
+    _load("A body force.", Gravity, "gravity", "acceleration"),
+    _load("A pressure along the directors.", Pressure, "pressure", "value"),
+    _load("A force on every node of a set.", NodalForce, "force", "force"),
+    _load("A moment on the director of every node of a set.", NodalMoment, "moment", "moment"),
+    _load(
+        "A force per length on the boundary edges between nodes of a set.",
+        EdgeTraction,
+        "traction",
+        "traction",
+    ),
+)
 
 
 # --- the models ----------------------------------------------------------------------------------

@@ -77,7 +77,7 @@ class Source:
 def parse(text: str, name: str, folder: Path) -> Source:
     """Return values and lines of a TOML text; ModelFileError if it is not valid TOML."""
     try:
-        values = _loaded(text)
+        values = loaded(text)
     except ValueError as error:  # from TOML, or from Python for a number of thousands of digits
         found = _ERROR_LINE.fullmatch(str(error))
         place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
@@ -99,13 +99,14 @@ def parse_value(text: str) -> object:
     (4, [1, 2], 'M1', '12 um')
     """
     try:
-        values = _loaded(f"value = {text}")
+        values = loaded(f"value = {text}")
     except (ValueError, RecursionError):
         return text
     return text if len(values) != 1 or beyond_all(values) else values["value"]
 
 
-def _loaded(text: str) -> dict[str, Any]:
+def loaded(text: str) -> dict[str, Any]:
+    """Return the values of a TOML text; ValueError if it is not valid, or a key is endless."""
     for number, line in enumerate(text.splitlines(), start=1):
         if line.count(".") < _LONGEST_KEY:
             continue

@@ -1,30 +1,23 @@
 """Messages of the library in the words of model files and commands: :func:`in_keys`.
 
-A class of the library refuses its arguments by their Python names. Whoever writes a model file or a
-command knows them as keys and options; both names stand in the table of the sections.
+Of an option the library speaks as of a key, ``fracture.path``. What only Python has, whoever writes
+a model file or a command knows by another name.
 """
 
 from __future__ import annotations
 
-import functools
 import re
-from collections.abc import Mapping
 
-from .section_table import SECTIONS
 from .source import Source
 
-_OTHERS = {
+_OF_PYTHON = {
     "Mesh.cut": "membrane.notch",
-    'Fracture(path="free")': 'fracture.path = "free"',
     "force=True, on the command line --force": "--force",
     "units=": "--units ",
     "columns=": "--columns ",
     "triangles=": "membrane.triangles = ",
     "such as n=": "such as --n ",
 }
-"""What is no argument of a section's class."""
-
-
 _UNIT_OF = re.compile(r"\b(\w+) is in \S+ unless a unit is given: [^;\n]*")
 _QUANTITY = re.compile(r"([-+.\deE]+)\s*([^\d\s].*)")
 
@@ -36,12 +29,12 @@ def in_keys(text: str, source: Source | None = None) -> str:
 
     Examples
     --------
-    >>> in_keys('lower Stepping.safety, or set Contact.film_edges = True; give units="deg, N*mm"')
-    'lower time.safety, or set contact.film_edges = true; give --units "deg, N*mm"'
+    >>> in_keys('cut along Mesh.cut, or set contact.film_edges = True; give units="deg, N*mm"')
+    'cut along membrane.notch, or set contact.film_edges = true; give --units "deg, N*mm"'
     >>> in_keys('the tool is 4 mm across; unit="..." says otherwise')
     'the tool is 4 mm across; tool.unit = "..." says otherwise'
     """
-    for argument, key in _names().items():
+    for argument, key in _OF_PYTHON.items():
         text = text.replace(argument, key)
     title = "tool" if "the tool" in text else "membrane"
     text = re.sub(r"\bunit=(?=[\" ])", f"{title}.unit = ", text).replace("unit =  ", "unit = ")
@@ -57,15 +50,3 @@ def _as_given(found: re.Match[str], source: Source) -> str:
             smaller = f"{1e-3 * float(quantity[1]):g} {quantity[2]}"  # a slip of one SI prefix
             return f"you gave {given}; did you mean {smaller}?"
     return found[0]
-
-
-@functools.cache
-def _names() -> Mapping[str, str]:
-    return _OTHERS | {
-        f"{key.owner.__name__}.{key.parameter}": f"{title}.{name}"
-        for layout in SECTIONS.values()
-        for title, kinds in layout.items()
-        for kind in kinds
-        for name, key in kind.keys.items()
-        if isinstance(key.owner, type)
-    }

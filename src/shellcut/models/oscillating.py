@@ -23,24 +23,24 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
-from shellcut.tool.round_bar import Diameter, Tilt, round_bar
+from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
 from .case import Case, time_of_way
 
-LAW = CohesiveLaw(
+BAR_LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
 )
 """Default law: 3.0 N/mm, softening over 0.1 mm. With an onset of 0.002 mm young cables are so stiff
 that the step is a quarter shorter."""
 
-FILM: dict[str, Any] = {"young": 2200.0, "poisson": 0.35, "density": 0.9e-9, "thickness": 0.1}
+BAR_FILM: dict[str, Any] = {"young": 2200.0, "poisson": 0.35, "density": 0.9e-9, "thickness": 0.1}
 """Default film: modulus [MPa] and density [t/mm³] as of bi-oriented polypropylene."""
 
-FRACTURE = Fracture(path="free", check_every=20, fibres=6)
+BAR_FRACTURE = Fracture(path="free", check_every=20, fibres=6)
 """Default. With cables at the ends of segments quads snap, and 1.5 times as much work is damped."""
 
-CONTACT = Contact(penalty=200.0)
+BAR_CONTACT = Contact(penalty=200.0)
 """Default: the bar presses with tenths of a newton."""
 
 STIFFNESS_DAMPING = 3e-9
@@ -170,8 +170,8 @@ def oscillating(
     extent = float(np.ptp(mesh.nodes[:, 0]))
     duration = duration_of(diameter, extent, travel=travel, speed=speed)
     chosen = {
-        "contact": CONTACT,
-        "fracture": FRACTURE,
+        "contact": BAR_CONTACT,
+        "fracture": BAR_FRACTURE,
         "damping_beta": STIFFNESS_DAMPING,
         **options,
     }
@@ -179,11 +179,11 @@ def oscillating(
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
     simulation = Simulation(
         mesh,
-        material or ShellMaterial.homogeneous(**FILM),
+        material or ShellMaterial.homogeneous(**BAR_FILM),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=bar_before(diameter, tilt_deg),
         motion=way_of(speed),
-        law=law or LAW,
+        law=law or BAR_LAW,
         **chosen,
     )
     y = _OFFSET * diameter if offset is None else offset

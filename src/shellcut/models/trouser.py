@@ -7,13 +7,12 @@ strip; the defaults are so chosen.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
+from shellcut.loads.supports import Ramped, Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import QuadSize
@@ -22,7 +21,7 @@ from shellcut.simulation.simulation import Simulation
 
 from .case import Case, time_of_way
 
-LAW = CohesiveLaw(
+TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
 """Default law: 11.5 N/mm, torn over 2.4 mm, several edges of the default quads."""
@@ -30,7 +29,7 @@ LAW = CohesiveLaw(
 THICKNESS = 0.2
 """Default thickness [mm]: the legs are stiff in bending beside their width."""
 
-FRACTURE = Fracture(path="free", check_every=20)
+TEAR_FRACTURE = Fracture(path="free", check_every=20)
 """Default; a crack advances by one quad between two checks at most."""
 
 MASS_DAMPING = 50.0
@@ -38,20 +37,6 @@ MASS_DAMPING = 50.0
 
 # Strip left before its clamped end when the run ends, over its width: less would be stiffer.
 _LEFT = 2.0 / 3.0
-
-
-@dataclass(frozen=True)
-class _Pull:
-    """Velocity that rises from 0 over a ramp."""
-
-    speed: float
-    """[mm/s], with its sign."""
-    ramp: float
-    """[s]"""
-
-    def __call__(self, time: float) -> float:
-        """Return the velocity at a time [s]."""
-        return self.speed * min(1.0, time / self.ramp) if self.ramp > 0.0 else self.speed
 
 
 def trouser_strip(length: float, width: float, size: float) -> Mesh:
@@ -122,15 +107,15 @@ def trouser(
     duration = duration_of(length, width, travel=travel, speed=speed, ramp=ramp)
     mesh = trouser_strip(length, width, size)
     legs = [
-        Support(leg, translation="yz", rotation="", velocity={"z": _Pull(rate, ramp)})
+        Support(leg, translation="yz", rotation="", velocity={"z": Ramped(rate, ramp)})
         for leg, rate in (("up", speed), ("down", -speed))
     ]
     simulation = Simulation(
         mesh,
         material or ShellMaterial.homogeneous(thickness=THICKNESS),
         supports=[Support.clamped("tail"), *legs],
-        law=law or LAW,
-        **{"fracture": FRACTURE, "damping_alpha": MASS_DAMPING, **options},
+        law=law or TEAR_LAW,
+        **{"fracture": TEAR_FRACTURE, "damping_alpha": MASS_DAMPING, **options},
     )
     if simulation.fracture.path != "free":
         raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")

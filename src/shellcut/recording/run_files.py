@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
+from shellcut.files.folder_lock import TakenFolder
 from shellcut.files.run_folder import (
     ENERGY_PICTURE,
     HISTORY,
@@ -18,7 +19,6 @@ from shellcut.files.run_folder import (
     snapshot,
     snapshots,
 )
-from shellcut.files.taken_folder import TakenFolder
 from shellcut.frame import Frame
 from shellcut.results.history import HistoryWriter
 from shellcut.results.vtkhdf import VtkHdfWriter

@@ -22,7 +22,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.card import Figures, card, image
-from shellcut.files.file_list import names_in
+from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from shellcut.formats.errors import counted
@@ -265,7 +265,7 @@ def read(path: str | os.PathLike[str]) -> Results:
                 f"{path} must hold the result of a run, NAME.vtkhdf; none there"
             )
         if len(found) > 1:  # there may be others beside that of the run
-            listed = names_in(path)
+            listed = FileList(path).names
             found = [file for file in found if file.name in listed] or found
         if len(found) > 1:
             names = ", ".join(file.name for file in found)

@@ -59,22 +59,11 @@ class Film {
 
   // Of the nodes: the mean of their triangles, so that a warped quad has no crease.
   normals() {
-    const { points, corners } = this;
-    const sum = new Float32Array(points.length);
-    const [p, q, r] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
-    for (let i = 0; i < corners.length; i += 3) {
-      p.fromArray(points, 3 * corners[i]);
-      q.fromArray(points, 3 * corners[i + 1]).sub(p);
-      r.fromArray(points, 3 * corners[i + 2]).sub(p);
-      q.cross(r);
-      for (let k = 0; k < 3; k++) {
-        const at = 3 * corners[i + k];
-        sum[at] += q.x;
-        sum[at + 1] += q.y;
-        sum[at + 2] += q.z;
-      }
-    }
-    return sum; // the shader divides by the length
+    const nodes = new THREE.BufferGeometry();
+    nodes.setAttribute("position", new THREE.BufferAttribute(this.points, 3));
+    nodes.setIndex(this.corners);
+    nodes.computeVertexNormals();
+    return nodes.getAttribute("normal").array;
   }
 
   // colorOf: from a value to red, green and blue of a screen; values of quads or of nodes. Smooth

@@ -18,7 +18,7 @@ from shellcut.results.run_results import Results, read
 from shellcut.view import Look
 from shellcut.view.fields import fields_of
 
-from .packed_run import Taken, as_json, packed, raw_bytes, take
+from .packed_run import Taken, as_json, packed, take
 
 _SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
 _LOOK = Look()
@@ -111,7 +111,11 @@ def view_html(
         style=_part("page.css") + scene_style(),
         scene=scene.html,
         scripts=scripts,
-        footer=escape(_footer(scene, results)),
+        footer=escape(
+            f"{len(scene.taken.numbers)} of {results.n_frame} frames of "
+            f"{results.folder.resolve()}{f' ({scene.dropped})' * bool(scene.dropped)}. Written by "
+            f"shellcut {importlib.metadata.version('shellcut')} with three.js."
+        ),
     )
     write_text(Path(path), html, errors="backslashreplace")
     size = Path(path).stat().st_size
@@ -130,7 +134,8 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
     look.field_of(last)  # raises if there is none
     chosen = list(fields_of(last).values())
     wanted = spread(results.n_frame, results.n_frame if frames is None else frames)
-    held = max(2, _MOST_PACKED * room // max(raw_bytes(last, len(chosen)), 1))
+    raw = 4 * (3 * len(last.points) + last.quads.size + len(chosen) * len(last.quads))  # in memory
+    held = max(2, _MOST_PACKED * room // max(raw, 1))
     taken = take(results, [wanted[k] for k in spread(len(wanted), held)], chosen)
     html = _figure(taken, look)
     whole = len(html) * len(wanted) / len(taken.numbers)
@@ -194,13 +199,6 @@ def _figure(taken: Taken, look: Look) -> str:
 def _size(n_byte: float) -> str:
     digits = 1 if n_byte >= 0.1 * _MB else 3
     return f"{n_byte / _MB:.{digits}f} MB"
-
-
-def _footer(scene: Scene, results: Results) -> str:
-    version = importlib.metadata.version("shellcut")
-    said = f"{len(scene.taken.numbers)} of {results.n_frame} frames of {results.folder.resolve()}"
-    why = f" ({scene.dropped})" if scene.dropped else ""
-    return f"{said}{why}. Written by shellcut {version} with three.js."
 
 
 def _part(name: str) -> str:

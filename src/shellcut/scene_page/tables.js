@@ -1,4 +1,4 @@
-// The tables of a page, unpacked when they are asked for; tables.py says how they are packed.
+// The tables of a page, unpacked when they are asked for; packed_run.py says how they are packed.
 class Tables {
   constructor(figure, described) {
     this.figure = figure;

@@ -59,12 +59,12 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
         return
     if tool is not None and fracture.anisotropy is not None:
         yield (
-            "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
+            "fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
             "them"
         )
     if tool is not None and tool.n_edge and fracture.branching:
         yield (
-            "Fracture.branching is of cracks that no blade drives, got a tool with "
+            "fracture.branching is of cracks that no blade drives, got a tool with "
             f"{tool.n_edge} cutting edges: leave out one of them"
         )
 
@@ -91,7 +91,7 @@ def check_quasi_static(
             f"of {', '.join(laws)}"
         )
     if fracture is not None and fracture.branching:
-        problems.append("no cracks that branch at speed: leave out Fracture.branching")
+        problems.append("no cracks that branch at speed: leave out fracture.branching")
     if velocity is not None:
         problems.append("a film at rest: leave out velocity")
     if problems:

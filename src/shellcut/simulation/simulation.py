@@ -383,7 +383,7 @@ class Simulation:
         """
         if self.cracks is None or self.fracture.path != "free":
             raise ValueError(
-                'cracks must go through quads, Fracture(path="free"); else cut the mesh, Mesh.cut'
+                'cracks must go through quads, fracture.path = "free"; else cut the mesh, Mesh.cut'
             )
         if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")

@@ -3,8 +3,7 @@
 May import ``numerics`` and rows below.
 """
 
-from .film import SplitRecord, State
-from .known_topology import KnownTopology
+from .film import KnownTopology, SplitRecord, State
 from .tables import (
     BROKEN,
     JOINTED,

@@ -1,7 +1,6 @@
 """State: every array that changes in time, and the log of the splits.
 
-Do not keep a reference to an array across a split
-(:class:`shellcut.state.known_topology.KnownTopology`).
+Do not keep a reference to an array across a split (:class:`KnownTopology`).
 """
 
 from __future__ import annotations
@@ -140,10 +139,7 @@ class State:
         log = {f.name: [getattr(s, f.name) for s in self.split_log] for f in fields(SplitRecord)}
         saved = {f.name: getattr(self, f.name) for f in fields(self)}
         return saved | {
-            "node": self.node.saved(),
-            "cable": self.cable.saved(),
-            "quad": self.quad.saved(),
-            "flank": self.flank.saved(),
+            **{name: getattr(self, name).saved() for name in _TABLES},
             "strain_forms": np.array(self.strain_forms),
             "split_log": {name: np.array(column) for name, column in log.items() if name != "rows"}
             | {"rows": _padded(log["rows"])},
@@ -165,10 +161,8 @@ class State:
             blocks[:] = saved[name]
         for name in ("time", "dt", "pace", "step", "revision", "crack_length"):
             setattr(self, name, saved[name])
-        self.node.restore(saved["node"])
-        self.cable.restore(saved["cable"])
-        self.quad.restore(saved["quad"])
-        self.flank.restore(saved["flank"])
+        for name in _TABLES:
+            getattr(self, name).restore(saved[name])
         a, b = saved["strain_forms"].tolist()
         self.strain_forms = a, b
         splits = {name: column.tolist() for name, column in saved["split_log"].items()}
@@ -182,6 +176,7 @@ class State:
 
 
 _NO_ROW = -2
+_TABLES = "node", "cable", "quad", "flank"
 
 
 def _padded(rows: list[tuple[int, ...]]) -> Ints:
@@ -190,3 +185,49 @@ def _padded(rows: list[tuple[int, ...]]) -> Ints:
     for filled, row in zip(table, rows, strict=True):
         filled[: len(row)] = row
     return table
+
+
+class KnownTopology:
+    """The topology for which a part has built its tables: the one rule after a split.
+
+    A part asks :meth:`is_of` before it uses tables that a split would change. If the answer is no,
+    it builds them again and calls :meth:`take`; :meth:`new_splits` are the splits in between.
+    """
+
+    def __init__(self) -> None:
+        self._state: State | None = None
+        self.revision = -1
+        """Of the state, when it was taken last; goes into checkpoints."""
+
+    def is_of(self, state: State) -> bool:
+        """Return whether nothing has split since, and it is the same state."""
+        if self._state is state:  # of every part in every step
+            return self.revision == state.revision
+        return self._state is None and self.revision == state.revision
+
+    def take(self, state: State) -> None:
+        """Remember the present topology."""
+        self._state, self.revision = state, state.revision
+
+    def new_splits(self, state: State) -> list[SplitRecord]:
+        """Return the splits since it was taken last; a revision counts the splits before it."""
+        return state.split_log[max(self.revision, 0) :]
+
+    def changed_quads(self, state: State) -> Ints:
+        """Return the quads that may have got other nodes since it was taken last, ascending."""
+        if self.revision > state.revision or (self._state is not None and self._state is not state):
+            return np.arange(len(state.quads))
+        # A cut changes the nodes of the copies on both its sides, and of those that share them.
+        node, new = state.node, self.new_splits(state)
+        cut = np.array([row for s in new for row in s.rows if row >= 0], np.int64)
+        twins = np.array([s.twin for s in new if s.twin >= 0], np.int64)
+        twins = np.union1d(twins, state.quads[cut])
+        at = np.arange(node.quads.shape[1]) < node.n_quad_at[twins, None]
+        return np.unique(node.quads[twins][at])
+
+    def restore(self, revision: int, state: State | None = None) -> None:
+        """Take over ``revision`` from a checkpoint.
+
+        Without ``state`` the next state asked about is the one meant.
+        """
+        self._state, self.revision = state, revision

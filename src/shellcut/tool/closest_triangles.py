@@ -80,14 +80,6 @@ class ClosestTriangleGrid:
             steps = np.zeros(cells.shape)
         return np.asarray(np.minimum(steps, 127).astype(np.int8).ravel())
 
-    def __repr__(self) -> str:
-        cells, lists, _ = self.arrays
-        shape = " x ".join(str(n) for n in cells.shape)
-        return (
-            f"ClosestTriangleGrid({shape} cells of {cells.size:.4g} mm, "
-            f"{lists.triangle.size} entries)"
-        )
-
     @classmethod
     def of(cls, tool: Tool | None) -> ClosestTriangleGrid:
         """Return the grid of a tool built once per tool.

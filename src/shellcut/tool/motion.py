@@ -25,7 +25,7 @@ from typing import Annotated, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Vec3
+from shellcut.arrays import Floats, Vec3, three
 from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
 from shellcut.numerics.vec3 import load
 
@@ -102,14 +102,14 @@ class ScrewMotion:
 
     def __post_init__(self) -> None:
         axis = _unit("axis", self.axis)
-        point = _triple("axis_point", self.axis_point)
+        p0, p1, p2 = three("axis_point", self.axis_point).tolist()
         against = (-axis[0], -axis[1], -axis[2])
         advance = against if self.advance is None else _unit("advance", self.advance)
         lead = self.pitch / (2.0 * pi)
         object.__setattr__(self, "_axis", axis)
-        object.__setattr__(self, "_point", point)
+        object.__setattr__(self, "_point", (p0, p1, p2))
         object.__setattr__(self, "_lead", (lead * advance[0], lead * advance[1], lead * advance[2]))
-        object.__setattr__(self, "_screw", np.array([axis, point, self._lead]))
+        object.__setattr__(self, "_screw", np.array([axis, self._point, self._lead]))
 
     @classmethod
     @checked
@@ -263,16 +263,8 @@ def _turn(axis: Vec3, angle: float) -> tuple[Vec3, Vec3, Vec3]:
     return rotation_rows(axis, sin(angle), k, 1.0 - k)
 
 
-def _triple(name: str, values: Sequence[float]) -> Vec3:
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise ValueError(f"{name} must be three finite numbers, got {values}")
-    a0, a1, a2 = array.tolist()
-    return a0, a1, a2
-
-
 def _unit(name: str, values: Sequence[float]) -> Vec3:
-    a0, a1, a2 = _triple(name, values)
+    a0, a1, a2 = three(name, values).tolist()
     length = sqrt(a0 * a0 + a1 * a1 + a2 * a2)
     if length == 0.0:
         raise ValueError(f"{name} must not be zero: it is a direction")

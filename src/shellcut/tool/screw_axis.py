@@ -89,11 +89,6 @@ class Instants:
     origin: Floats
     """Position of the body's origin, shape (n, 3), [mm]."""
 
-    @property
-    def shift_at_world_origin(self) -> Floats:
-        """Path of the body's point at the world's origin, shape (n, 3)."""
-        return np.asarray(self.shift - np.cross(self.spin, self.origin))
-
 
 def kept_axis(motion: Motion, until: float) -> Axis | Line | None:
     """Return the fixed axis or line of a motion from t = 0 to ``until`` [s], None if neither."""
@@ -105,9 +100,7 @@ def kept_axis(motion: Motion, until: float) -> Axis | Line | None:
     seen = instants(motion, until)
     if not seen.time.size:
         return None
-    if motion.coordinate_unit == "rad":
-        return _axis(seen)
-    return _line(seen)
+    return _axis(seen) if motion.coordinate_unit == "rad" else _line(seen)
 
 
 def instants(motion: Motion, until: float) -> Instants:
@@ -147,8 +140,9 @@ def _axis(seen: Instants) -> Axis | None:
     if direction is None:
         return None
     turn = np.linalg.norm(seen.spin, axis=1)
-    # The foot of the perpendicular from the world's origin.
-    place = np.cross(seen.spin, seen.shift_at_world_origin) / (turn**2)[:, None]
+    # The foot of the perpendicular from the world's origin, by the path of the point there.
+    shift = seen.shift - np.cross(seen.spin, seen.origin)
+    place = np.cross(seen.spin, shift) / (turn**2)[:, None]
     middle = place.mean(axis=0)
     wander = np.linalg.norm(place - middle, axis=1).max()
     way = np.linalg.norm(seen.shift, axis=1).max()

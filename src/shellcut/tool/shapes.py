@@ -1,7 +1,7 @@
-"""Tools built from parameters: a ring of teeth and a straight blade.
+"""Tools built from parameters: a ring of teeth, a straight blade and a blunt round bar.
 
-Both are wedges: a section parallel to the sheet widens from the cutting edge with the half-angle a
-to the half thickness w and continues with parallel flanks,
+The first two are wedges: a section parallel to the sheet widens from the cutting edge with the
+half-angle a to the half thickness w and continues with parallel flanks,
 
     half width(d) = min(d tan a, w),    d = distance behind the edge along the motion,
 
@@ -21,19 +21,18 @@ A tooth in its straight coordinates, s forward along the motion and z up::
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import atan, ceil, cos, degrees, pi, radians, sin, sqrt, tan
 from typing import Annotated, TypeAlias
 
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, each
+from shellcut.arrays import Floats, Ints, each, product
 
 from .rounded_edge import EdgeRadius, with_edge_radius
 from .tool import Tool, ToolError
-from .tooth import Tooth
 
 EDGE_DEVIATION = 1.0 / 350.0
 """Largest distance of a chord of the cutting edge from its cylinder, over the half thickness of the
@@ -56,12 +55,18 @@ lists of the contact grid short, whose cells are a third of the thickness."""
 MOST_TRIANGLES = 1_000_000
 """Most triangles of a ring; the default one has 4,112."""
 
+Triangle: TypeAlias = tuple[int, int, int]
 HalfAngle: TypeAlias = Annotated[
     float,
     Option("deg", "of the wedge in the section parallel to the film", above=0, most=BLUNTEST_EDGE),
 ]
 HalfThickness: TypeAlias = Annotated[
     float, Option("mm", "half the distance of the parallel flanks", above=0)
+]
+Diameter: TypeAlias = Annotated[float, Option("mm", "of the bar", above=0)]
+Tilt: TypeAlias = Annotated[
+    float,
+    Option("deg", "of its axis from the vertical; its top leans forward", above=-60, below=60),
 ]
 
 
@@ -121,7 +126,13 @@ def tooth_ring(
     (2, 2)
     """
     problems = _angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg")
-    problems += _ring_problems(radius, half_thickness, length, relief_deg, height)
+    if (rise := length * tan(radians(relief_deg))) >= height:
+        problems.append(
+            f"the relief rises by length * tan(relief_deg) = {rise:.4g} mm, above height = "
+            f"{height:g} mm: shorten the tooth or lower relief_deg"
+        )
+    if half_thickness >= radius:
+        problems.append(f"half_thickness = {half_thickness:g} must be below radius = {radius:g}")
     if problems:
         raise _refused(*problems)
     tooth = Tooth(
@@ -145,7 +156,10 @@ def tooth_ring(
         straight = mirror * one.vertices - [_ahead_of_nose(one, tooth.cot), 0.0, 0.0]
         triangles, edges = one.triangles, one.edges
     phases = radians(phase_deg) + 2.0 * pi * np.arange(n_teeth) / n_teeth
-    vertices = _around_the_axis(straight + np.array([0.0, 0.0, tip_clearance]), radius, phases)
+    s, n, z = (straight + np.array([0.0, 0.0, tip_clearance])).T
+    angle, out = phases[:, None] + s / radius, radius + n
+    around = out * each(cos, angle), out * each(sin, angle), np.broadcast_to(z, angle.shape)
+    vertices = np.stack(around, axis=-1)  # of all teeth, (n_teeth, n, 3)
     offsets = straight.shape[0] * np.arange(n_teeth)[:, None, None]
     ring = Tool.from_triangles(
         vertices.reshape(-1, 3),
@@ -157,32 +171,10 @@ def tooth_ring(
     return replace(ring, edge_radius=edge_radius)
 
 
-def _around_the_axis(straight: Floats, radius: float, phases: Floats) -> Floats:
-    """Wind straight teeth (s, n, z) around the axis; return x, y, z, shape (n_phase, n, 3) [mm]."""
-    s, n, z = straight.T
-    angle = phases[:, None] + s / radius
-    out = radius + n
-    return np.stack(
-        [out * each(cos, angle), out * each(sin, angle), np.broadcast_to(z, angle.shape)], axis=-1
-    )
-
-
 def _ahead_of_nose(tool: Tool, cot: float) -> float:
     """Return the place at height 0 of an edge that rises by 1 over ``cot`` along x [mm]."""
     x, _, z = tool.vertices[tool.edges[0, 0]]
     return float(x - z * cot)
-
-
-def _ring_problems(
-    radius: float, half_thickness: float, length: float, relief_deg: float, height: float
-) -> Iterator[str]:
-    if (rise := length * tan(radians(relief_deg))) >= height:
-        yield (
-            f"the relief rises by length * tan(relief_deg) = {rise:.4g} mm, above height = "
-            f"{height:g} mm: shorten the tooth or lower relief_deg"
-        )
-    if half_thickness >= radius:
-        yield f"half_thickness = {half_thickness:g} must be below radius = {radius:g}"
 
 
 def _arc_pieces(tooth: Tooth, n_teeth: int, radius: float, n_arc: int | None) -> tuple[int, float]:
@@ -303,3 +295,174 @@ def _angle_problems(inclination_deg: float, half_angle_deg: float, name: str) ->
         f"{name} = {inclination_deg:g}, above {BLUNTEST_EDGE:g}: sharpen the wedge or raise the "
         "edge"
     ]
+
+
+@checked
+def round_bar(
+    *,
+    diameter: Diameter = 6.0,
+    height: Annotated[float, Option("mm", "along the axis; the sheet is halfway", above=0)] = 48.0,
+    tilt_deg: Tilt = 10.0,
+    n_around: Annotated[int, Option("", "facets around it", least=12)] = 72,
+) -> Tool:
+    """Return a round bar that moves along +x through the sheet z = 0; it cuts nothing.
+
+    Its foremost point in the sheet is the origin. Its axis leans forward with its top, so that it
+    presses the film beside its crack down.
+
+    Returns
+    -------
+    Tool
+        With one body and no cutting edge.
+
+    Examples
+    --------
+    >>> round_bar(diameter=4.0).n_edge
+    0
+    """
+    corners, triangles = _upright(0.5 * diameter, height, n_around)
+    c, s = cos(radians(tilt_deg)), sin(radians(tilt_deg))
+    leaning = product(corners, np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T)
+    return Tool.from_triangles(
+        leaning - [0.5 * diameter / c, 0.0, 0.0],
+        triangles,
+        edges=np.zeros((0, 2), np.int64),
+        name="round bar",
+    )
+
+
+def _upright(radius: float, height: float, n: int) -> tuple[Floats, Ints]:
+    """Return corners (n_vertex, 3) and triangles (n_triangle, 3) of a bar along z."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    ring = radius * np.stack([each(cos, angle), each(sin, angle)], axis=1)
+    levels = np.linspace(-0.5 * height, 0.5 * height, max(2, round(3.0 * height / radius)) + 1)
+    rows = [np.column_stack([ring, np.full(n, z)]) for z in levels]
+    ends = np.array([[0.0, 0.0, levels[0]], [0.0, 0.0, levels[-1]]])
+    here, there = np.arange(n), np.roll(np.arange(n), -1)
+    faces = []
+    for k in range(len(levels) - 1):
+        a, b = k * n + here, k * n + there
+        faces += [np.stack([a, b, b + n], axis=1), np.stack([a, b + n, a + n], axis=1)]
+    bottom = np.full(n, len(levels) * n)
+    top = (len(levels) - 1) * n
+    faces.append(np.stack([bottom, there, here], axis=1))
+    faces.append(np.stack([bottom + 1, top + here, top + there], axis=1))
+    return np.concatenate([*rows, ends]), np.concatenate(faces)
+
+
+# --- a tooth --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Tooth:
+    """A tooth in straight coordinates (s, n, z), the tip at the origin; the picture is above."""
+
+    eta: float  # inclination of the cutting edge [rad]
+    slope: float  # of the half width over d
+    half_thickness: float  # [mm]
+    length: float  # [mm]
+    relief: float  # [rad]
+    height: float  # [mm]
+
+    @property
+    def forward(self) -> float:
+        """From the tip to the top of the edge, along s [mm]."""
+        return self.height / tan(self.eta)
+
+    @property
+    def cot(self) -> float:
+        """Of the inclination of the edge."""
+        return cos(self.eta) / sin(self.eta)
+
+    @property
+    def d_corner(self) -> float:
+        """Of K, behind the edge [mm]."""
+        return self.length * (1.0 + tan(self.relief) * self.cot)
+
+    def mesh(
+        self, n_edge: int, spacing: float
+    ) -> tuple[Floats, list[Triangle], list[tuple[int, int]]]:
+        """Return vertices (s, n, z), triangles with outward normals, and the cutting edge."""
+        points: list[tuple[float, float, float]] = []
+        plus_lines: list[list[int]] = []
+        minus_lines: list[list[int]] = []
+        for d in self._stations(spacing):
+            levels = self._levels(d, n_edge)
+            half_width = min(self.slope * d, self.half_thickness)
+            plus_lines.append(list(range(len(points), len(points) + len(levels))))
+            points += [(z * self.cot - d, half_width, z) for z in levels]
+            if d == 0.0:
+                minus_lines.append(plus_lines[-1])
+                continue
+            minus_lines.append(list(range(len(points), len(points) + len(levels))))
+            points += [(z * self.cot - d, -half_width, z) for z in levels]
+
+        triangles: list[Triangle] = []
+        for plus, minus in zip(pairwise(plus_lines), pairwise(minus_lines), strict=True):
+            triangles += _strip(points, *plus)
+            triangles += [(a, c, b) for a, b, c in _strip(points, *minus)]
+        triangles += _walls(plus_lines, minus_lines)
+        return np.array(points), triangles, list(pairwise(plus_lines[0]))
+
+    def _stations(self, spacing: float) -> list[float]:
+        # d of the d-lines, corners among them
+        d_back = self.length + self.height * self.cot  # of B
+        d_shoulder = self.half_thickness / self.slope
+        stations = [0.0]
+        for d in sorted({self.d_corner, d_back, *((d_shoulder,) if d_shoulder < d_back else ())}):
+            # K and B share their d-line when the edge is vertical
+            if d - stations[-1] > 1e-9 * d_back:
+                count = ceil((d - stations[-1]) / spacing)
+                stations += np.linspace(stations[-1], d, count + 1)[1:].tolist()
+        return stations
+
+    def _levels(self, d: float, n_edge: int) -> list[float]:
+        # z of the vertices on a d-line, from low to high
+        height = self.height
+        if d <= self.d_corner * (1.0 + 1e-12):
+            low = d * tan(self.relief) / (1.0 + self.cot * tan(self.relief))
+        else:
+            low = min((d - self.length) / self.cot, height)
+        count = max(1, round((height - low) * n_edge / height))
+        if height - low < 1e-9 * height:
+            count = 0
+        return [height - (height - low) * (1.0 - i / count) for i in range(count)] + [height]
+
+
+def _walls(plus_lines: list[list[int]], minus_lines: list[list[int]]) -> list[Triangle]:
+    # Between the two sides: below and behind (lower ends of the d-lines, then up the last one), and
+    # on top (their upper ends).
+    both = list(zip(plus_lines, minus_lines, strict=True))
+    lower = [(p[0], m[0]) for p, m in both]
+    lower += zip(plus_lines[-1][1:], minus_lines[-1][1:], strict=True)
+    upper = [(p[-1], m[-1]) for p, m in both]
+    walls = []
+    for (p, m), (p_next, m_next) in pairwise(lower):
+        walls += [(p, p_next, m_next), (p, m_next, m)]
+    for (p, m), (p_next, m_next) in pairwise(upper):
+        walls += [(p_next, p, m), (p_next, m, m_next)]
+    return [(a, b, c) for a, b, c in walls if a != b and b != c and c != a]
+
+
+def _strip(
+    points: list[tuple[float, float, float]], right: list[int], left: list[int]
+) -> list[Triangle]:
+    # Join two neighbouring d-lines, both from low to high, by the shorter diagonal; the triangles
+    # are counter-clockwise with s to the right and z up, which is outward on the plus side.
+    def squared(i: int, j: int) -> float:
+        (a, b, c), (d, e, f) = points[i], points[j]
+        return (a - d) ** 2 + (b - e) ** 2 + (c - f) ** 2
+
+    triangles = []
+    a = b = 0
+    while a + 1 < len(right) or b + 1 < len(left):
+        climb_right = b + 1 == len(left) or (
+            a + 1 < len(right) and squared(left[b], right[a + 1]) <= squared(left[b + 1], right[a])
+        )
+        if climb_right:
+            triangles.append((left[b], right[a], right[a + 1]))
+            a += 1
+        else:
+            triangles.append((left[b], right[a], left[b + 1]))
+            b += 1
+    return triangles

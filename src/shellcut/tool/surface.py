@@ -13,7 +13,7 @@ import numpy.typing as npt
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, product, unit
-from shellcut.formats.errors import counted, point_text
+from shellcut.formats.errors import counted, named, point_text
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 MERGE_TOLERANCE = 1e-7
@@ -25,9 +25,6 @@ DEGENERATE_HEIGHT = 1e-7
 
 FLAT_TURN = radians(1.0)
 """A given cutting edge must turn by more than this [rad]: a flat one has no mid-plane."""
-
-EXAMPLES_SHOWN = 3
-"""Number of places that an error message lists for each kind of defect."""
 
 
 class Surface:
@@ -89,7 +86,7 @@ class Surface:
         found = []
         flat = np.flatnonzero(self.height < DEGENERATE_HEIGHT)
         if flat.size:
-            places = self._at(self.vertices[self.triangles[flat]].mean(axis=1))
+            places = named(self.vertices[self.triangles[flat]].mean(axis=1), point_text)
             found.append(
                 f"{counted(len(flat), 'degenerate triangle')} (no area), centred at {places}"
             )
@@ -117,7 +114,7 @@ class Surface:
             found.append(
                 f"{counted(len(pinched), 'non-manifold vertex', 'non-manifold vertices')} "
                 f"(parts of the surface touch in a point), move them apart: "
-                f"{self._at(self.vertices[pinched])}"
+                f"{named(self.vertices[pinched], point_text)}"
             )
         unsound = np.zeros(self.body.max() + 1, dtype=bool)
         for sides in (self.forward, self.backward):
@@ -263,28 +260,22 @@ class Surface:
             size = float(norm(np.ptp(points, axis=0)))
             found.append((size, len(members), points.mean(axis=0)))
         found.sort(key=lambda hole: -hole[0])
-        told = [
-            f"around {point_text(middle)}, {size:.4g} mm across, {n_edge} edges"
-            for size, n_edge, middle in found[:EXAMPLES_SHOWN]
-        ]
-        holes = "a hole" if len(found) == 1 else f"{len(found)} holes"
-        return f"{holes} {'; '.join(told)}" + ("; ..." if len(found) > EXAMPLES_SHOWN else "")
+        told = named(
+            f"around {point_text(middle)}, {size:.4g} mm across, with {n_edge} edges"
+            for size, n_edge, middle in found
+        )
+        return f"{'a hole' if len(found) == 1 else f'{len(found)} holes'} {told}"
 
     def _segments(self, rows: Ints) -> str:
         return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))
 
     def _pairs(self, segments: Ints) -> str:
-        places = [
+        return named(
             f"{point_text(self.vertices[i])} to {point_text(self.vertices[j])}"
             if i >= 0 and j >= 0
             else "with a vertex that no triangle uses"
-            for i, j in segments[:EXAMPLES_SHOWN]
-        ]
-        return "; ".join(places) + ("; ..." if len(segments) > EXAMPLES_SHOWN else "")
-
-    def _at(self, points: Floats) -> str:
-        places = [point_text(point) for point in points[:EXAMPLES_SHOWN]]
-        return "; ".join(places) + ("; ..." if len(points) > EXAMPLES_SHOWN else "")
+            for i, j in segments
+        )
 
 
 def merge_vertices(
@@ -333,3 +324,59 @@ def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
 def _next_corner(half_edges: Ints) -> Ints:
     corners: Ints = half_edges + 1 - 3 * (half_edges % 3 == 2)
     return corners
+
+
+def chains_of(segments: Ints) -> tuple[Ints, Ints]:
+    """Return segments ordered by chain, and the chain of each.
+
+    A chain ends at a vertex unless exactly two segments meet there. It keeps the given direction of
+    its first segment; chains are numbered in the order of these.
+    """
+    at_vertex: dict[int, list[int]] = {}
+    for e, (i, j) in enumerate(segments.tolist()):
+        at_vertex.setdefault(i, []).append(e)
+        at_vertex.setdefault(j, []).append(e)
+
+    done = np.zeros(len(segments), dtype=bool)
+
+    def walk(e: int, vertex: int) -> list[tuple[int, int]]:
+        # the segments that continue e from a vertex on, each from the end that is met first
+        links: list[tuple[int, int]] = []
+        while len(meeting := at_vertex[vertex]) == 2:
+            e = meeting[0] if meeting[1] == e else meeting[1]
+            if done[e]:
+                break
+            done[e] = True
+            i, j = segments[e].tolist()
+            links.append((vertex, j if i == vertex else i))
+            vertex = links[-1][1]
+        return links
+
+    ordered: list[tuple[int, int]] = []
+    chain: list[int] = []
+    n_chain = 0
+    for seed in range(len(segments)):
+        if done[seed]:
+            continue
+        done[seed] = True
+        tail, head = segments[seed].tolist()
+        after = walk(seed, head)
+        before = [(far, near) for near, far in walk(seed, tail)]
+        links = [*before[::-1], (tail, head), *after]
+        ordered += links
+        chain += [n_chain] * len(links)
+        n_chain += 1
+    return np.array(ordered, dtype=np.int64).reshape(-1, 2), np.array(chain, dtype=np.int64)
+
+
+def facing_alike(segments: Ints, chain: Ints, body: Ints, normal: Floats) -> Ints:
+    """Return segments with those chains reversed that face opposite to the first of their body."""
+    turned = segments.copy()
+    facing: dict[int, Floats] = {}
+    for c in range(chain.max() + 1):
+        mine = chain == c
+        mean = normal[mine].sum(axis=0)
+        first = facing.setdefault(int(body[mine][0]), mean)
+        if float(product(mean, first)) < 0.0:
+            turned[mine] = segments[mine][::-1, ::-1]
+    return turned

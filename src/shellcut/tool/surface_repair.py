@@ -3,20 +3,28 @@
 Coinciding vertices are merged; degenerate and repeated triangles are removed; the triangles of a
 connected part are oriented consistently, with normals outwards. Holes are left: only the user knows
 what belongs there.
+
+Faces of a CAD surface are triangulated apart. Neighbours follow their common edge within the file's
+tolerance, but may put vertices on it at different places. Each vertex on one side is put into the
+edge of the other side as well: no vertex moves, and thin gaps close. Wider ones stay for the checks
+of the tool.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
+import scipy
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, norm, product
 from shellcut.formats.errors import counted, point_text
 from shellcut.numerics.consistent_winding import common_winding
 
 from .surface import DEGENERATE_HEIGHT, Surface, merge_vertices, normals_and_heights
 
+_MOST_ROUNDS = 6  # a triangle with several open edges takes a round for each; then few are left
 _MOST_SWAPS = 50  # rounds of swaps; each leaves fewer flat triangles, more rounds mean a tangle
 
 
@@ -80,7 +88,9 @@ def _swap(done: Repaired, flat: Bools) -> bool:
     touched: set[int] = set()
     removed: set[int] = set()
     for t in np.flatnonzero(flat).tolist():
-        a, b, c = _longest_side_first(done.vertices, rows[t])
+        points = done.vertices[rows[t]]
+        longest = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).argmax()
+        a, b, c = np.roll(rows[t], -longest).tolist()  # the longest side first
         other = beside.get((b, a))
         if other is None or {t, other} & touched:
             continue
@@ -95,13 +105,6 @@ def _swap(done: Repaired, flat: Bools) -> bool:
     kept = [row for t, row in enumerate(rows) if t not in removed]
     done.triangles = np.array(kept, dtype=np.int64).reshape(-1, 3)
     return bool(touched)
-
-
-def _longest_side_first(vertices: Floats, row: list[int]) -> tuple[int, int, int]:
-    points = vertices[row]
-    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    k = int(np.argmax(lengths))
-    return row[k], row[(k + 1) % 3], row[(k + 2) % 3]
 
 
 def _remove_repeated(done: Repaired) -> None:
@@ -136,3 +139,65 @@ def _turn(done: Repaired) -> None:
         done.triangles[back] = done.triangles[back][:, ::-1]
         were = "was inside out and is" if n == 1 else "were inside out and are"
         done.notes.append(f"{n} of {len(inverted)} bodies {were} turned")
+
+
+def closed_seams(
+    vertices: Floats, triangles: Ints, *, merge: float, reach: float
+) -> tuple[Floats, Ints, int]:
+    """Return the surface with vertices of either side in both sides of each seam, and how many.
+
+    Vertices closer than ``merge`` become one, those farther than ``reach`` from an edge are not put
+    into it [mm].
+    """
+    vertices, triangles, _ = merge_vertices(vertices, triangles, None, merge)
+    collapsed = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    triangles = triangles[~collapsed]
+    n_put = 0
+    for _ in range(_MOST_ROUNDS):
+        triangles, n = _round(vertices, triangles, reach)
+        n_put += n
+        if not n:
+            break
+    return vertices, triangles, n_put
+
+
+def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
+    sides = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    key = product(np.sort(sides, axis=1), np.array([len(vertices), 1]))
+    _, first, uses = np.unique(key, return_index=True, return_counts=True)
+    alone = first[uses == 1]
+    if not len(alone):
+        return triangles, 0
+    rim = np.unique(sides[alone])
+    tree = scipy.spatial.cKDTree(vertices[rim])
+    fans: dict[int, list[list[int]]] = {}
+    n_put = 0
+    for side in alone.tolist():
+        t, corner = side % len(triangles), side // len(triangles)
+        if t in fans:
+            continue
+        a, b, c = np.roll(triangles[t], -corner).tolist()
+        half = 0.5 * float(norm(vertices[b] - vertices[a]))
+        near = tree.query_ball_point(0.5 * (vertices[a] + vertices[b]), half + reach)
+        between = _between(vertices, a, b, [int(v) for v in rim[near] if v != c], reach)
+        if between:
+            row = [a, *between, b]
+            fans[t] = [[p, q, c] for p, q in pairwise(row)]
+            n_put += len(between)
+    kept = np.ones(len(triangles), dtype=bool)
+    kept[list(fans)] = False
+    new = np.array([row for rows in fans.values() for row in rows], dtype=np.int64)
+    return np.concatenate([triangles[kept], new.reshape(-1, 3)]), n_put
+
+
+def _between(vertices: Floats, a: int, b: int, candidates: list[int], reach: float) -> list[int]:
+    # the candidates beside the inside of an edge a-b, in order along it
+    start, along = vertices[a], vertices[b] - vertices[a]
+    others = np.array([v for v in candidates if v not in (a, b)], dtype=np.int64)
+    if not len(others):
+        return []
+    away = vertices[others] - start
+    share = product(away, along) / (product(along, along))
+    off = np.linalg.norm(away - share[:, None] * along, axis=1)
+    fits = (share > 0.0) & (share < 1.0) & (off <= reach)
+    return [int(v) for v in others[fits][np.argsort(share[fits], kind="stable")]]

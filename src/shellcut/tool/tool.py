@@ -27,13 +27,12 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints, SmallInts, angles, product
+from shellcut.arrays import Floats, Ints, SmallInts, angles, product, three
 from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
-from .edge_chains import chains_facing_back, chains_of, reverse_chains
-from .surface import Surface, merge_vertices, six_volumes
+from .surface import Surface, chains_of, facing_alike, merge_vertices, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
@@ -247,12 +246,9 @@ class Tool:
         plus, minus = surface.sides(segments)
         normal, back = surface.mid_planes(segments, plus, minus)
         if given is None:
-            body = surface.body[plus]
-            reverse = chains_facing_back(body, chain, normal)
-            if reverse.any():
-                segments = reverse_chains(segments, chain, reverse)
-                plus, minus = surface.sides(segments)
-                normal, back = surface.mid_planes(segments, plus, minus)
+            segments = facing_alike(segments, chain, surface.body[plus], normal)
+            plus, minus = surface.sides(segments)
+            normal, back = surface.mid_planes(segments, plus, minus)
         tooth, edge_tooth = surface.teeth(plus, minus, chain)
         return cls(
             vertices=surface.vertices,
@@ -374,9 +370,7 @@ class Tool:
             If the shift is not three finite numbers, or so large that round-off of the coordinates
             would change the tool's shape.
         """
-        move = np.asarray(shift, dtype=np.float64)
-        if move.shape != (3,) or not np.isfinite(move).all():
-            raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
+        move = three("shift", shift, "mm")
         size = float(np.ptp(self.vertices, axis=0).max())
         if np.abs(move).max() > FARTHEST_SHIFT * size:
             raise ValueError(

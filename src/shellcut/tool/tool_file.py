@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, product, unit
+from shellcut.arrays import Floats, product, three, unit
 from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError, naming, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
@@ -24,8 +24,7 @@ from shellcut.formats.stl import read_stl
 from shellcut.formats.surface_file import SurfaceFile
 
 from .rounded_edge import EdgeRadius, with_edge_radius
-from .seams import closed_seams
-from .surface_repair import repaired
+from .surface_repair import closed_seams, repaired
 from .tool import Tool, ToolError
 
 _log = logging.getLogger("shellcut.tool_file")
@@ -120,9 +119,7 @@ def read_tool(
     (4, [5.773, 5.773, 5.773, 5.773])
     """
     path = Path(path)
-    move = np.asarray(shift, dtype=np.float64)
-    if move.shape != (3,) or not np.isfinite(move).all():
-        raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
+    move = three("shift", shift, "mm")
     turn = _turn_to_z(axis)
     file = _surface(path, chord_deviation, unit)
     _check_coordinates(file)

@@ -183,26 +183,12 @@ def edge_length(frame: Frame) -> float:
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
-def color_scale(look: Look, limits: tuple[float, float]) -> Any:
-    """Return Matplotlib's map from the numbers of a field to colour."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import ListedColormap, Normalize
-
-    return ScalarMappable(Normalize(*limits), ListedColormap(look.colors()))
-
-
 def title_parts(frame: Frame) -> list[str]:
     """Return the title of a frame: coordinate, first scalar and time, with units."""
     parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]
     for name in list(frame.scalars)[:1]:
         parts.append(f"{name} {with_unit(frame.scalars[name], frame.scalar_units[name])}")
     return [*parts, f"time {1e3 * frame.time:.3f} ms"]
-
-
-def round_length(wanted: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that does not exceed a length."""
-    unit = 10.0 ** np.floor(np.log10(wanted))
-    return float(unit * max(m for m in (1.0, 2.0, 5.0) if m * unit <= wanted))
 
 
 def eight_bit(image: Floats) -> npt.NDArray[np.uint8]:
@@ -221,13 +207,22 @@ def show(axes: Any, image: Floats, across: float) -> None:
     for spine in axes.spines.values():
         spine.set_color("0.75")
     height, width = image.shape[:2]
-    length = round_length(across / 6.0)
+    decade = 10.0 ** np.floor(np.log10(across / 6.0))
+    length = float(decade * max(m for m in (1.0, 2.0, 5.0) if m * decade <= across / 6.0))
     x, y = 0.04 * width, 0.955 * height
     to = x + length / across * width
     axes.plot([x, to], [y, y], color="white", lw=4.5)
     axes.plot([x, to], [y, y], color="black", lw=2.5, solid_capstyle="butt")
     text = {"ha": "center", "va": "bottom", "bbox": PAPER}
     axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} {unit}", **text)
+
+
+def color_scale(look: Look, limits: tuple[float, float]) -> Any:
+    """Return Matplotlib's map from the numbers of a field to colour."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    return ScalarMappable(Normalize(*limits), ListedColormap(look.colors()))
 
 
 def add_color_bar(

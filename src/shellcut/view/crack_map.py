@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Ints
 from shellcut.frame import Frame, sides_of
+from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 from shellcut.unit import in_unit, shown, with_unit
 
 from ._figure import new_figure, save
-from ._panel import mesh_edges
-from ._teeth import plane_axes, tooth_paths
 
 _MESH_COLOR = "0.80"
 _RIM_COLOR = "0.35"
@@ -23,6 +22,8 @@ _PATH_COLOR = "#d62728"
 _BEFORE_COLOR = "black"
 _MARKERS = ("o", "^", "s", "D", "v")
 _COLORMAP = "viridis"
+# A film is flat if its extent across is smaller than this part of its largest extent.
+_FLAT = 1e-3
 # Margins of the map [inch]: numbers and name of y, colour bar, title, numbers and name of x; height
 # of a legend line, and width of a legend entry.
 _LEFT, _RIGHT, _HEAD, _FOOT = 0.75, 1.1, 0.4, 0.62
@@ -75,8 +76,15 @@ def draw_crack_map(
     n_name = bool(ways) + bool(before.any()) + len(splits or {})
     columns = int(np.clip(width / _NAME, 1, 3))
     foot = _FOOT + _LINE * -(-n_name // columns)
-    figure, axes, beside = _figure_of(flat, width, foot, dpi)
-    _draw_film(axes, last, flat)
+    across, extent = width - _LEFT - _RIGHT, np.ptp(flat, axis=0)
+    tall = float(np.clip(across * extent[1] / extent[0], 0.3 * across, 1.2 * across))
+    height = tall + foot + _HEAD  # as the film needs
+    figure = new_figure((width, height), dpi)
+    axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
+    # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
+    edges, count = np.unique(np.sort(sides_of(last.quads), axis=1), axis=0, return_counts=True)
+    _add_lines(axes, flat[edges], colors=_MESH_COLOR, linewidths=0.4)
+    _add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
     for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
         axes.plot(
@@ -88,7 +96,10 @@ def draw_crack_map(
         )
     scale = _add_opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
-        _add_splits(axes, factor * np.reshape(places, (-1, 3))[:, ij], kind, k)
+        at = factor * np.reshape(places, (-1, 3))[:, ij]
+        look = {"ms": 4.5, "mfc": ("white", "#f4a259")[k % 2], "mec": "black", "mew": 0.8}
+        label = f"split by {kind} ({len(at)})"
+        axes.plot(*at.T, _MARKERS[k % len(_MARKERS)], zorder=4, label=label, **look)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
     axes.set_xlabel(in_unit("xyz"[i], unit))
@@ -96,6 +107,7 @@ def draw_crack_map(
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
     axes.set_title(f"crack of {with_unit(length, 'mm')} in {len(segments)} edges")
     if scale is not None:
+        beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
         bar = figure.colorbar(scale, cax=figure.add_axes(beside))
         bar.set_label(in_unit(f"opened at {last.coordinate_name}", shown(last.coordinate_unit)[0]))
     handles, labels = axes.get_legend_handles_labels()
@@ -109,38 +121,6 @@ def draw_crack_map(
             frameon=False,
         )
     save(figure, path)
-
-
-def _figure_of(
-    flat: Floats, width: float, foot: float, dpi: float
-) -> tuple[Any, Any, tuple[float, float, float, float]]:
-    """Return a figure as tall as the film needs, its axes, and where a colour bar goes.
-
-    flat : (n_node, 2), the film's nodes in the plane [mm].  width, foot : [inch].
-    """
-    across = width - _LEFT - _RIGHT
-    extent = np.ptp(flat, axis=0)
-    tall = float(np.clip(across * extent[1] / extent[0], 0.3 * across, 1.2 * across))
-    height = tall + foot + _HEAD
-    figure = new_figure((width, height), dpi)
-    axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
-    beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
-    return figure, axes, beside
-
-
-def _add_splits(axes: Any, at: Floats, kind: str, k: int) -> None:
-    """Mark the places of the k-th kind of splits, at : (n, 2) [mm]."""
-    axes.plot(
-        at[:, 0],
-        at[:, 1],
-        _MARKERS[k % len(_MARKERS)],
-        ms=4.5,
-        mfc=("white", "#f4a259")[k % 2],
-        mec="black",
-        mew=0.8,
-        zorder=4,
-        label=f"split by {kind} ({len(at)})",
-    )
 
 
 def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
@@ -165,13 +145,6 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
     return segments, opened
 
 
-def _draw_film(axes: Any, frame: Frame, flat: Floats) -> None:
-    # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
-    _add_lines(axes, flat[mesh_edges(frame.quads)], colors=_MESH_COLOR, linewidths=0.4)
-    edges, count = np.unique(np.sort(sides_of(frame.quads), axis=1), axis=0, return_counts=True)
-    _add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
-
-
 def _add_opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Frame]) -> Any:
     if not len(segments):
         return None
@@ -192,3 +165,47 @@ def _add_lines(axes: Any, segments: Floats, **style: Any) -> None:
     from matplotlib.collections import LineCollection
 
     axes.add_collection(LineCollection(list(segments), **style))
+
+
+def teeth_of(edge_points: Floats) -> Ints:
+    """Return the tooth of every cutting segment, in the order of their first segments.
+
+    edge_points : (n_edge, 2, 3), [mm]; segments that share an end belong together.
+    """
+    if not len(edge_points):
+        return np.zeros(0, dtype=np.int64)
+    _, ids = np.unique(edge_points.reshape(-1, 3).round(6), axis=0, return_inverse=True)
+    ids = ids.reshape(-1, 2)
+    part = connected_parts(ids[:, 0], ids[:, 1], 2 * len(ids))
+    return np.asarray(by_first_appearance(part[ids[:, 0]]), dtype=np.int64)
+
+
+def plane_axes(reference: Floats) -> tuple[int, int, int]:
+    """Return the two coordinate axes in which a film is drawn, in order, and the one across it."""
+    wide = np.argsort(-np.ptp(reference, axis=0), kind="stable")
+    i, j = sorted(wide[:2].tolist())
+    return i, j, int(wide[2])
+
+
+def tooth_paths(frames: Sequence[Frame]) -> list[Floats]:
+    """Return where each tooth's edge passes through the plane of a flat film, shape (n_frame, 3).
+
+    Positions are nan where it does not meet the plane [mm]. There is none for a curved film, or if
+    the teeth of the frames differ.
+    """
+    reference = frames[0].reference
+    across = plane_axes(reference)[2]
+    if np.ptp(reference[:, across]) > _FLAT * np.ptp(reference, axis=0).max():
+        return []
+    if len({len(f.edge_points) for f in frames}) != 1:
+        return []
+    tooth = teeth_of(frames[0].edge_points)
+    level = reference[:, across].mean()
+    paths = np.full((tooth.max(initial=-1) + 1, len(frames), 3), np.nan)
+    for k, frame in enumerate(frames):
+        a, b = frame.edge_points[:, 0], frame.edge_points[:, 1]
+        height_a, height_b = a[:, across] - level, b[:, across] - level
+        for e in np.flatnonzero((height_a <= 0.0) != (height_b <= 0.0))[::-1]:
+            s = height_a[e] / (height_a[e] - height_b[e])
+            paths[tooth[e], k] = a[e] + s * (b[e] - a[e])
+    return list(paths)

@@ -85,20 +85,16 @@ class Look:
             at = np.linspace(0.0, len(stops) - 1.0, n)
             rgb = [np.interp(at, np.arange(len(stops)), column) for column in stops.T]
             return np.stack(rgb, axis=1)
-        return _of_matplotlib(self.colormap, n)
-
-
-def _of_matplotlib(name: str, n: int) -> Floats:
-    try:
-        from matplotlib import colormaps
-    except ImportError as error:
-        raise ImportError(
-            f"the colour map {name!r} needs Matplotlib, which is not installed: pip install "
-            f"shellcut[plot]; {_DEFAULT!r} does not"
-        ) from error
-    if name not in colormaps:
-        raise ValueError(
-            f"colormap must be one of Matplotlib's, such as {_DEFAULT}, cividis, inferno, turbo "
-            f"or coolwarm, got {name!r}"
-        )
-    return np.asarray(colormaps[name](np.linspace(0.0, 1.0, n))[:, :3])
+        try:
+            from matplotlib import colormaps
+        except ImportError as error:
+            raise ImportError(
+                f"the colour map {self.colormap!r} needs Matplotlib, which is not installed: pip "
+                f"install shellcut[plot]; {_DEFAULT!r} does not"
+            ) from error
+        if self.colormap not in colormaps:
+            raise ValueError(
+                f"colormap must be one of Matplotlib's, such as {_DEFAULT}, cividis, inferno, "
+                f"turbo or coolwarm, got {self.colormap!r}"
+            )
+        return np.asarray(colormaps[self.colormap](np.linspace(0.0, 1.0, n))[:, :3])

@@ -73,19 +73,16 @@ def draw_movie(
     if problems:
         raise ValueError("; ".join(problems))
     series = SnapshotSeries(frames, look=look, size=size)
-    images = (series.image(frame) for frame in frames)
-    shown = _followed(images, len(frames), path.name)
+
+    def images() -> Iterator[Image]:
+        with Progress(path.name, step_name="frames") as progress:
+            progress.update(0.0, step=0)
+            for k, frame in enumerate(frames, start=1):
+                yield series.image(frame)
+                progress.update(k / len(frames), step=k)
+
     with atomic_write(path) as temporary:
-        MOVIES[kind](temporary, shown, fps, size)
-
-
-def _followed(images: Iterator[Image], n: int, name: str) -> Iterator[Image]:
-    """Yield the images and show their count on standard error."""
-    with Progress(name, step_name="frames") as progress:
-        progress.update(0.0, step=0)
-        for k, image in enumerate(images, start=1):
-            yield image
-            progress.update(k / n, step=k)
+        MOVIES[kind](temporary, images(), fps, size)
 
 
 def _write_mp4(path: Path, images: Iterator[Image], fps: float, size: tuple[int, int]) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, TextIO
 
 from shellcut.unit import with_unit
@@ -52,7 +52,7 @@ class Progress:
         self._log = log
         self._clock = clock
         self._alive = self._stream is not None  # pythonw and some services have no stderr
-        self._bar: _Bar | None = None
+        self._bar: Any = None
         self._due = -float("inf")
         self._first: tuple[float, float] | None = None  # time, share
         self._shown: tuple[float, int] | None = None  # time, step
@@ -86,7 +86,10 @@ class Progress:
         """Show a line of text at once, e.g. ``"compiling (first run only)"``."""
         if self._log is not None:
             self._log(text)
-        self._guard(lambda: self._bar.note(text) if self._bar else self._write(text))
+        if self._bar:
+            self._guard(lambda: self._bar.console.print(text, markup=False, highlight=False))
+        else:
+            self._guard(lambda: self._write(text))
 
     def status(self, text: str) -> None:
         """Log a line of figures at once; show it only where no bar shows such figures."""
@@ -100,7 +103,7 @@ class Progress:
         if self._latest is not None:
             self._guard(self._show)
         if self._bar is not None:
-            self._guard(self._bar.close)
+            self._guard(self._bar.stop)
         self._alive = False
 
     def __enter__(self) -> Progress:
@@ -119,7 +122,10 @@ class Progress:
 
     def _begin(self) -> None:
         if self._stream.isatty():
-            self._bar = _Bar.on_terminal(self._stream, self._label)
+            self._bar = _bar_on(self._stream)
+        if self._bar:
+            self._task = self._bar.add_task(self._label, total=1.0, done=0, text="")
+            self._bar.start()
 
     def _show(self) -> None:
         assert self._latest is not None
@@ -142,7 +148,17 @@ class Progress:
         if self._bar:
             # The units tell the first two figures apart, the line is short.
             first = [" ".join(values[:2])] if values else []
-            self._bar.draw(share, [*first, *left, *named[2:], *speeds])
+            taken = len(self._label) + _BAR_WIDTH + len("100 %") + 3  # a blank before each column
+            room = self._bar.console.width - taken
+            # As many of the texts as the line has room for.
+            text = ""
+            for one in (*first, *left, *named[2:], *speeds):
+                longer = f"{text}, {one}" if text else one
+                if len(longer) > room:
+                    break
+                text = longer
+            done = percent(share)
+            self._bar.update(self._task, completed=share, done=done, text=text, refresh=True)
         else:
             line = f"{percent(share)} %: {', '.join([*left, *named, *speeds])}"
             if self._log is not None:
@@ -154,52 +170,26 @@ class Progress:
         self._stream.flush()
 
 
-class _Bar:
-    # A bar of rich, drawn only on request: no thread beside the time loop.
-
-    def __init__(self, bar: Any, label: str) -> None:
-        self._bar = bar
-        self._taken = len(label) + _BAR_WIDTH + len("100 %") + 3  # a blank before each column
-        self._task = bar.add_task(label, total=1.0, done=0, text="")
-        bar.start()
-
-    @classmethod
-    def on_terminal(cls, stream: TextIO, label: str) -> _Bar | None:
-        try:
-            from rich.console import Console
-            from rich.progress import BarColumn, TextColumn
-            from rich.progress import Progress as RichProgress
-            from rich.table import Column
-        except ImportError:  # rich comes with meshio, but that is not guaranteed
-            return None
-        console = Console(file=stream)
-        if not console.is_terminal or console.is_dumb_terminal:
-            return None
-        whole = Column(no_wrap=True)
-        columns = (
-            TextColumn("{task.description}", table_column=whole),
-            BarColumn(bar_width=_BAR_WIDTH),
-            TextColumn("{task.fields[done]} %", table_column=whole),
-            TextColumn("{task.fields[text]}", markup=False, table_column=Column(ratio=1)),
-        )
-        return cls(RichProgress(*columns, console=console, auto_refresh=False, expand=True), label)
-
-    def draw(self, share: float, texts: Sequence[str]) -> None:
-        # As many of the texts as the line has room for.
-        done, room = percent(share), self._bar.console.width - self._taken
-        text = ""
-        for one in texts:
-            longer = f"{text}, {one}" if text else one
-            if len(longer) > room:
-                break
-            text = longer
-        self._bar.update(self._task, completed=share, done=done, text=text, refresh=True)
-
-    def note(self, text: str) -> None:
-        self._bar.console.print(text, markup=False, highlight=False)
-
-    def close(self) -> None:
-        self._bar.stop()
+def _bar_on(stream: TextIO) -> Any:
+    # a bar of rich, drawn only on request: no thread beside the time loop; None if it cannot be
+    try:
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as RichProgress
+        from rich.table import Column
+    except ImportError:  # rich comes with meshio, but that is not guaranteed
+        return None
+    console = Console(file=stream)
+    if not console.is_terminal or console.is_dumb_terminal:
+        return None
+    whole = Column(no_wrap=True)
+    columns = (
+        TextColumn("{task.description}", table_column=whole),
+        BarColumn(bar_width=_BAR_WIDTH),
+        TextColumn("{task.fields[done]} %", table_column=whole),
+        TextColumn("{task.fields[text]}", markup=False, table_column=Column(ratio=1)),
+    )
+    return RichProgress(*columns, console=console, auto_refresh=False, expand=True)
 
 
 def percent(share: float) -> int:

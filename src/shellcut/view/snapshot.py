@@ -150,7 +150,12 @@ class SnapshotSeries:
             if close:
                 camera = close_camera(frame, self._camera, self._close_shape)
                 self._put(self._right, frame, camera, "tooth 1")
-                self._mark(camera)
+                from matplotlib.patches import Circle
+
+                at = self._camera.project(camera.centre)[:2] / OVERSAMPLING  # a circle around it
+                seen = 0.5 * min(camera.shape) / camera.scale * self._camera.scale / OVERSAMPLING
+                look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25"}
+                self._left.add_patch(Circle(tuple(at), seen, **look))
         return self._figure
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:
@@ -167,15 +172,6 @@ class SnapshotSeries:
         show(axes, image, camera.shape[1] / camera.scale)
         if label:
             axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12, bbox=PAPER)
-
-    def _mark(self, close: Camera) -> None:
-        """Draw a circle around what the close-up shows."""
-        from matplotlib.patches import Circle
-
-        at = self._camera.project(close.centre)[:2] / OVERSAMPLING
-        radius = 0.5 * min(close.shape) / close.scale * self._camera.scale / OVERSAMPLING
-        look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25"}
-        self._left.add_patch(Circle(tuple(at), radius, **look))
 
 
 def limits_of(seen: Sequence[Frame], look: Look) -> tuple[tuple[float, float], list[Floats]]:

@@ -30,7 +30,7 @@ import numpy as np
 
 from harness import Check
 from shellcut import Elastic, Fracture, Layer, Linear, Plastic, ShellMaterial, Simulation, Support
-from shellcut.models.trouser import LAW, trouser_strip
+from shellcut.models.trouser import TEAR_LAW, trouser_strip
 
 ID, TITLE, FAST = "P08", "Trouser with legs that yield", False
 
@@ -41,7 +41,7 @@ FILMS = {"stiff": (26848.0, 2500.0), "soft": (1678.0, 1250.0)}
 RISE = 3e-4  # s
 START = 10.0  # mm of w, from which on a/w stays
 END = LENGTH - 2.0 / 3.0 * WIDTH
-TEARING = LAW.fracture_energy * THICKNESS
+TEARING = TEAR_LAW.fracture_energy * THICKNESS
 EDGES = "the crack grows by edges"
 LOSSES = "losses, and edges"
 
@@ -65,7 +65,7 @@ def strip(young: float, speed: float, length: float = LENGTH) -> Simulation:
         mesh,
         ShellMaterial([Layer(film, THICKNESS)], points_per_layer=5),
         supports=[Support.clamped("tail"), *legs],
-        law=LAW,
+        law=TEAR_LAW,
         fracture=Fracture(path="edges", check_every=5),
         damping_alpha=10.0,
     )
