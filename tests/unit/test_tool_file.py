@@ -179,7 +179,7 @@ class TestRefusals:
             ({"axis": "w"}, "axis must be x, y, z"),
             ({"axis": (0.0, 0.0, 0.0)}, "a direction of three numbers"),
             ({"shift": (1.0, 2.0)}, "shift must be three finite numbers"),
-            ({"unit": "feet"}, "unit must be one of um, mm"),
+            ({"unit": "feet"}, "unit must be a unit of length"),
             ({"unit": -1.0}, "unit must be a finite length above 0"),
             ({"not_cutting": [9]}, "there are no cutting edges"),
         ],

@@ -12,14 +12,14 @@ from numbers import Real
 from typing import Annotated, TypeAlias
 
 from shellcut.arguments import Option
-from shellcut.unit import LENGTH
+from shellcut.unit import LENGTH, conversion
 
 MILLIMETRES = {
     **{unit: float(LENGTH[unit]) for unit in ("um", "mm", "cm", "m")},
     "inch": float(LENGTH["in"]),
     "mil": float(LENGTH["mil"]),
 }
-"""Length of each unit [mm]."""
+"""Length of each unit that files are likely to have [mm]."""
 
 _LIKELY = (0.1, 2000.0)
 """Sizes of a part [mm] beyond which the unit that its file states is taken for a mistake."""
@@ -50,7 +50,7 @@ def unit_in_mm(
 
     Examples
     --------
-    >>> unit_in_mm("inch", 0.8, "the film")
+    >>> unit_in_mm("in", 0.8, "the film")
     (25.4, '')
     >>> unit_in_mm(None, 20.4, "the film")
     (1.0, 'no unit given: taken as mm, the film is 20.4 mm across; unit="..." says otherwise')
@@ -60,9 +60,11 @@ def unit_in_mm(
             raise ValueError(f"unit must be a finite length above 0 in mm, got {unit!r}")
         return float(unit), _against(float(unit), stated)
     if unit is not None:
-        if unit not in MILLIMETRES:
-            raise ValueError(f"unit must be one of {', '.join(MILLIMETRES)}, got {unit!r}")
-        return MILLIMETRES[unit], _against(MILLIMETRES[unit], stated)
+        try:
+            given = conversion(unit, "mm")
+        except ValueError as problem:
+            raise ValueError(f"unit {problem}") from None
+        return given, _against(given, stated)
     if stated is not None:
         return stated, _stated(stated, extent, what)
     for name, (least, most) in (("mm", _TAKEN_FOR_MM), ("m", _TAKEN_FOR_M)):

@@ -101,7 +101,7 @@ ImperfectionNumber: TypeAlias = Annotated[
         "buckle; 0: none",
         least=0,
         most=_MOST,
-        unset="1 with a tool that cuts, otherwise 0",
+        unset="1 with a tool and a film that parts, otherwise 0",
     ),
 ]
 
