@@ -268,9 +268,13 @@ class _Reading:
                 self.say((*path, given), f"{title}{given} repeats {name}: leave one out")
             else:
                 values[name] = self.value(keys[name], value, (*path, given), f"{title}{given}")
+        names = [kind.name for kind in kinds if kind.name]
+        assumed = ""
+        if len(names) > 1 and cls.name and "kind" not in table:
+            assumed = f"; without {title}kind, one of {', '.join(names)}, it is a {cls.name}"
         for name, key in keys.items():
             if name not in values and key.default is REQUIRED:
-                self.say(path, f"{title}{name} must be given: {key.option.text}")
+                self.say(path, f"{title}{name} must be given: {key.option.text}{assumed}")
         if len(self.problems) > before:
             return None
         made = cls(**values)
