@@ -61,7 +61,7 @@ def unit_in_mm(
         return float(unit), _against(float(unit), stated)
     if unit is not None:
         try:
-            given = conversion(unit, "mm")
+            given = conversion(str(unit), "mm")
         except ValueError as problem:
             raise ValueError(f"unit {problem}") from None
         return given, _against(given, stated)

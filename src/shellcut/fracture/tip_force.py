@@ -32,6 +32,7 @@ takes the stress ahead alone.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from shellcut.arrays import Floats, Ints, product
 from shellcut.material.shell_material import ShellMaterial
@@ -84,33 +85,30 @@ class TipForce:
         # At a node e has become the mean of what it has in the quads there.
         along = product(_AT_CORNERS, X[:, None])
         back = along.transpose(0, 1, 3, 2)
-        n_at = np.bincount(self._nodes.ravel(), minlength=state.n_node)[self._nodes]
-        self._carry = product(base, back, inverse(product(along, back)), _AT_CORNERS)
-        self._carry /= n_at[..., None, None]
-        """Weights that give, of the positions of a quad's nodes, its part of dx/de at each of its
-        corners, shape (n, 4, n_slide, 4)."""
-        self._q_at = np.zeros(state.n_node)
-        np.add.at(self._q_at, self._nodes, self._q / n_at)
+        n = state.n_node
+        n_at = np.bincount(self._nodes.ravel(), minlength=n)[self._nodes]
+        weights = product(base, back, inverse(product(along, back)), _AT_CORNERS)
+        weights /= n_at[..., None, None]  # (n, 4, n_slide, 4)
+        at = self._nodes[:, :, None, None] + n * np.arange(2)[:, None]
+        at, of = np.broadcast_arrays(at, self._nodes[:, None, None, :])
+        entries = weights.ravel(), (at.ravel(), of.ravel())
+        self._slopes = scipy.sparse.csr_array(entries, shape=(2 * n, n))
+        """Gives of what nodes have its slopes there along both vectors of the base."""
+        self._q_at = np.bincount(self._nodes.ravel(), (self._q / n_at).ravel(), n)
         flank = state.flank
         self._tied = flank.node[: flank.count], flank.nodes[: flank.count]
         self._q_tied = flank.weight[: flank.count] * q[flank.row[: flank.count]]
 
     def of(self, state: State) -> Floats:
         """Return the components of the force along the base [N], shape (2,), as the film is now."""
-        x, t = state.node.x[self._nodes], state.node.t[self._nodes]
-        become, bend = self._along(state.n_node, x), self._along(state.n_node, t)
+        n, now = state.n_node, state.node
+        slopes = (self._slopes @ np.hstack([now.x[:n], now.t[:n]])).reshape(2, n, 6)
+        become, bend = slopes[..., :3], slopes[..., 3:]
         moves, turns = (self._q[..., None] * rows[:, self._nodes] for rows in (become, bend))
+        x, t = now.x[self._nodes], now.t[self._nodes]
         history = None if self._history is None else self._history.of_state(state)
         changes = product(self._energy.changes(x, t, moves, turns, history), self._share)
         return np.asarray(self._of_cables(state, become) - changes)
-
-    def _along(self, n_node: int, corners: Floats) -> Floats:
-        """Return at nodes the slopes of x or t along the base, shape (n_slide, n_node, 3)."""
-        found = np.zeros((2, n_node, 3))
-        parts = np.einsum("eakb,ebi->keai", self._carry, corners)
-        for at_node, part in zip(found, parts, strict=True):
-            np.add.at(at_node, self._nodes, part)
-        return found
 
     def _of_cables(self, state: State, become: Floats) -> Floats:
         """Return what straight cables do that go along with the tip [N], shape (n_slide,)."""
