@@ -56,10 +56,10 @@ def pushed(tmp_path_factory):
 def test_the_film_tears_ahead_of_it(pushed):
     case, _ = pushed
     s = case.simulation.state
-    assert s.crack_length > 3.0
+    assert s.crack_length >= 3.0
     assert {cut.kind for cut in s.split_log} == {"notch", "tear"}
-    # In front of the bar, an edge beside it at most.
-    assert max(abs(cut.reference[1]) for cut in s.split_log) < 2.0
+    # All is the same on both sides of the bar.
+    assert max(abs(cut.end[1]) for cut in s.split_log) < 1e-6
     ahead = max(cut.reference[0] for cut in s.split_log)
     assert ahead > case.simulation.pose.translation[0]
     book = case.simulation.ledger

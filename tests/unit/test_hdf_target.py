@@ -42,7 +42,7 @@ def assert_goes_on(path, wanted, n):
     assert reader.times.tolist() == [frame.time for frame in wanted[:n]]
     for k in range(n):
         np.testing.assert_array_equal(reader.frame(k).quads, wanted[k].quads)
-    with VtkHdfWriter(path, until=wanted[n].time) as writer:
+    with VtkHdfWriter(path, until=wanted[n - 1].time if n else -np.inf) as writer:
         assert writer.n_frame == n
         writer.append(wanted[n])
     np.testing.assert_array_equal(VtkHdfReader(path).frame(n).quads, wanted[n].quads)

@@ -68,8 +68,8 @@ def test_the_crack_runs_ahead_of_the_bar(coarse):
     front = sim.pose.translation[0]
     assert path[-1, 0] > front + 1.0  # it tears ahead of the bar, by 2.9 to 6.3 mm
     assert path[0, 1] == pytest.approx(2.1)  # round-off: the end of the notch
-    # Regression; such changes move it by up to 0.014.
-    assert np.interp([11.0, 12.0], *path.T) == pytest.approx([1.773, 1.177], abs=0.02)
+    # Regression; other diameters, by 0.1 to 10 µm, move it by up to 0.005.
+    assert np.interp([11.0, 12.0], *path.T) == pytest.approx([1.737, 1.055], abs=0.02)
     assert np.abs(path[path[:, 0] < 14.0, 1]).min() < 1.3  # 0.4 to 1.1
     assert np.abs(path[path[:, 0] > 14.0, 1]).max() < 3.5  # 0.4 to 2.8; half the bar is 3
     assert (np.diff(path[:, 0]) > -0.75).all()  # half an edge; 0.5 at most

@@ -94,10 +94,8 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
         sim.loads.begin_forces(sim.state)  # the load is dead
         done = (n.force[: n.count] * (n.x[: n.count] - n.X[: n.count])).sum()
         potential[end] = sim.ledger.initial - done
-        place, moved_base = at_tip(sim)
         for reach in (1.0, 1.8):
-            force = force_on(sim, place, reach)
-            J[end, reach] = force.of(sim.state, moved_base)
+            J[end, reach] = force_on(sim, at_tip(sim), reach).of(sim.state)
     released = 0.5 * (potential[5.0] - potential[7.0])
     assert n.x[: n.count, 2].max() > 0.5
     for reach in (1.0, 1.8):

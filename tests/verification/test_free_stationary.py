@@ -19,7 +19,7 @@ from shellcut.fracture.quad_polygon import CORNERS, on_side
 from shellcut.fracture.tip import Segment
 from shellcut.mesh.structured import rectangle
 from shellcut.state import NOTCH
-from tip_domains import BASE, force_on
+from tip_domains import force_on
 
 HALF_WIDTH, HALF_CRACK, HALF_LENGTH = 10.0, 4.0, 20.0
 YOUNG, THICKNESS = 1000.0, 0.1
@@ -89,7 +89,7 @@ class Sheet:
         small = 1e-6
         n.x[: n.count, :2] += small * u
         force = force_on(self.sim, tip, 4.0 * size)
-        found = force.of(self.sim.state, BASE) / small**2
+        found = force.of(self.sim.state) / small**2
         n.x[: n.count] = n.X[: n.count]
         return found
 
