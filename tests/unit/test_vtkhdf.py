@@ -279,6 +279,14 @@ def test_dropping_everything_begins_anew(tmp_path):
     assert_holds(Reading(path).frame(2), written[2])
 
 
+def test_a_file_that_ends_before_the_checkpoint_is_refused(tmp_path):
+    path = tmp_path / "run.vtkhdf"
+    written = frames(3)
+    write(path, written[:2])
+    with pytest.raises(ValueError, match="must reach to the checkpoint"):
+        write(path, written[2:], until=written[2].time)
+
+
 def test_frames_out_of_order_or_with_other_scalars_are_refused(tmp_path):
     first, second, *_ = frames(2)
     with VtkHdfWriter(tmp_path / "run.vtkhdf") as writer:
