@@ -68,7 +68,7 @@ class Result:
     checks: list[Check]
     curves: dict[str, dict[str, list[float]]] = field(default_factory=dict)
     axes: tuple[str, str] | None = None
-    """Labels of the axes of its picture, with units, if the names of the curves leave them open."""
+    """Labels of the axes of its picture, with units; None without curves."""
 
     @property
     def passed(self) -> bool:
@@ -96,5 +96,5 @@ def run_case(module: ModuleType) -> Result:
     checks = module.checks()
     curves = getattr(module, "CURVES", {})
     seconds = time.process_time() - began
-    axes = getattr(module, "AXES", None)
+    axes = module.AXES if curves else None
     return Result(module.ID, module.TITLE, seconds, checks, dict(curves), axes)

@@ -56,12 +56,9 @@ def draw(result: dict[str, Any]) -> None:
         if curve.get("x_ref"):
             axes.plot(curve["x_ref"], curve["y_ref"], "o", color=color, ms=4, mfc="none")
     axes.set_title(f"{result['id']} {result['title']}: lines ours, circles published", fontsize=10)
-    labels = result.get("axes")
-    if result["id"].startswith("B"):
-        labels = "displacement, in the case's unit of length", "load over the largest load"
-    if labels:
-        axes.set(xlabel=labels[0], ylabel=labels[1])
-    if all("error" in name for name in result["curves"]):
+    along, up = result["axes"]
+    axes.set(xlabel=along, ylabel=up)
+    if up.startswith("relative error"):
         axes.set_xscale("log")
         axes.set_yscale("log")
     axes.grid(color="0.9")

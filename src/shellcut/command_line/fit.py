@@ -77,6 +77,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Fit, print the result."""
     from shellcut.study.fit import fit
+    from shellcut.view import can_draw
 
     return print_found(
         arguments,
@@ -89,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
             search=made_of(arguments, Search, bounds=_bounds(arguments)),
             executor=executor,
         ),
-        f"in {arguments.out}: fit.json",
+        f"in {arguments.out}: fit.json" + ", fit.png" * can_draw(),
     )
 
 

@@ -381,14 +381,14 @@ def _first_way(motion: Motion | None) -> Floats:
 
 
 def _cure(shift: Floats, reach: float) -> str:
-    notch = "cut a notch for it ([membrane] notch)"
+    slot = "leave a slot for it out of the film's mesh (a notch is closed, so it has no room)"
     turn = "turn it: its axis or the direction of its motion may be wrong"
     if not shift.any():
-        return f"move the tool's start, {turn}, or {notch}"
+        return f"move the tool's start, {turn}, or {slot}"
     x, y, z = shift + 0.0
     move = f"move the tool's start back by ({x:.3g}, {y:.3g}, {z:.3g}) mm ([tool] shift)"
     is_small = length_of(shift) <= _FAR * reach
-    return f"{move}, or {notch}" if is_small else f"{move}, or {turn}; or {notch}"
+    return f"{move}, or {slot}" if is_small else f"{move}, or {turn}; or {slot}"
 
 
 def _some(ids: Ints, places: Floats) -> str:

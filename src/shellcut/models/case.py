@@ -27,7 +27,9 @@ Clamp: TypeAlias = Annotated[
 ]
 Notch: TypeAlias = Annotated[
     float,
-    Option("mm", "length of the cut in which the blade starts; 0 for none", least=0),
+    Option(
+        "mm", "length of the cut ahead of the edge that meets the film first; 0 for none", least=0
+    ),
 ]
 
 

@@ -23,6 +23,7 @@ CONVERGED = (0.0934, 0.0935)
 RADIUS, HOLE_DEG = 10.0, 18.0
 
 CURVES = {}
+AXES = "quads a side of a quarter", "u / 0.093"
 
 
 def sphere(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -70,7 +71,7 @@ def checks() -> list[Check]:
         Check("u, N = 64, converged", middle, 0.093 * fine, 2e-3, "spread of the references")
     )
     ours = [row.ours for row in rows[: len(CROSS_CHECK)]]
-    CURVES["u / 0.093 over quads a side"] = curve(
+    CURVES["u under the load"] = curve(
         [*CROSS_CHECK, 64], [*ours, fine], CROSS_CHECK, CROSS_CHECK.values()
     )
     return rows

@@ -44,6 +44,7 @@ CROSS_CHECK = {
 }
 
 CURVES = {}
+AXES = "quads across, N", "displacement over the unit of each load"
 
 
 def strip(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -99,5 +100,5 @@ def checks() -> list[Check]:
         rows.append(Check(what, EXACT_BEAM[load], ours[16] * unit, band, why))
         what, plus = f"{name}, N = 16, published MITC4+", PUBLISHED_PLUS[load]
         rows.append(Check(what, plus, ours[16], 5e-3, "other element", gate=False))
-        CURVES[f"{load}, u / {unit:g} over N"] = curve(ours, ours.values(), table, table.values())
+        CURVES[f"{load}, u / {unit:g}"] = curve(ours, ours.values(), table, table.values())
     return rows

@@ -36,6 +36,7 @@ EDGES = {
 }
 
 CURVES = {}
+AXES = "quads a side of a quarter, N", "w D / (q L⁴) in the middle"
 
 
 def flat(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -68,9 +69,7 @@ def checks() -> list[Check]:
         for n, value in table.items():
             name = f"alpha, {edge}, h/L = {h}, N = {n}"
             rows.append(Check(name, value, ours[n], 2e-3, "same element"))
-        CURVES[f"alpha over N, {edge}, h/L = {h}"] = curve(
-            ours, ours.values(), table, table.values()
-        )
+        CURVES[f"{edge}, h/L = {h}"] = curve(ours, ours.values(), table, table.values())
         if h == 0.001:
             n = max(table)
             band = 1.0 / n**2 + 5.0 * h**2

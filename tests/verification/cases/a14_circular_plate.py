@@ -24,6 +24,7 @@ EXACT_THIN = {"clamped": 1.0 / 64.0, "simply supported": (5 + POISSON) / (64 * (
 MESHES = (8, 16, 32)
 
 CURVES = {}
+AXES = "mean side of the quads over the radius, s / R", "w D / (q R⁴) in the middle"
 
 
 def stiffness(thickness: float) -> float:
@@ -64,7 +65,7 @@ def checks() -> list[Check]:
             for n, (w, size) in zip(MESHES, found, strict=True):
                 name = f"w D / q R⁴, {edge}, h/R = {thickness}, n_side = {n}"
                 rows.append(Check(name, reference, w, size**2, "discretisation, (s/R)²"))
-            CURVES[f"w D / q R⁴ over s / R, {edge}, h/R = {thickness}"] = curve(
+            CURVES[f"{edge}, h/R = {thickness}"] = curve(
                 [size for _, size in found],
                 [w for w, _ in found],
                 [0.0, found[0][1]],

@@ -16,6 +16,7 @@ from shellcut import EdgeTraction
 
 ID, TITLE, FAST = "B01", "Cantilever, end shear", True
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "displacement of the tip", "load over the largest load"
 
 # P / Pmax, -U, W
 TABLE = rows_of(

@@ -15,6 +15,7 @@ from harness import Check
 
 ID, TITLE, FAST = "B02", "Cantilever, end shear: exact elastica", True
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "displacement of the tip", "load over the largest load"
 
 # P / Pmax, -U, W
 TABLE = rows_of(

@@ -19,6 +19,7 @@ from shellcut.loads.loads import NodalMoment
 
 ID, TITLE, FAST = "B03", "Cantilever, end moment, roll-up", True
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "displacement of the tip", "moment over the largest moment"
 
 # M / Mmax, -U, W
 TABLE = rows_of(

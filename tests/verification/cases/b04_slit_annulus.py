@@ -16,6 +16,7 @@ from shellcut import EdgeTraction, Mesh, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B04", "Slit annular plate, lifted lip", False
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "lift of the lip", "load over the largest load"
 
 # P / Pmax, W at A, W at B
 TABLE = rows_of(

@@ -19,6 +19,7 @@ from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B05", "Pinched hemisphere with hole, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "deflection", "load over the largest load"
 
 # P / Pmax, outward at A, inward at B
 TABLE = rows_of(

@@ -28,6 +28,7 @@ from shellcut import NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B07", "Pinched cylinder, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "deflection", "load over the largest load"
 
 # P / Pmax, -W at A, U at B
 TABLE = rows_of(

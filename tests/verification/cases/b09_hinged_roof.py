@@ -20,6 +20,7 @@ from shellcut import NodalForce, ShellMaterial, Statics, Support
 ID, TITLE, FAST = "B09", "Hinged cylindrical roof, snap-through", True
 ONE_PERCENT = "1 % of the largest deflection"
 CURVES: dict[str, dict[str, list[float]]] = {}
+AXES = "deflection of the centre, mm", "load over the largest load"
 
 # P / Pmax, -W at the centre
 TABLE = rows_of(

@@ -24,6 +24,7 @@ MESHES = (16, 32)  # n_side
 EXACT = {0: [10.21583, 39.77115, 89.10414], 1: [21.2604, 60.82867, 120.07924]}
 
 CURVES = {}
+AXES = "side of a quad over the radius, s / a", "relative error of the first frequency"
 
 
 def likest(mesh: Mesh, modes: Modes, radial: np.ndarray, n: int) -> float:
@@ -67,7 +68,7 @@ def checks() -> list[Check]:
             rows.append(Check(name, value, one, band, "mesh, (k s)²/8"))
         error.append(ours[0, 0] / EXACT[0][0] - 1.0)
         sizes.append(size / RADIUS)
-    CURVES["error of the first frequency over s / a"] = order_curve(sizes, error)
+    CURVES["mode 1"] = order_curve(sizes, error)
     order = observed_order(error) / np.log2(sizes[0] / sizes[1])
     rows.append(Check("order, mode 1, n_side = 16 to 32", 2.0, order, 0.3, "order", absolute=True))
     return rows

@@ -29,6 +29,7 @@ MATERIAL = ShellMaterial.homogeneous(young=YOUNG, poisson=0.0, density=DENSITY, 
 SPEED = np.sqrt(YOUNG / DENSITY)
 
 CURVES = {}
+AXES = "t c / L", "displacement of the end over 2 σ₀ L / E"
 
 
 def bar() -> tuple[Mesh, dict]:
@@ -63,9 +64,7 @@ def swing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def checks() -> list[Check]:
     time, tip, velocity = swing()
     exact = triangle(time)
-    CURVES["end over 2 sigma0 L / E, over t c / L"] = curve(
-        time * SPEED / LENGTH, tip, [0.0, 2.0, 4.0], [0.0, 1.0, 0.0]
-    )
+    CURVES["loaded end"] = curve(time * SPEED / LENGTH, tip, [0.0, 2.0, 4.0], [0.0, 1.0, 0.0])
     smear = N ** (1.0 / 3.0) / N
     # Front: the velocity sigma0 / rho c comes to the middle after L / 2 c; half of it passes then.
     half = 0.5 * STRESS / (DENSITY * SPEED)

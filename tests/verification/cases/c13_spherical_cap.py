@@ -59,6 +59,7 @@ NAMES = ("small trough", "small crest", "first trough", "crest", "second trough"
 MAIN = (2, 3, 4)
 
 CURVES = {}
+AXES = "time, s", "deflection of the middle, in"
 
 
 def cap(n_side: int) -> Mesh:
@@ -187,17 +188,17 @@ def checks() -> list[Check]:
             what = f"{NAMES[k]}, {name}, axisymmetric"
             rows.append(Check(f"w {what}, in", theirs[k][1], mine[k][1], 0.02, "mesh"))
             rows.append(Check(f"t {what}, s", theirs[k][0], mine[k][0], 0.02, "mesh"))
-        CURVES[f"deflection, {name}, axisymmetric shell"] = curve(time, w, exact_time, exact)
+        CURVES[f"{name}, axisymmetric shell"] = curve(time, w, exact_time, exact)
     for n_side in MESHES[:-1]:
         one = extremes(*runs[n_side])[2][1]
         name = f"w {NAMES[2]}, n_side = {n_side} on ours of {MESHES[-1]}"
         rows.append(Check(name, ours[2][1], one, 0.05, "mesh", gate=False))
     for name, (time, w), table in (
-        ("deflection, non-linear", finest, OPENSEES),
-        ("deflection, linear", linear, OPENSEES_LINEAR),
+        ("non-linear, OpenSees", finest, OPENSEES),
+        ("linear, OpenSees", linear, OPENSEES_LINEAR),
     ):
         CURVES[name] = curve(time, w, [t for t, _ in table], [w for _, w in table])
-    CURVES["deflection, Belytschko-Lin-Tsay"] = curve(
+    CURVES["non-linear, Belytschko-Lin-Tsay"] = curve(
         finest[0], finest[1], [t for t, _ in BELYTSCHKO], [w for _, w in BELYTSCHKO]
     )
     return rows

@@ -41,6 +41,7 @@ EXACT = {
 DIGIT = 5e-6  # half of the last, w0 and small stresses
 
 CURVES = {}
+AXES = "Q = q a⁴ / (E h⁴)", "w0 / h; stresses times a² / (E h²)"
 
 
 def path() -> np.ndarray:
@@ -76,7 +77,7 @@ def checks() -> list[Check]:
     ours = path()
     reference = np.array(list(EXACT.values()))
     for k, name in enumerate(NAMES):
-        CURVES[f"{name} over Q"] = curve(EXACT, ours[:, k], EXACT, reference[:, k])
+        CURVES[name] = curve(EXACT, ours[:, k], EXACT, reference[:, k])
     rows = []
     layer_size = RADIUS / N_SIDE / 2.0
     for i, Q in enumerate(EXACT):

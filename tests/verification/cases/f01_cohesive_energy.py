@@ -22,9 +22,7 @@ def checks() -> list[Check]:
     law = CohesiveLaw()
     opening = np.linspace(0.0, 4.0, 801)  # 0, 0.5, 3 and 4 among them
     traction = np.array([law.traction(float(w)) for w in opening])
-    CURVES["traction over opening"] = curve(
-        opening, traction, [0.0, 0.5, 3.0, 4.0], [18.0, 12.0, 12.0, 0.0]
-    )
+    CURVES["traction"] = curve(opening, traction, [0.0, 0.5, 3.0, 4.0], [18.0, 12.0, 12.0, 0.0])
     area = float(0.5 * ((traction[1:] + traction[:-1]) * np.diff(opening)).sum())
     return [
         Check("area below the traction, N/mm", 43.5, area, 1e-12, "round-off"),

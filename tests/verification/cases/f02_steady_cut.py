@@ -23,13 +23,14 @@ SIZE = 0.8  # mm
 EXACT = 43.5 * 0.074
 
 CURVES = {}
+AXES = "path of the blade, mm", "work of the blade, N·mm"
 
 
 def checks() -> list[Check]:
     case = guillotine(SIZE, length=20.0)
     means, worst, (path, work, _) = steady_works(case, SIZE, 8.0, "tool_work", "cohesive_work")
     n = int((path[-1] - 8.0) / SIZE)
-    CURVES["work of the blade over its path, N mm"] = curve(
+    CURVES["work of the blade"] = curve(
         path,
         work,
         [8.0, float(path[-1])],

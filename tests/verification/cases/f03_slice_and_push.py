@@ -28,6 +28,7 @@ RATIOS = (0.0, 0.5, 1.0, 2.0)
 FRICTION = 0.3
 
 CURVES = {}
+AXES = "ξ, speed along the edge over that along the strip", "force over G h"
 
 
 def forces(*, size, slice_ratio, width=8.0, strength=18.0, thickness=0.074, blade=None, **joint):
@@ -112,7 +113,7 @@ def checks() -> list[Check]:
         for name, ours, sign in (("V", pushes, 0), ("H", slides, 1)):
             limit = {"adhesion": np.inf, "free": 0.0, "slip": 0.5 * np.pi * FRICTION}[joint]
             rho = np.minimum(np.array(RATIOS[1:]), limit)
-            CURVES[f"{name} / G h over xi, {joint}"] = curve(
+            CURVES[f"{name}, {joint}"] = curve(
                 RATIOS[1:], ours, RATIOS[1:], (rho**sign / (1.0 + rho**2))
             )
     return found

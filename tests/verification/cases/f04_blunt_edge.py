@@ -25,6 +25,7 @@ from harness import Check
 ID, TITLE, FAST = "F04", "Blunt edge", False
 
 CURVES = {}
+AXES = "radius of the edge over the thickness, r / h", "F / G h"
 
 
 def checks() -> list[Check]:
@@ -66,13 +67,13 @@ def checks() -> list[Check]:
     worst = max(row["imbalance"] for row in rows)
     found.append(Check("largest imbalance / work", 0.0, worst, 5e-3, "time step", absolute=True))
     ratio = [row["r_over_h"] for row in rubbed]
-    CURVES["F / G h over r / h, mu = 0.3"] = curve(
+    CURVES["μ = 0.3"] = curve(
         ratio,
         [row["F_over_Gh"] for row in rubbed],
         ratio,
         [1.0 + on_the_blade(row["edge_radius_mm"], FRICTION) for row in rubbed],
     )
-    CURVES["F / G h over r / h, no friction"] = curve(
+    CURVES["no friction"] = curve(
         ratio, [row["F_over_Gh"] for row in free], [ratio[0], ratio[-1]], [1.0, 1.0]
     )
     return found

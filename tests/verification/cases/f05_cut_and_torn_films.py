@@ -64,8 +64,6 @@ FILMS = (
     Film("9757", 0.015, 4000.0, 6.0, 0.5, 70.0, 0.053),
 )
 
-CURVES = {}
-
 
 def cutting_force(film):
     """Return the mean force over whole node periods, and the largest imbalance."""

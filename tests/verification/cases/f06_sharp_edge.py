@@ -133,5 +133,5 @@ def checks() -> list[Check]:
     found.append(
         Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
     )
-    CURVES["cables / h, N/mm, over r, mm"] = curve(ROW, ours, ROW, exact)
+    CURVES["work of the cables"] = curve(ROW, ours, ROW, exact)
     return found

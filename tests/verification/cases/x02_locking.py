@@ -35,6 +35,7 @@ HEMISPHERE = {0.04: 1.0, 0.004: 1e-3, 0.0004: 1e-6}  # thickness and force for a
 THIN_TWISTED = {"in plane": 5.256e-3, "out of plane": 1.294e-3}  # t = 0.0032, force 1e-6
 
 CURVES = {}
+AXES = "thickness over length, t / L", "w over the exact w"
 
 
 def skewed(place: Place, n_u: int, n_v: int) -> Place:
@@ -95,9 +96,7 @@ def flat_rows(
             "no locking: flat when thin",
         )
     )
-    CURVES[f"w over exact against t/L, {name}"] = curve(
-        ours, ours.values(), [thicknesses[0], thicknesses[-1]], [1.0, 1.0]
-    )
+    CURVES[name] = curve(ours, ours.values(), [thicknesses[0], thicknesses[-1]], [1.0, 1.0])
     return rows
 
 

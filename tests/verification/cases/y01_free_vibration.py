@@ -45,6 +45,7 @@ FILMS: dict[str, tuple[Build, float]] = {  # and the stretch in x and y
 }
 
 CURVES = {}
+AXES = "time, s", "displacement along the mode, over its amplitude"
 
 
 def best_frequency(time: np.ndarray, value: np.ndarray, guess: float) -> float:

@@ -27,6 +27,7 @@ MATERIAL = ShellMaterial.homogeneous(poisson=0.0)
 N_STEP = 60
 
 CURVES = {}
+AXES = "ω t", "displacement of the end over the largest"
 
 
 def swing(share: float, alpha: float, beta: float) -> tuple[float, float, float, float]:
@@ -57,7 +58,7 @@ def swing(share: float, alpha: float, beta: float) -> tuple[float, float, float,
     q = np.array(q)
     A, B = np.linalg.lstsq(np.stack([q[1:-1], q[:-2]], axis=1), q[2:], rcond=None)[0]
     z = np.roots([1.0, -A, -B])[0]
-    CURVES[f"end, alpha {alpha:g} omega, beta {beta:g} / omega"] = curve(
+    CURVES[f"α = {alpha:g} ω, β = {beta:g} / ω"] = curve(
         (omega * dt * np.arange(q.size)),
         (q / np.abs(q).max()),
         (omega * dt * np.arange(q.size)),

@@ -29,6 +29,7 @@ N_STEP, EVERY = 1_000_000, 10
 SWING = 5.0  # mm, along the arc
 
 CURVES = {}
+AXES = "steps", "mean imbalance over the largest energy"
 
 
 def strip() -> tuple[Simulation, Sequence[int]]:
@@ -76,7 +77,7 @@ def drift_rows(name: str, history: np.ndarray, *, gate: bool) -> list[Check]:
     step, imbalance, put_in, height = history
     peak = np.abs(put_in).max()
     means = imbalance.reshape(100, -1).mean(axis=1) / peak
-    CURVES[f"{name}: mean imbalance over peak energy, over steps"] = curve(
+    CURVES[name] = curve(
         step.reshape(100, -1).mean(axis=1), means, [0.0, float(step[-1])], [0.0, 0.0]
     )
     first = means[:10].mean()

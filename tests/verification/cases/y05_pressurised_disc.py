@@ -31,6 +31,7 @@ PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
 ]
 
 CURVES = {}
+AXES = "time, s", "middle"
 
 
 def swing(n_side: int, n_layer: int) -> np.ndarray:
@@ -75,7 +76,7 @@ def checks() -> list[Check]:
     early = time < 20e-6
     off = float(np.abs(z[early] / flight[early] - 1.0).max())
     rows.append(Check("free flight to 20 us", 0.0, off, 1e-5, "mesh", absolute=True))
-    CURVES["height of the middle, mm"] = curve(
+    CURVES["middle"] = curve(
         time,
         z,
         [when for _, mesh, _, when, gate in PEERS if gate],
