@@ -24,7 +24,7 @@ PRESSED, SLOPE = 1.8e7, 1e-3  # mm/s² along the normal; s in which the slope lo
 RAMP = 6e-4  # s of the normal load
 
 # Columns: along the slope, across, normal.
-AXES = np.array(
+FRAME = np.array(
     [[np.cos(TILT), 0.0, np.sin(TILT)], [0.0, 1.0, 0.0], [-np.sin(TILT), 0.0, np.cos(TILT)]]
 )
 
@@ -34,18 +34,18 @@ def incline() -> Tool:
     v = np.array([[x, y, z] for x in (-20.0, 20.0) for y in (-5.0, 5.0) for z in (-5.0, 0.0)])
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
-    return Tool.from_triangles(v @ AXES.T, triangles, edges=np.zeros((0, 2), int))
+    return Tool.from_triangles(v @ FRAME.T, triangles, edges=np.zeros((0, 2), int))
 
 
 def checks() -> list[Check]:
     flat = rectangle(2.0, 2.0, size=0.5)
-    mesh = Mesh.from_arrays((flat.nodes + np.array([0.0, 0.0, 1e-9])) @ AXES.T, flat.quads)
+    mesh = Mesh.from_arrays((flat.nodes + np.array([0.0, 0.0, 1e-9])) @ FRAME.T, flat.quads)
     loads = [
         Gravity(
-            tuple(-PRESSED * AXES[:, 2]),
+            tuple(-PRESSED * FRAME[:, 2]),
             factor=lambda t: np.sin(0.5 * np.pi * min(1.0, t / RAMP)) ** 2,
         ),
-        Gravity(tuple(PRESSED * AXES[:, 0]), factor=lambda t: max(0.0, (t - RAMP) / SLOPE)),
+        Gravity(tuple(PRESSED * FRAME[:, 0]), factor=lambda t: max(0.0, (t - RAMP) / SLOPE)),
     ]
     sim = Simulation(
         mesh,
@@ -60,7 +60,7 @@ def checks() -> list[Check]:
     mass = s.node.mass[: s.n_node]
     while s.time < RAMP + 0.7 * SLOPE:
         sim.step()
-        speed = mass @ s.node.velocity_half[: s.n_node] @ AXES[:, 0] / mass.sum()
+        speed = mass @ s.node.velocity_half[: s.n_node] @ FRAME[:, 0] / mass.sum()
         rows.append((s.time + 0.5 * s.dt, speed))
     time, speed = np.array(rows).T
     # The slope load grows with time, so from the limit on speed = ½ growth (time - limit)².
