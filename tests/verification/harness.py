@@ -8,10 +8,11 @@ returns :class:`Check` rows. It uses public functions of the library only.
 from __future__ import annotations
 
 import importlib
+import json
 import math
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import ModuleType
 
@@ -98,3 +99,14 @@ def run_case(module: ModuleType) -> Result:
     seconds = time.process_time() - began
     axes = module.AXES if curves else None
     return Result(module.ID, module.TITLE, seconds, checks, dict(curves), axes)
+
+
+def as_json(results: list[Result]) -> str:
+    """Return results as the text from which ``report.py`` makes the page."""
+    table = [
+        asdict(result)
+        | {"passed": result.passed}
+        | {"checks": [asdict(c) | {"error": c.error, "passed": c.passed} for c in result.checks]}
+        for result in results
+    ]
+    return json.dumps(table, indent=1, default=lambda value: value.item()) + "\n"

@@ -6,15 +6,13 @@ Prints a table of every number against its reference and exits with 1 if a gate 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import traceback
-from dataclasses import asdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from harness import Result, load_cases, run_case
+from harness import Result, as_json, load_cases, run_case
 
 
 def row(result: Result, k: int) -> str:
@@ -57,19 +55,7 @@ def main() -> int:
         + f", {seconds:.0f} s"
     )
     if options.json is not None:
-        table = [
-            asdict(result)
-            | {"passed": result.passed}
-            | {
-                "checks": [
-                    asdict(c) | {"error": c.error, "passed": c.passed} for c in result.checks
-                ]
-            }
-            for result in results
-        ]
-        options.json.write_text(
-            json.dumps(table, indent=1, default=lambda value: value.item()) + "\n"
-        )
+        options.json.write_text(as_json(results))
     return 1 if failed else 0
 
 
