@@ -34,7 +34,7 @@ from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
-from shellcut.tool.pose_of_motion import poses_of
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
@@ -178,7 +178,6 @@ class Simulation:
         """All that puts forces on the nodes but shells and loads."""
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
-        self._pose_at = poses_of(self.motion) if self.motion is not None else None
 
     def _let_crack(self) -> None:
         """Build the cracks, and the points on their flanks."""
@@ -467,5 +466,5 @@ class Simulation:
         self.terms.restore(s, self.pose, saved["terms"])  # they ask the cracks which film is left
 
     def _place_tool(self) -> None:
-        if self._pose_at is not None:
-            self.pose = self._pose_at(self.state.time)
+        if self.motion is not None:
+            self.pose = pose_at(self.motion, self.state.time)
