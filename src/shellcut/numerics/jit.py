@@ -41,6 +41,9 @@ from .kernel_tables import check_tables
 P = ParamSpec("P")
 R = TypeVar("R")
 
+if nb.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    raise ImportError("kernels are for Numba's compiler: unset NUMBA_DISABLE_JIT")
+
 # Checks of argument types, if enabled: in the first calls of a bound kernel and in every n-th later
 # one, because finding the types takes longer than most kernels.
 _CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
@@ -63,9 +66,8 @@ _WITHIN_KERNELS: dict[str, Any] = {
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
     compiled: Any = nb.njit(nogil=True, pipeline_class=KernelCompiler, **_OPTIONS)(function)
-    if hasattr(compiled, "compile"):
-        compiled._cache = KernelCache(function)
-        compiled.compile = _in_one_process(compiled, _uncollected(compiled.compile))
+    compiled._cache = KernelCache(function)
+    compiled.compile = _in_one_process(compiled, compiled.compile)
     return cast("Callable[P, R]", compiled)
 
 
@@ -75,54 +77,48 @@ def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[...
     def compile_alone(types: object, wait: bool = True) -> Any:
         if compiled.overloads.get(types) is not None:
             return compile_(types)
-        with compiled._cache.alone(wait=wait) as is_alone:
+        with compiled._cache.alone(wait=wait) as is_alone, _uncollected():
             return compile_(types) if is_alone else None
 
     return compile_alone
 
 
-def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a compilation so that Python looks for no garbage meanwhile.
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Keep Python from looking for garbage while a kernel is compiled.
 
-    Numba makes objects by the million and keeps most of them until the kernel is compiled. The
-    collector would go through them again and again: a fifth of the time.
+    Numba makes objects by the million and keeps most of them until then. The collector would go
+    through them again and again: a fifth of the time.
     """
-
-    def compile_uncollected(types: object) -> Any:
-        if not gc.isenabled():
-            return compile_(types)
-        gc.disable()
-        try:
-            return compile_(types)
-        finally:
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
             gc.enable()
 
-    return compile_uncollected
 
-
-def compile_if_free(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+def compile_if_free(kernel: Any, types: tuple[Any, ...]) -> bool:
     """Compile a kernel for types of its arguments, or load it, unless another process is at it."""
-    compile_: Any = getattr(function, "compile", None)
-    return compile_ is None or compile_(types, wait=False) is not None
+    return kernel.compile(types, wait=False) is not None
 
 
-def is_stored(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+def is_stored(kernel: Any, types: tuple[Any, ...]) -> bool:
     """Return whether it is of no use to compile a kernel beforehand."""
-    cache: KernelCache | None = getattr(function, "_cache", None)
-    return cache is None or not cache.can_store or cache.has(types)
+    cache: KernelCache = kernel._cache
+    return not cache.can_store or cache.has(types)
 
 
-def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:
+def bound(kernel: Any, *arguments: object) -> Callable[..., Any]:
     """Return a kernel's machine code for arguments of exactly these types, compiled if needed.
 
     Every call of a kernel selects the compiled variant, and with tuples among the arguments this
     takes longer than passing them: 1.5 µs hot, several within a step. A caller with thousands of
     calls per second and fixed types selects it once. Arguments of other types would be misread.
     """
-    if not hasattr(function, "compile"):
-        return function
     types = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
-    code: Callable[..., Any] = function.compile(types)
+    code: Callable[..., Any] = kernel.compile(types)
     return code
 
 
@@ -186,9 +182,8 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
     def within() -> Any:
         return nb.njit(**_WITHIN_KERNELS)(function)
 
-    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
-        compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
-        compiled.get_overload = lambda signature: within().get_overload(signature)
+    compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
+    compiled.get_overload = lambda signature: within().get_overload(signature)
     return cast("Callable[P, R]", compiled)
 
 
@@ -211,8 +206,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     it gets an error.
     """
     compiled: Any = nb.njit(**{**_WITHIN_KERNELS, "forceinline": True})(function)
-    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
-        compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
+    compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
     return _for_kernels_only(compiled, function)
 
 
@@ -220,8 +214,8 @@ def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]
     def refuse(*_: object) -> None:
         raise TypeError(f"{function.__name__} is inlined into kernels, Python cannot call it")
 
-    if hasattr(compiled, "_insert"):  # no machine code is found for a call from Python
-        compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
+    # No machine code is found for a call from Python.
+    compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
     return cast("Callable[P, R]", compiled)
 
 
