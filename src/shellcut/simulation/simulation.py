@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, node_rows
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
@@ -41,7 +41,7 @@ from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .force_terms import ForceTerms
 from .hooks import Hook, serve
 from .imperfection import Imperfection, ImperfectionNumber
-from .input_checks import check_parts, check_quasi_static, nodal_velocities, points_of_notch
+from .input_checks import check_parts, check_quasi_static, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .pace import KineticShare, Pace
@@ -207,7 +207,7 @@ class Simulation:
         self.shell.initialise(state)
         self.supports.initialise(state)
         if velocity is not None:
-            state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
+            state.node.velocity_half[: mesh.n_node] = node_rows("velocity", velocity, mesh.n_node)
         return state
 
     def _repr_html_(self) -> str:
