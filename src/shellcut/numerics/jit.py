@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import functools
 import gc
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Generic, ParamSpec, TypeVar, cast
@@ -43,10 +42,6 @@ R = TypeVar("R")
 
 if nb.config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("kernels are for Numba's compiler: unset NUMBA_DISABLE_JIT")
-
-# Checks of argument types, if enabled: in the first calls of a bound kernel and in every n-th later
-# one, because finding the types takes longer than most kernels.
-_CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 
 # Nobody calls these functions from C: without Numba's wrapper for that they compile faster.
 _OPTIONS: dict[str, Any] = {
@@ -127,8 +122,7 @@ class BoundOnce(Generic[R]):
 
     For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms. Tables among
     the arguments of the first call are checked (:mod:`shellcut.numerics.kernel_tables`). Arguments
-    of other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in the tests,
-    they are refused: the first calls and some of the later ones are checked.
+    of other types would be misread: the tests refuse them (``tests/conftest.py``).
     """
 
     __slots__ = ("code",)
@@ -139,9 +133,8 @@ class BoundOnce(Generic[R]):
     def __init__(self, function: Callable[..., R]) -> None:
         def bind(*arguments: object) -> R:
             check_tables(arguments)
-            code: Callable[..., R] = bound(function, *arguments)
-            self.code = _checked(code) if "SHELLCUT_CHECK_TYPES" in os.environ else code
-            return code(*arguments)
+            self.code = bound(function, *arguments)
+            return self.code(*arguments)
 
         self.code = bind
 
@@ -149,25 +142,6 @@ class BoundOnce(Generic[R]):
         """Call the kernel."""
         call = self.code
         return call(*arguments)
-
-
-def _checked(call: Callable[..., R]) -> Callable[..., R]:
-    """Wrap ``call`` to compare the types of its arguments with those of its first call."""
-    first: tuple[Any, ...] = ()
-    count = 0
-
-    def checked(*arguments: object) -> R:
-        nonlocal first, count
-        if count < _CHECKED_FIRST or count % _CHECKED_EVERY == 0:
-            found = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
-            first = first or found
-            if found != first:
-                differing = [f"{a} after {b}" for a, b in zip(found, first, strict=True) if a != b]
-                raise TypeError(f"a bound kernel was given other types: {', '.join(differing)}")
-        count += 1
-        return call(*arguments)
-
-    return checked
 
 
 def inline(function: Callable[P, R]) -> Callable[P, R]:
