@@ -22,9 +22,9 @@ from numba.extending import NativeValue, models, overload, register_model, typeo
 from shellcut.arrays import Floats, Ints, Number, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.intrinsics import in_kernels
-from shellcut.numerics.jit import always_inline
+from shellcut.numerics.jit import ALWAYS_INLINED, always_inline
 from shellcut.numerics.lane_functions import any_above
-from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane, LanesType
+from shellcut.numerics.lane_instructions import Lane, LanesType
 from shellcut.numerics.lanes import pick, pick_all, put_all, repeated, zero
 
 from .point_law import LAWS, PointLaw
@@ -114,7 +114,7 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     def run(laws, *arguments):
         return linear(*arguments)
 
-    @overload(run, jit_options=OVERLOAD_OPTIONS)
+    @overload(run, jit_options=ALWAYS_INLINED)
     def _run_in_kernel(laws, *arguments):
         function = linear if all(law.linear for law in _laws_of(laws)) else other
         return lambda laws, *arguments: function(*arguments)
@@ -164,7 +164,7 @@ def has_axes(laws: PointLaws) -> bool:
 def _in_kernels(of_any: Callable[..., Any], of_one: Callable[[PointLaw], Any]) -> None:
     """Compile a function of a point of any law into kernels, from that of each law."""
 
-    @overload(of_any, jit_options=OVERLOAD_OPTIONS)
+    @overload(of_any, jit_options=ALWAYS_INLINED)
     def _in_kernel(laws, k, strain, history, first, lane):
         function = _one_of(tuple(map(of_one, _laws_of(laws))))
 
@@ -224,7 +224,7 @@ def _of_lane(number: Number, lane: Lane) -> Number:
     return zero(lane) + number
 
 
-@overload(_of_lane, jit_options=OVERLOAD_OPTIONS)
+@overload(_of_lane, jit_options=ALWAYS_INLINED)
 def _of_lane_in_kernel(number, lane):
     if isinstance(number, LanesType):
         return lambda number, lane: number
@@ -239,7 +239,7 @@ def _store(history, first, lane, done):
     raise NotImplementedError  # in kernels
 
 
-@overload(_store, jit_options=OVERLOAD_OPTIONS)
+@overload(_store, jit_options=ALWAYS_INLINED)
 def _store_in_kernel(history, first, lane, done):
     if not len(done[3]):
         return lambda history, first, lane, done: None

@@ -56,6 +56,8 @@ _WITHIN_KERNELS: dict[str, Any] = {
     "pipeline_class": InlinedCompiler,
     **_OPTIONS,
 }
+ALWAYS_INLINED: Any = {**_WITHIN_KERNELS, "forceinline": True}
+"""Options of :func:`always_inline`, for ``overload``."""
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -179,7 +181,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    compiled: Any = nb.njit(**{**_WITHIN_KERNELS, "forceinline": True})(function)
+    compiled: Any = nb.njit(**ALWAYS_INLINED)(function)
     compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
     return _for_kernels_only(compiled, function)
 

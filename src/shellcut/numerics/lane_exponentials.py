@@ -12,7 +12,7 @@ pairs: each product of a chain waits for the one before it.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, no-untyped-call, no-untyped-def"
+# mypy: disable-error-code="no-untyped-call, no-untyped-def"
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from numba.extending import overload
 from shellcut.arrays import Number
 
 from .intrinsics import for_kernels
+from .jit import ALWAYS_INLINED
 from .lane_arithmetic import called
 from .lane_functions import where_above
 from .lane_instructions import (
     I64,
     LANES,
-    OVERLOAD_OPTIONS,
     WIDTH,
     LanesType,
     vector_constant,
@@ -99,7 +99,7 @@ def logarithm(a: Number) -> Number:
     return log if np.ndim(log) else float(log)
 
 
-@overload(logarithm, jit_options=OVERLOAD_OPTIONS)
+@overload(logarithm, jit_options=ALWAYS_INLINED)
 def _logarithm(a):
     if not isinstance(a, LanesType):
         return lambda a: np.log(a)
@@ -125,7 +125,7 @@ def exponential(a: Number) -> Number:
     return power if np.ndim(power) else float(power)
 
 
-@overload(exponential, jit_options=OVERLOAD_OPTIONS)
+@overload(exponential, jit_options=ALWAYS_INLINED)
 def _exponential(a):
     if not isinstance(a, LanesType):
         return lambda a: np.exp(min(max(a, -708.0), 708.0))
@@ -153,7 +153,7 @@ def power(a: Number, exponent: float) -> Number:
     return of if np.ndim(of) else float(of)
 
 
-@overload(power, jit_options=OVERLOAD_OPTIONS)
+@overload(power, jit_options=ALWAYS_INLINED)
 def _power(a, exponent):
     if isinstance(a, LanesType):
         return lambda a, exponent: exponential(exponent * logarithm(a))
