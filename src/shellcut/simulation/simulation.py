@@ -172,7 +172,7 @@ class Simulation:
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
         self.contact, touching = contact_terms(tool, contact, *film, self.fracture, part_of)
         own = self_contact_terms(contact, *film, part_of)
-        self.self_contact: SelfContact | None = own[0] if own else None
+        self.self_contact = next((one for one in own if isinstance(one, SelfContact)), None)
         """Of the film with itself, if it is switched on."""
         self.terms = ForceTerms([*touching, self.cables, *own, *others], self.motion)
         """All that puts forces on the nodes but shells and loads."""
