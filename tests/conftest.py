@@ -13,8 +13,6 @@ from pathlib import Path
 
 import pytest
 
-os.environ["SHELLCUT_CHECK_TYPES"] = "1"
-
 if "NUMBA_CACHE_DIR" not in os.environ:
     assert "numba" not in sys.modules, "numba was imported before its cache could be named"
     cache = Path(tempfile.gettempdir()) / f"shellcut-numba-{getpass.getuser()}"
@@ -62,6 +60,41 @@ _FIRST = (
 # Compilation makes objects by the million, hardly any of them garbage: at Python's own 700 the
 # collector takes a seventh of its time.
 gc.set_threshold(20_000, 10, 10)
+
+
+# Calls of a bound kernel whose arguments are looked at: the first ones, and every n-th later one,
+# because finding the types takes longer than most kernels.
+_CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kernels_get_the_types_they_were_bound_for():
+    """Refuse arguments of bound kernels that these would misread."""
+    import numba as nb
+
+    from shellcut.numerics import jit
+
+    bound = jit.bound
+
+    def checked(kernel, *first):
+        call, wanted, count = bound(kernel, *first), tuple(map(nb.typeof, first)), 0
+
+        def checked_call(*arguments):
+            nonlocal count
+            if count < _CHECKED_FIRST or count % _CHECKED_EVERY == 0:
+                found = tuple(map(nb.typeof, arguments))
+                if found != wanted:
+                    pairs = zip(found, wanted, strict=True)
+                    differing = [f"{a} after {b}" for a, b in pairs if a != b]
+                    raise TypeError(f"a bound kernel was given other types: {', '.join(differing)}")
+            count += 1
+            return call(*arguments)
+
+        return checked_call
+
+    jit.bound = checked
+    yield
+    jit.bound = bound
 
 
 _MOST_GRIDS = 24

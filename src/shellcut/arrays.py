@@ -86,6 +86,17 @@ def three(name: str, values: Any, unit: str = "") -> Floats:
     return numbers
 
 
+def node_rows(name: str, values: Any, n_node: int) -> Floats:
+    """Return three finite numbers a node, shape (n_node, 3); ValueError, by the name, if not."""
+    rows = np.asarray(values, dtype=np.float64)
+    if rows.shape != (n_node, 3):
+        raise ValueError(f"{name} must have shape ({n_node}, 3), a row a node, got {rows.shape}")
+    if not np.isfinite(rows).all():
+        bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))[:5].tolist()
+        raise ValueError(f"{name} must be finite, is not at nodes {bad}")
+    return rows
+
+
 def each(function: Callable[..., float], *arrays: npt.ArrayLike) -> Floats:
     """Return a function of single numbers, of the module ``math``, for every element of arrays."""
     return np.asarray(np.frompyfunc(function, len(arrays), 1)(*arrays), float)

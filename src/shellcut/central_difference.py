@@ -31,7 +31,7 @@ from .numerics.lane_instructions import WIDTH
 from .numerics.lanes import along, at, put_at, row_columns, total, zero
 from .numerics.processor import align_stack
 from .numerics.threads import NODE_CHUNK, Workers, in_order
-from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale, sub
+from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .state import KnownTopology, State
 
 # Square of the sine below which a director counts as along the axis its spin is held about.
@@ -92,8 +92,6 @@ class _Supported(NamedTuple):
     """Ascending."""
     first: Annotated[Ints, "(n_chunk + 1,)"]
     """The first of them in every chunk of nodes, and the end."""
-    clamped: Annotated[Bools, "(n_supported,)"]
-    """Whether all six motions are given: most are, and their reaction needs no free motion."""
 
 
 class CentralDifference:
@@ -146,11 +144,7 @@ class CentralDifference:
         n = state.node
         ids = np.flatnonzero(n.supported[: n.count])
         chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
-        supported = _Supported(
-            node=ids,
-            first=np.searchsorted(ids, chunks),
-            clamped=np.asarray(n.support[ids].all(axis=1)),
-        )
+        supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
         nodes = _Nodes(**{name: getattr(n, name) for name in _Nodes._fields})
         self._sums = np.zeros((chunks.size - 1, 4))
         self._supported, self._nodes = self._hold_supported(supported), self._hold_nodes(nodes)
@@ -262,41 +256,6 @@ def _kick_supported(
     return after, kinetic, damping, work
 
 
-@always_inline
-def _kick_clamped(
-    n: int, first: int, step: _KickStep, m: float, force: Vec3, before: Vec3, nodes: _Nodes
-) -> tuple[Vec3, float, float, float]:
-    """Return what :func:`_kick_supported` does, for a node whose three motions are all given."""
-    dt_last, alpha, rate = step.dt_last, step.alpha, 1.0 / step.dt
-    support_rate, reaction = nodes.support_rate, nodes.reaction
-    after = support_rate[n, first], support_rate[n, first + 1], support_rate[n, first + 2]
-    both = add(before, after)
-    gain = combine(rate, sub(after, before), 0.5 * alpha, both)
-    r = combine(m, gain, -1.0, force)
-    last = reaction[n, first], reaction[n, first + 1], reaction[n, first + 2]
-    work = 0.5 * dt_last * dot(add(last, r), before)
-    for c in range(3):
-        reaction[n, first + c] = r[c]
-    began = before if dt_last > 0.0 else combine(2.0, before, -1.0, after)
-    return after, m * dot(began, after), m * dot(both, both), work
-
-
-@always_inline
-def _kick_one(
-    clamped: bool,
-    n: int,
-    first: int,
-    step: _KickStep,
-    m: float,
-    force: Vec3,
-    before: Vec3,
-    nodes: _Nodes,
-) -> tuple[Vec3, float, float, float]:
-    if clamped:
-        return _kick_clamped(n, first, step, m, force, before, nodes)
-    return _kick_supported(n, first, step, m, force, before, nodes)
-
-
 @kernel
 def _kick(
     first: int,
@@ -326,12 +285,11 @@ def _kick(
             director = load(nodes.t, n)
             force = rows[n, 0], rows[n, 1], rows[n, 2]
             moment = cross(director, (rows[n, 3], rows[n, 4], rows[n, 5]))
-            clamped = supported.clamped[i]
-            v, kinetic, damping, work = _kick_one(
-                clamped, n, 0, step, nodes.mass[n], force, load(velocity, n), nodes
+            v, kinetic, damping, work = _kick_supported(
+                n, 0, step, nodes.mass[n], force, load(velocity, n), nodes
             )
-            w, kinetic_spin, damping_spin, work_spin = _kick_one(
-                clamped, n, 3, step, nodes.inertia[n], moment, load(spin, n), nodes
+            w, kinetic_spin, damping_spin, work_spin = _kick_supported(
+                n, 3, step, nodes.inertia[n], moment, load(spin, n), nodes
             )
             for c in range(3):
                 moved[i, c] = v[c]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from other_script import run_instead
-from shellcut.mesh import MeshError
+from shellcut.mesh.checks import MeshError
 from shellcut.mesh.outline import mesh_from_outline
 
 L_SHAPE = [[0, 0], [10, 0], [10, 4], [4, 4], [4, 9], [0, 9]]

@@ -88,7 +88,7 @@ def test_a_stretched_film_has_the_closed_form_stress_and_a_shorter_step():
 
 def test_refusals():
     sim = film(Pressure(0.01))
-    with pytest.raises(ValueError, match=r"displacement must be finite and of shape"):
+    with pytest.raises(ValueError, match=r"displacement must have shape"):
         sim.relax(np.zeros((3, 3)))
     with pytest.raises(NotAtRest, match="not at rest after 5 steps"):
         sim.relax(most_steps=5)

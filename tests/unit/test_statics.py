@@ -568,5 +568,5 @@ def test_a_moved_rim_stretches_the_film():
     (rest,) = film.load_steps([1.0])
     # A patch test: the interior follows the rim's homogeneous stretch, to round-off.
     np.testing.assert_allclose(rest.displacement[:, 0], 1e-3 * mesh.nodes[:, 0], atol=1e-12)
-    with pytest.raises(ValueError, match=r"displacement must be finite and of shape \(25, 3\)"):
+    with pytest.raises(ValueError, match=r"displacement must have shape \(25, 3\)"):
         film.move(np.zeros((3, 3)))

@@ -15,7 +15,7 @@ from pathlib import Path
 from shellcut.files.file_list import target
 from shellcut.results.comparison import Comparison, compare
 
-from .exit_code import BAD_INPUT, DONE, refuse
+from .exit_code import BAD_INPUT, DONE
 from .shared_arguments import named
 
 
@@ -64,27 +64,21 @@ def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare, print a table, write the figures and the picture."""
-    try:
-        comparison = compared(arguments, arguments.out)
-    except (ValueError, OSError) as problem:
-        return refuse(problem)
+    comparison = compared(arguments, arguments.out)
     print(comparison)
     out = Path(arguments.out)
     folder = out if out.is_dir() else out.parent
+    measured = [arguments.measured]
+    figures = target(arguments.json, folder / "comparison.json", measured)
+    picture = target(arguments.picture, folder / "comparison.png", measured)
+    written = [comparison.to_json(figures)]
     try:
-        measured = [arguments.measured]
-        figures = target(arguments.json, folder / "comparison.json", measured)
-        picture = target(arguments.picture, folder / "comparison.png", measured)
-        written = [comparison.to_json(figures)]
-        try:
-            written.append(comparison.plot(picture))
-        except ImportError as missing:
-            print(f"no picture: {missing}", file=sys.stderr)
-            # A missing picture is an error only if one was asked for.
-            if arguments.picture:
-                return BAD_INPUT
-    except (ValueError, OSError) as problem:
-        return refuse(problem)
+        written.append(comparison.plot(picture))
+    except ImportError as missing:
+        print(f"no picture: {missing}", file=sys.stderr)
+        # A missing picture is an error only if one was asked for.
+        if arguments.picture:
+            return BAD_INPUT
     print("written: " + ", ".join(map(str, written)))
     return DONE
 

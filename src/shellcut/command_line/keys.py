@@ -16,7 +16,7 @@ from shellcut.model_file.key_index import Table, found
 from shellcut.model_file.schema import schema
 from shellcut.study.study_file import study_schema
 
-from .exit_code import DONE, refuse
+from .exit_code import DONE
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -37,11 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
         whole = schema() if arguments.schema == "model" else study_schema()
         print(json.dumps(whole, indent=1, ensure_ascii=False))
         return DONE
-    try:
-        chosen = found(arguments.words)
-    except ValueError as problem:
-        return refuse(problem)
-    print("\n\n".join("\n".join(_lines(table)) for table in chosen))
+    print("\n\n".join("\n".join(_lines(table)) for table in found(arguments.words)))
     return DONE
 
 

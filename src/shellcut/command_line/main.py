@@ -11,7 +11,7 @@ from importlib.metadata import version
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
-from shellcut.model_file import shipped_models
+from shellcut.model_file import ModelFileError, shipped_models
 from shellcut.model_file.key_index import tables
 from shellcut.results.cut_quality import UNITS
 from shellcut.results.summary_figures import LABELS
@@ -43,6 +43,7 @@ _COMMANDS = (
     *(keys, compare, tensile, report, view, doctor, warmup),
 )
 """A file each, whose text is the help: in one line, at length, and an example."""
+_RUNS = ("run", "resume")
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
 """Commands that show figures, in units of the user's choice."""
 _COLORMAPS = ("viridis", "cividis", "inferno", "turbo", "coolwarm")
@@ -76,7 +77,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             code: int = arguments.run(arguments)
     except MemoryError as problem:
         return refuse(f"this machine does not have enough memory: {problem}; use a coarser mesh")
-    except OSError as problem:  # of a path that cannot be looked at
+    except (ValueError, IndexError, ImportError, OSError) as problem:
+        # What a run raises after its checks is no fault of what it was given.
+        if arguments.command in _RUNS and not isinstance(problem, OSError | ModelFileError):
+            raise
         return refuse(problem)
     except KeyboardInterrupt:
         is_study = hasattr(arguments, "jobs")

@@ -43,11 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
             case = model.build()
         except ModelFileError as problem:
             return _draw_refused(model or problem.partial, arguments, problem)
-        try:
-            picture = _picture(arguments, model)
-            report = preview(case.simulation, picture, time=case.duration, check=case.check)
-        except (ValueError, ImportError, OSError) as problem:
-            return refuse(problem)
+        picture = _picture(arguments, model)
+        report = preview(case.simulation, picture, time=case.duration, check=case.check)
         print(f"{model.words(report)}\nwrote {picture}")
         return BAD_INPUT if case.check.of("refuse") else DONE
 

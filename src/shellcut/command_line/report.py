@@ -13,7 +13,7 @@ from pathlib import Path
 from shellcut.report import report_run
 
 from .compare import add_columns_to, compared
-from .exit_code import DONE, refuse
+from .exit_code import DONE
 from .shared_arguments import named
 
 
@@ -35,11 +35,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the report and print its path; 2 if the folder holds no run and no study."""
-    try:
-        path = _written(arguments)
-    except (ValueError, OSError) as error:
-        return refuse(error)
+    """Write the report and print its path."""
+    path = _written(arguments)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
     return DONE
 

@@ -24,18 +24,15 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Build the model stored in the folder and continue from its checkpoint."""
     from shellcut.files.folder_lock import refuse_if_in_use
-    from shellcut.model_file import ModelFileError, read_model
+    from shellcut.model_file import read_model
     from shellcut.model_file.writer import is_as_written
 
     folder: Path = arguments.out
     used = folder / USED
     if not used.is_file():
         return refuse(f"{folder} holds no {USED}: it is not a folder of shellcut run")
-    try:
-        refuse_if_in_use(folder)
-        model = read_model(used)
-    except (ModelFileError, OSError) as problem:
-        return refuse(problem)
+    refuse_if_in_use(folder)
+    model = read_model(used)
     wrong = []
     if not is_as_written(used.read_text(encoding="utf-8")):
         wrong.append(f"{used} has been changed")

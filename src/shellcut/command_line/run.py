@@ -124,8 +124,6 @@ def _write_model(arguments: argparse.Namespace, model: Model) -> int:
             file.write(text.encode())
     except FileExistsError:
         return refuse(f"{path} already exists: choose another name")
-    except OSError as problem:
-        return refuse(problem)
     print(f"wrote {path}; run it with: shellcut run {path} -o OUT")
     print("so that editors check its keys: shellcut keys --schema > shellcut.schema.json")
     return DONE

@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
+from shellcut.model_file.errors import ModelFileError, Problem
+from shellcut.model_file.source import parse_value
 from shellcut.model_file.spelling import in_keys
 from shellcut.unit import showing
 
-from .exit_code import DONE, FAILED, refuse
+from .exit_code import DONE, FAILED
 
 T = TypeVar("T")
 
@@ -37,20 +39,19 @@ def add_settings_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
-    """Return the keys set, with their values read as TOML; bare words are strings.
+def settings_of(
+    arguments: argparse.Namespace, read: Callable[[str], object] = parse_value
+) -> dict[str, object]:
+    """Return the keys set, with their values read, by default as TOML; bare words are strings.
 
     ModelFileError lists those that are not of the form key=value.
     """
-    from shellcut.model_file.errors import ModelFileError, Problem
-    from shellcut.model_file.source import parse_value
-
     settings: dict[str, object] = {}
     wrong = []
     for text in arguments.settings:
         try:
             key, value = key_and_value(text)
-            settings[key] = parse_value(value)
+            settings[key] = read(value)
         except ValueError as problem:
             wrong.append(Problem(f"--set {text}", str(problem)))
     if wrong:
@@ -131,14 +132,10 @@ def print_found(
     is_found: Callable[[T], bool] = lambda _: True,
 ) -> int:
     """Print what runs on the engine given find, and where it is; return the exit code."""
-    from shellcut.files.folder_lock import FolderInUse
-
     try:
         with engine_given(arguments) as executor:
             found = find(executor)
         print(found)
-    except (FolderInUse, OSError, ImportError, ValueError) as problem:
-        return refuse(problem)
     except RuntimeError as problem:
         print(in_keys(f"failed: {problem}"), file=sys.stderr)
         return FAILED

@@ -21,9 +21,9 @@ from .shared_arguments import (
     add_options,
     add_settings_to,
     engine_given,
-    key_and_value,
     made_of,
     named,
+    settings_of,
 )
 
 if TYPE_CHECKING:
@@ -44,17 +44,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Plan, run, and say where the table is."""
-    from shellcut.files.folder_lock import FolderInUse
-    from shellcut.model_file import ModelFileError
     from shellcut.study.engines import engine_of
     from shellcut.study.study import done_before, run_study
 
     if arguments.out is None and not arguments.dry_run:
         return refuse("give a folder for the study: -o OUT")
-    try:
-        planned = _planned(arguments)
-    except (ModelFileError, ValueError, OSError) as problem:
-        return refuse(problem)
+    planned = _planned(arguments)
     if arguments.dry_run:
         done = done_before(planned, arguments.out) if arguments.out else {}
         print(f"{counted(len(planned.runs), 'run')}, {len(done)} of them done before")
@@ -63,11 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
         if len(planned.runs) > _DRY_SHOWN:
             print(f"... and {len(planned.runs) - _DRY_SHOWN} more")
         return DONE
-    try:
-        with engine_given(arguments) as executor:
-            found = run_study(planned, arguments.out, engine_of(executor))
-    except (FolderInUse, ConnectionError, ImportError, ValueError) as problem:
-        return refuse(problem)
+    with engine_given(arguments) as executor:
+        found = run_study(planned, arguments.out, engine_of(executor))
     print(f"in {arguments.out}: {found.table.name}; shellcut report {arguments.out} shows it")
     return DONE if found.count("done") == len(planned.runs) else FAILED
 
@@ -79,12 +71,7 @@ def _planned(arguments: argparse.Namespace) -> Plan:
     from shellcut.study.study import FEW_FILES
     from shellcut.study.study_file import is_study, read_study
 
-    given: dict[str, object] = {}
-    for text in arguments.settings:
-        try:
-            key, given[key] = key_and_value(text)
-        except ValueError as problem:
-            raise ValueError(f"--set {text}: {problem}") from None
+    given = settings_of(arguments, str)  # texts: a study also reads several values, and ranges
     if is_study(arguments.model):
         study = read_study(arguments.model)
         several, _ = factors_of(given)

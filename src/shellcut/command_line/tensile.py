@@ -58,40 +58,34 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Evaluate, print a table, write the files."""
-    try:
-        lengths, problems = {}, []
-        for name, key in _LENGTHS.items():
-            given = getattr(arguments, name)
-            try:
-                lengths[name] = None if given is None else key.read(given)
-            except ValueError as problem:
-                problems.append(f"--{name.replace('_', '-')} {problem}")
+    lengths, problems = {}, []
+    for name, key in _LENGTHS.items():
+        given = getattr(arguments, name)
         try:
-            offset = 0.01 * float(arguments.offset.removesuffix("%"))
-        except ValueError:
-            problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
-        if problems:
-            return refuse("\n".join(problems))
-        found = evaluate_tensile(
-            _by_direction(arguments.files),
-            offset=offset,
-            columns=arguments.columns,
-            units=arguments.units,
-            **lengths,
-        )
-    except (ValueError, OSError) as problem:
-        return refuse(problem)
+            lengths[name] = None if given is None else key.read(given)
+        except ValueError as problem:
+            problems.append(f"--{name.replace('_', '-')} {problem}")
+    try:
+        offset = 0.01 * float(arguments.offset.removesuffix("%"))
+    except ValueError:
+        problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
+    if problems:
+        return refuse("\n".join(problems))
+    found = evaluate_tensile(
+        _by_direction(arguments.files),
+        offset=offset,
+        columns=arguments.columns,
+        units=arguments.units,
+        **lengths,
+    )
     print(found)
     if arguments.out is None:
         return DONE
+    written = found.write(arguments.out)
     try:
-        written = found.write(arguments.out)
-        try:
-            written.append(found.plot(arguments.out / PICTURE))
-        except ImportError as missing:
-            print(f"no picture: {missing}", file=sys.stderr)
-    except (OSError, ValueError) as problem:
-        return refuse(problem)
+        written.append(found.plot(arguments.out / PICTURE))
+    except ImportError as missing:
+        print(f"no picture: {missing}", file=sys.stderr)
     print("written: " + ", ".join(map(str, written)))
     return DONE
 

@@ -22,7 +22,7 @@ from shellcut.results.run_results import Results, read
 from shellcut.scene_page import spread, view_html
 from shellcut.view import MOVIES, Look, draw_movie, draw_scene
 
-from .exit_code import DONE, refuse
+from .exit_code import DONE
 from .shared_arguments import add_options, made_of, named
 
 PICTURES = ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pdf"
@@ -63,24 +63,21 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write what is asked for, print its path and size, and open a page that has no name."""
-    try:
-        _check(arguments)
-        results = read(arguments.out)
-        look = made_of(arguments, Look)
-        if _is_page(arguments):
-            path = target(arguments.output, arguments.out / "view.html")
-            page = view_html(results, path, frames=arguments.frames, look=look)
-            print(page)
-            # A browser would have a window; on Linux one of text would take the terminal.
-            is_plain = sys.platform not in ("darwin", "win32")
-            screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-            if arguments.output is None and (screen or not is_plain):
-                webbrowser.open(page.path.resolve().as_uri())
-        else:
-            path = _drawn(arguments, results, look)
-            print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-    except (ValueError, IndexError, ImportError, OSError) as problem:
-        return refuse(problem)
+    _check(arguments)
+    results = read(arguments.out)
+    look = made_of(arguments, Look)
+    if not _is_page(arguments):
+        path = _drawn(arguments, results, look)
+        print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
+        return DONE
+    path = target(arguments.output, arguments.out / "view.html")
+    page = view_html(results, path, frames=arguments.frames, look=look)
+    print(page)
+    # A browser would have a window; on Linux one of text would take the terminal.
+    is_plain = sys.platform not in ("darwin", "win32")
+    screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if arguments.output is None and (screen or not is_plain):
+        webbrowser.open(page.path.resolve().as_uri())
     return DONE
 
 

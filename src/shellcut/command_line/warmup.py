@@ -12,7 +12,7 @@ import time
 
 from shellcut.models.warmup import MODELS, warmup
 
-from .exit_code import DONE, refuse
+from .exit_code import DONE
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -26,10 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compile; print how long it took and where the cache is."""
     print("compiling the kernels (on the first run only) ...", flush=True)
     start = time.perf_counter()
-    try:
-        warmup(arguments.models or MODELS, told=lambda n, of: print(f"{n} of {of}", flush=True))
-    except ValueError as problem:
-        return refuse(problem)
+    warmup(arguments.models or MODELS, told=lambda n, of: print(f"{n} of {of}", flush=True))
     cache = os.environ.get("NUMBA_CACHE_DIR", "__pycache__ of the package")
     print(f"done in {time.perf_counter() - start:.1f} s; the cache is in {cache}")
     return DONE

@@ -38,7 +38,7 @@ from shellcut.tool.cutting_edge import (
 )
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
-from shellcut.tool.pose_of_motion import poses_of
+from shellcut.tool.pose_of_motion import pose_at
 
 # How far beside the mid-plane a tip may lie when an edge that drives it meets it, in local edge
 # lengths.
@@ -98,7 +98,7 @@ class BladeDrive:
     """Finds the tips that the cutting edges of a tool drive in its motion, and where to."""
 
     def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
-        self.edges, self._motion, self._pose_at = edges, motion, poses_of(motion)
+        self.edges, self._motion = edges, motion
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
         self._held_edges, self._hold = Holder()(edges), Holder()
         self._allocate(0)
@@ -138,8 +138,8 @@ class BladeDrive:
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
-        found, motion, pose_at = self.driven, self._motion, self._pose_at
-        found.rotation[:], found.translation[:] = pose_at(time)
+        found, motion = self.driven, self._motion
+        found.rotation[:], found.translation[:] = pose_at(motion, time)
         found.spin[:], found.velocity[:] = motion.twist(time)
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
@@ -151,7 +151,7 @@ class BladeDrive:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    found.rotation[i], found.translation[i] = pose_at(later)
+                    found.rotation[i], found.translation[i] = pose_at(motion, later)
                     found.spin[i], found.velocity[i] = motion.twist(later)
             more = k < TURNS - 1
             count = self._try_poses(*tried, False, more)

@@ -22,12 +22,12 @@ from numba.extending import NativeValue, models, overload, register_model, typeo
 from shellcut.arrays import Floats, Ints, Number, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.intrinsics import in_kernels
-from shellcut.numerics.jit import always_inline
+from shellcut.numerics.jit import ALWAYS_INLINED, always_inline
 from shellcut.numerics.lane_functions import any_above
-from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane, LanesType
-from shellcut.numerics.lanes import pick, pick_all, put_all, zero
+from shellcut.numerics.lane_instructions import Lane, LanesType
+from shellcut.numerics.lanes import pick, pick_all, put_all, repeated, zero
 
-from .point_law import LAWS, History, PointLaw
+from .point_law import LAWS, PointLaw
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -67,26 +67,14 @@ def point_stress(
 
     Its history numbers start at ``first``.
     """
-    law = laws.laws[laws.kind[k]]
-    before = _before(law, history, first, lane)
-    function = getattr(law.stress, "py_func", law.stress)
-    stress, stored, dissipated, after = function(laws.parameters[k], strain, before, history.dt)[:4]
-    new = history.old if history.new is None else history.new
-    put_all(new, history.new_block, first, lane, after)
-    return stress, stored, zero(lane) + dissipated
+    raise NotImplementedError  # of each law, in kernels
 
 
 def point_thickness(
     laws: PointLaws, k: int, strain: Vector, history: HistoryStep, first: int, lane: Lane
 ) -> Number:
     """Return the thickness stretch at point ``k``, with the old history."""
-    law = laws.laws[laws.kind[k]]
-    function = getattr(law.thickness_stretch, "py_func", law.thickness_stretch)
-    return function(laws.parameters[k], strain, _before(law, history, first, lane))
-
-
-def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> History:
-    return pick_all(history.old, history.block, first, len(law.history), lane)
+    raise NotImplementedError  # of each law, in kernels
 
 
 # ---------------------------------------------------------------- Numba's type of a law
@@ -126,7 +114,7 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     def run(laws, *arguments):
         return linear(*arguments)
 
-    @overload(run, jit_options=OVERLOAD_OPTIONS)
+    @overload(run, jit_options=ALWAYS_INLINED)
     def _run_in_kernel(laws, *arguments):
         function = linear if all(law.linear for law in _laws_of(laws)) else other
         return lambda laws, *arguments: function(*arguments)
@@ -176,7 +164,7 @@ def has_axes(laws: PointLaws) -> bool:
 def _in_kernels(of_any: Callable[..., Any], of_one: Callable[[PointLaw], Any]) -> None:
     """Compile a function of a point of any law into kernels, from that of each law."""
 
-    @overload(of_any, jit_options=OVERLOAD_OPTIONS)
+    @overload(of_any, jit_options=ALWAYS_INLINED)
     def _in_kernel(laws, k, strain, history, first, lane):
         function = _one_of(tuple(map(of_one, _laws_of(laws))))
 
@@ -219,13 +207,13 @@ def _no_law(kind, p, strain, history, first, lane):
 @functools.cache
 def _stress_function(law: PointLaw) -> Any:
     """Wrap a law's stress as a function that reads and writes the history of a block."""
-    function, read, store = _compiled(law.stress), _history_reader(law), _storer(len(law.history))
+    function, read = _compiled(law.stress), _history_reader(law)
 
     @always_inline
     def stress(p, strain, history, first, lane):
         before = read(history.old, history.block, first, lane)
         done = function(p, strain, before, history.dt)
-        store(history, first, lane, done)
+        _store(history, first, lane, done)
         return done[0], done[1], _of_lane(done[2], lane)
 
     return stress
@@ -236,43 +224,39 @@ def _of_lane(number: Number, lane: Lane) -> Number:
     return zero(lane) + number
 
 
-@overload(_of_lane, jit_options=OVERLOAD_OPTIONS)
+@overload(_of_lane, jit_options=ALWAYS_INLINED)
 def _of_lane_in_kernel(number, lane):
     if isinstance(number, LanesType):
         return lambda number, lane: number
     return lambda number, lane: zero(lane) + number
 
 
-@functools.cache
-def _storer(n: int) -> Any:
-    """Return a function that stores the n numbers of history that a law has returned.
+def _store(history, first, lane, done):
+    """Store the numbers of history that a law has returned.
 
     In their place only if the law says that they have changed, or does not say.
     """
+    raise NotImplementedError  # in kernels
 
-    def store(history, first, lane, done):
-        raise NotImplementedError
 
-    @overload(store, jit_options=OVERLOAD_OPTIONS)
-    def _store_in_kernel(history, first, lane, done):
-        if n == 0:
-            return lambda history, first, lane, done: None
-        if not isinstance(history.types[1], types.NoneType):
-            return lambda history, first, lane, done: put_all(
-                history.new, history.new_block, first, lane, done[3]
-            )
-        if len(done) < 5:
-            return lambda history, first, lane, done: put_all(
-                history.old, history.block, first, lane, done[3]
-            )
+@overload(_store, jit_options=ALWAYS_INLINED)
+def _store_in_kernel(history, first, lane, done):
+    if not len(done[3]):
+        return lambda history, first, lane, done: None
+    if not isinstance(history.types[1], types.NoneType):
+        return lambda history, first, lane, done: put_all(
+            history.new, history.new_block, first, lane, done[3]
+        )
+    if len(done) < 5:
+        return lambda history, first, lane, done: put_all(
+            history.old, history.block, first, lane, done[3]
+        )
 
-        def where_changed(history, first, lane, done):
-            if done[4]:
-                put_all(history.old, history.block, first, lane, done[3])
+    def where_changed(history, first, lane, done):
+        if done[4]:
+            put_all(history.old, history.block, first, lane, done[3])
 
-        return where_changed
-
-    return store
+    return where_changed
 
 
 @functools.cache
@@ -299,30 +283,15 @@ def _history_reader(law: PointLaw) -> Any:
 
     if not law.first_leads:
         return read_all
-    repeated = _repeater(n)
 
     @always_inline
     def read(table, b, first, lane):
         lead = pick(table, b, first, lane)
         if any_above(lead, 0.0):
             return pick_all(table, b, first, n, lane)
-        return repeated(lead)  # all are zero
+        return repeated(lead, n)  # all are zero
 
     return read
-
-
-@functools.cache
-def _repeater(n: int) -> Any:
-    """Return a function that returns a number n times."""
-    if n == 1:
-        return always_inline(lambda one: (one,))
-    before = _repeater(n - 1)
-
-    @always_inline
-    def repeated(one):
-        return before(one) + (one,)  # noqa: RUF005
-
-    return repeated
 
 
 _in_kernels(point_stress, _stress_function)

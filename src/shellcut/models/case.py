@@ -106,18 +106,16 @@ class Case:
                 "it again, and run it anew or with resume=True"
             )
         try:
-            recorder = Recorder(
-                self.simulation,
-                folder,
-                until=self.duration,
-                name=self.name,
-                check=self.check,
-                **options,
-            )
+            recorder = self.recorder(folder, **options)
         except RunEnded as ended:
             _log.warning("%s; nothing was changed", ended)
             return
         self.go(recorder)
+
+    def recorder(self, folder: str | os.PathLike[str], **options: Any) -> Recorder:
+        """Return what writes the run to a folder, which it holds; options of :class:`Recorder`."""
+        sim, until, name = self.simulation, self.duration, self.name
+        return Recorder(sim, folder, until=until, name=name, check=self.check, **options)
 
     def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
         """Run to the end with a given recorder and further hooks, as :meth:`run` does.

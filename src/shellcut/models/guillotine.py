@@ -10,6 +10,7 @@ width w, and F = h ∫_0^w sigma dl. A blade that also moves along its edge slic
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -18,18 +19,16 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import ON_ROW
-from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
-from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp, Notch, time_of_way
-from .free_cut import with_path
+from .free_cut import free_cut, with_path
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -123,20 +122,21 @@ def guillotine(
     fracture = with_path(strip, blade, motion, duration, options.pop("fracture", None))
     y, through_quads = _lane_of(blade, strip), fracture.path == "free"
     film = strip if through_quads or notch <= 0.0 else _notched(strip, y, notch)
-    simulation = Simulation(
+    cut = free_cut(
         film,
-        material or ShellMaterial.homogeneous(),
-        supports=[Support.clamped(name) for name in clamp],
         tool=blade,
         motion=motion,
+        duration=duration,
+        clamp=clamp,
+        material=material,
         law=cables,
         fracture=fracture,
         **options,
     )
     if notch > 0.0 and through_quads:
         begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
-        simulation.notch((begin - extent, y, 0.0), (begin + notch, y, 0.0))
-    return Case("guillotine", simulation, duration)
+        cut.simulation.notch((begin - extent, y, 0.0), (begin + notch, y, 0.0))
+    return replace(cut, name="guillotine")
 
 
 def blade_before(

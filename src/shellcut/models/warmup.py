@@ -70,8 +70,7 @@ def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | No
                     told(ready, len(kernels))
                     said = ready
         for function, types in kernels:  # waits for those that others have begun
-            if hasattr(function, "compile"):
-                function.compile(types)
+            function.compile(types)
         if missing and told is not None and said < len(kernels):
             told(len(kernels), len(kernels))
     finally:
@@ -94,7 +93,7 @@ def _listed(models: Iterable[str]) -> list[_Kernel]:
 def _others(models: list[str], n_missing: int) -> list[subprocess.Popen[bytes]]:
     """Start processes that compile with this one; they end with it, however it ends."""
     n = min(available_cores(), _MOST_PROCESSES, n_missing) - 1
-    if not sys.executable or os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+    if not sys.executable:
         return []
     command = [sys.executable, "-c", f"from {__name__} import help_parent; help_parent()", *models]
     null = subprocess.DEVNULL

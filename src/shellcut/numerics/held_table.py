@@ -19,9 +19,10 @@ import numpy as np
 from llvmlite import ir
 from numba.core import types
 from numba.core.registry import cpu_target
-from numba.extending import NativeValue, intrinsic, typeof_impl, unbox
+from numba.extending import NativeValue, typeof_impl, unbox
 
 from .borrowed import HeldType, without_owner
+from .intrinsics import for_kernels
 from .jit import kernel
 from .kernel_tables import HeldTable, check_tables
 
@@ -59,8 +60,6 @@ class Holder:
         TypeError
             If an array is in the wrong field, or of another type than in the first table.
         """
-        if not hasattr(_lay_out, "compile"):  # Numba is switched off: kernels are plain functions
-            return table
         plain = _plain(table)
         if (looks := _looks(table)) not in self._known:
             self._take_kind(table, plain)
@@ -116,14 +115,12 @@ def _unbox(_type, value, context):
     return NativeValue(context.pyapi.long_as_voidptr(value))
 
 
-@intrinsic
-def _write(_typing, table, memory):
-    def code(context, builder, signature, arguments):
-        kind, memory_kind = signature.args
-        place = context.make_array(memory_kind)(context, builder, arguments[1]).data
-        value = without_owner(context, builder, kind, arguments[0])
+@for_kernels
+def _write(table, memory):
+    def code(context, builder, given):
+        place = context.make_array(memory)(context, builder, given[1]).data
+        value = without_owner(context, builder, table, given[0])
         builder.store(value, builder.bitcast(place, ir.PointerType(value.type)))
-        return context.get_dummy_value()
 
     return types.void(table, memory), code
 

@@ -5,14 +5,31 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from numba.core import types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
 F = TypeVar("F", bound=Callable[..., Any])
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def for_kernels(typed: Callable[P, R]) -> Callable[P, R]:
+    """Return a function that only kernels call, from what says which code stands for its calls.
+
+    What is decorated is annotated as kernels call it, and does what :func:`in_kernels` asks for.
+    """
+
+    @functools.wraps(typed)
+    def called(*_: P.args, **__: P.kwargs) -> R:
+        raise TypeError(f"{typed.__name__} is compiled into kernels, Python cannot call it")
+
+    in_kernels(called)(typed)
+    return called
 
 
 def in_kernels(function: Callable[..., Any]) -> Callable[[F], F]:

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import functools
 import gc
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Generic, ParamSpec, TypeVar, cast
@@ -41,9 +40,8 @@ from .kernel_tables import check_tables
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# Checks of argument types, if enabled: in the first calls of a bound kernel and in every n-th later
-# one, because finding the types takes longer than most kernels.
-_CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
+if nb.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    raise ImportError("kernels are for Numba's compiler: unset NUMBA_DISABLE_JIT")
 
 # Nobody calls these functions from C: without Numba's wrapper for that they compile faster.
 _OPTIONS: dict[str, Any] = {
@@ -58,14 +56,15 @@ _WITHIN_KERNELS: dict[str, Any] = {
     "pipeline_class": InlinedCompiler,
     **_OPTIONS,
 }
+ALWAYS_INLINED: Any = {**_WITHIN_KERNELS, "forceinline": True}
+"""Options of :func:`always_inline`, for ``overload``."""
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
     compiled: Any = nb.njit(nogil=True, pipeline_class=KernelCompiler, **_OPTIONS)(function)
-    if hasattr(compiled, "compile"):
-        compiled._cache = KernelCache(function)
-        compiled.compile = _in_one_process(compiled, _uncollected(compiled.compile))
+    compiled._cache = KernelCache(function)
+    compiled.compile = _in_one_process(compiled, compiled.compile)
     return cast("Callable[P, R]", compiled)
 
 
@@ -75,54 +74,48 @@ def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[...
     def compile_alone(types: object, wait: bool = True) -> Any:
         if compiled.overloads.get(types) is not None:
             return compile_(types)
-        with compiled._cache.alone(wait=wait) as is_alone:
+        with compiled._cache.alone(wait=wait) as is_alone, _uncollected():
             return compile_(types) if is_alone else None
 
     return compile_alone
 
 
-def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a compilation so that Python looks for no garbage meanwhile.
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Keep Python from looking for garbage while a kernel is compiled.
 
-    Numba makes objects by the million and keeps most of them until the kernel is compiled. The
-    collector would go through them again and again: a fifth of the time.
+    Numba makes objects by the million and keeps most of them until then. The collector would go
+    through them again and again: a fifth of the time.
     """
-
-    def compile_uncollected(types: object) -> Any:
-        if not gc.isenabled():
-            return compile_(types)
-        gc.disable()
-        try:
-            return compile_(types)
-        finally:
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
             gc.enable()
 
-    return compile_uncollected
 
-
-def compile_if_free(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+def compile_if_free(kernel: Any, types: tuple[Any, ...]) -> bool:
     """Compile a kernel for types of its arguments, or load it, unless another process is at it."""
-    compile_: Any = getattr(function, "compile", None)
-    return compile_ is None or compile_(types, wait=False) is not None
+    return kernel.compile(types, wait=False) is not None
 
 
-def is_stored(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+def is_stored(kernel: Any, types: tuple[Any, ...]) -> bool:
     """Return whether it is of no use to compile a kernel beforehand."""
-    cache: KernelCache | None = getattr(function, "_cache", None)
-    return cache is None or not cache.can_store or cache.has(types)
+    cache: KernelCache = kernel._cache
+    return not cache.can_store or cache.has(types)
 
 
-def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:
+def bound(kernel: Any, *arguments: object) -> Callable[..., Any]:
     """Return a kernel's machine code for arguments of exactly these types, compiled if needed.
 
     Every call of a kernel selects the compiled variant, and with tuples among the arguments this
     takes longer than passing them: 1.5 µs hot, several within a step. A caller with thousands of
     calls per second and fixed types selects it once. Arguments of other types would be misread.
     """
-    if not hasattr(function, "compile"):
-        return function
     types = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
-    code: Callable[..., Any] = function.compile(types)
+    code: Callable[..., Any] = kernel.compile(types)
     return code
 
 
@@ -131,8 +124,7 @@ class BoundOnce(Generic[R]):
 
     For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms. Tables among
     the arguments of the first call are checked (:mod:`shellcut.numerics.kernel_tables`). Arguments
-    of other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in the tests,
-    they are refused: the first calls and some of the later ones are checked.
+    of other types would be misread: the tests refuse them (``tests/conftest.py``).
     """
 
     __slots__ = ("code",)
@@ -143,9 +135,8 @@ class BoundOnce(Generic[R]):
     def __init__(self, function: Callable[..., R]) -> None:
         def bind(*arguments: object) -> R:
             check_tables(arguments)
-            code: Callable[..., R] = bound(function, *arguments)
-            self.code = _checked(code) if "SHELLCUT_CHECK_TYPES" in os.environ else code
-            return code(*arguments)
+            self.code = bound(function, *arguments)
+            return self.code(*arguments)
 
         self.code = bind
 
@@ -153,25 +144,6 @@ class BoundOnce(Generic[R]):
         """Call the kernel."""
         call = self.code
         return call(*arguments)
-
-
-def _checked(call: Callable[..., R]) -> Callable[..., R]:
-    """Wrap ``call`` to compare the types of its arguments with those of its first call."""
-    first: tuple[Any, ...] = ()
-    count = 0
-
-    def checked(*arguments: object) -> R:
-        nonlocal first, count
-        if count < _CHECKED_FIRST or count % _CHECKED_EVERY == 0:
-            found = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
-            first = first or found
-            if found != first:
-                differing = [f"{a} after {b}" for a, b in zip(found, first, strict=True) if a != b]
-                raise TypeError(f"a bound kernel was given other types: {', '.join(differing)}")
-        count += 1
-        return call(*arguments)
-
-    return checked
 
 
 def inline(function: Callable[P, R]) -> Callable[P, R]:
@@ -186,9 +158,8 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
     def within() -> Any:
         return nb.njit(**_WITHIN_KERNELS)(function)
 
-    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
-        compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
-        compiled.get_overload = lambda signature: within().get_overload(signature)
+    compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
+    compiled.get_overload = lambda signature: within().get_overload(signature)
     return cast("Callable[P, R]", compiled)
 
 
@@ -210,9 +181,8 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    compiled: Any = nb.njit(**{**_WITHIN_KERNELS, "forceinline": True})(function)
-    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
-        compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
+    compiled: Any = nb.njit(**ALWAYS_INLINED)(function)
+    compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
     return _for_kernels_only(compiled, function)
 
 
@@ -220,8 +190,8 @@ def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]
     def refuse(*_: object) -> None:
         raise TypeError(f"{function.__name__} is inlined into kernels, Python cannot call it")
 
-    if hasattr(compiled, "_insert"):  # no machine code is found for a call from Python
-        compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
+    # No machine code is found for a call from Python.
+    compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
     return cast("Callable[P, R]", compiled)
 
 

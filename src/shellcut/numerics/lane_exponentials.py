@@ -12,25 +12,25 @@ pairs: each product of a chain waits for the one before it.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, call-arg, no-untyped-call, no-untyped-def, var-annotated"
+# mypy: disable-error-code="no-untyped-call, no-untyped-def"
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
 from shellcut.arrays import Number
 
+from .intrinsics import for_kernels
+from .jit import ALWAYS_INLINED
 from .lane_arithmetic import called
 from .lane_functions import where_above
 from .lane_instructions import (
     I64,
     LANES,
-    OVERLOAD_OPTIONS,
     WIDTH,
     LanesType,
     vector_constant,
@@ -59,38 +59,38 @@ def _bits_above_root_half(builder: Any, value: Any) -> tuple[Any, Any]:
     return bits, power
 
 
-def _of_lanes(code: Callable[..., Any]) -> Any:
-    """Return an intrinsic of lanes that gives lanes, from its code of builder and value."""
+@for_kernels
+def _binary_exponent(x: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        return builder.sitofp(_bits_above_root_half(builder, *given)[1], LANES)
 
-    @intrinsic
-    def computed(typing_context: Any, a: Any) -> Any:
-        return a(a), lambda context, builder, sig, args: code(builder, args[0])
-
-    return computed
+    return x(x), code
 
 
-@_of_lanes
-def _binary_exponent(builder: Any, x: Any) -> Any:
-    return builder.sitofp(_bits_above_root_half(builder, x)[1], LANES)
+@for_kernels
+def _mantissa(x: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        bits, power = _bits_above_root_half(builder, *given)
+        shifted = builder.shl(power, _constants(_MANTISSA))
+        return builder.bitcast(builder.sub(bits, shifted), LANES)
+
+    return x(x), code
 
 
-@_of_lanes
-def _mantissa(builder: Any, x: Any) -> Any:
-    bits, power = _bits_above_root_half(builder, x)
-    shifted = builder.shl(power, _constants(_MANTISSA))
-    return builder.bitcast(builder.sub(bits, shifted), LANES)
+@for_kernels
+def _nearest_integer(x: Any) -> Any:
+    return x(x), lambda context, builder, given: called(builder, "rint", *given)
 
 
-@_of_lanes
-def _nearest_integer(builder: Any, x: Any) -> Any:
-    return called(builder, "rint", x)
+@for_kernels
+def _two_to_the(k: Any) -> Any:
+    """Return 2^k of lanes that hold whole numbers k of normal powers."""
 
+    def code(context: Any, builder: Any, given: Any) -> Any:
+        power = builder.add(builder.fptosi(*given, _INTEGERS), _constants(_BIAS))
+        return builder.bitcast(builder.shl(power, _constants(_MANTISSA)), LANES)
 
-@_of_lanes
-def _two_to_the(builder: Any, k: Any) -> Any:
-    """2^k of lanes that hold whole numbers k of normal powers."""
-    power = builder.add(builder.fptosi(k, _INTEGERS), _constants(_BIAS))
-    return builder.bitcast(builder.shl(power, _constants(_MANTISSA)), LANES)
+    return k(k), code
 
 
 def logarithm(a: Number) -> Number:
@@ -99,7 +99,7 @@ def logarithm(a: Number) -> Number:
     return log if np.ndim(log) else float(log)
 
 
-@overload(logarithm, jit_options=OVERLOAD_OPTIONS)
+@overload(logarithm, jit_options=ALWAYS_INLINED)
 def _logarithm(a):
     if not isinstance(a, LanesType):
         return lambda a: np.log(a)
@@ -125,7 +125,7 @@ def exponential(a: Number) -> Number:
     return power if np.ndim(power) else float(power)
 
 
-@overload(exponential, jit_options=OVERLOAD_OPTIONS)
+@overload(exponential, jit_options=ALWAYS_INLINED)
 def _exponential(a):
     if not isinstance(a, LanesType):
         return lambda a: np.exp(min(max(a, -708.0), 708.0))
@@ -153,7 +153,7 @@ def power(a: Number, exponent: float) -> Number:
     return of if np.ndim(of) else float(of)
 
 
-@overload(power, jit_options=OVERLOAD_OPTIONS)
+@overload(power, jit_options=ALWAYS_INLINED)
 def _power(a, exponent):
     if isinstance(a, LanesType):
         return lambda a, exponent: exponential(exponent * logarithm(a))

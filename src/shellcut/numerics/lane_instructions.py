@@ -20,8 +20,6 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import models, register_model
 
-from .inlined_code import InlinedCompiler
-
 WIDTH = 8
 """Doubles in one vector; nodes are treated in groups of this size."""
 
@@ -29,16 +27,6 @@ Lane: TypeAlias = int | None
 
 CACHE_LINE = 64
 """Bytes."""
-
-OVERLOAD_OPTIONS = {
-    "forceinline": True,
-    "fastmath": {"contract"},
-    "error_model": "numpy",
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-    "pipeline_class": InlinedCompiler,
-}
-"""Options for the functions of lanes that kernels call: those of ``always_inline``."""
 
 I1, I8, I32, I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 DOUBLE = ir.DoubleType()

@@ -11,6 +11,7 @@ quads of a block: an integer takes one, as a float; ``None`` takes all eight:
 =====================================  ===================================================
 :func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
 :func:`pick_all`, :func:`put_all`      a tuple of numbers that follow each other there
+:func:`repeated`                       a tuple of one number
 :func:`corner_node`                    node ids of a corner
 :func:`first_node`                     the first of them, for consecutive ids
 :func:`at`, :func:`vector_at`,         read values at nodes
@@ -26,17 +27,16 @@ quads of a block: an integer takes one, as a float; ``None`` takes all eight:
 
 Lanes support + - * / and negation, with lanes and with floats; a multiplication and an addition may
 become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` to
-one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler (NUMBA_DISABLE_JIT=1)
-the same functions run on NumPy arrays.
+one AVX-512 register, two of AVX2, four of SSE or NEON.
 """
 
 # Numba's and llvmlite's calls have no types.
-# mypy: disable-error-code="no-untyped-call"
+# mypy: disable-error-code="call-overload, no-untyped-call"
 
 from __future__ import annotations
 
 import functools
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -46,7 +46,7 @@ from numba.core import cgutils
 
 from shellcut.arrays import Floats, Number, SmallIds, Vector
 
-from .intrinsics import in_kernels
+from .intrinsics import for_kernels
 from .jit import always_inline
 from .lane_arithmetic import CONTRACT, called
 from .lane_instructions import (
@@ -75,11 +75,6 @@ from .lane_instructions import (
 )
 
 
-def _one(lane: Lane) -> TypeGuard[int]:
-    """Whether ``lane`` selects one place."""
-    return isinstance(lane, int | np.integer)
-
-
 def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
     """Return an array of zeros that starts on a cache line, so that no vector straddles two."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
@@ -91,98 +86,77 @@ def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
 # ---------------------------------------------------------------- the functions kernels call
 
 
-def _addresses(context: Any, builder: Any, kinds: Any, values: Any, n: int) -> list[Any]:
-    """Return the addresses of n numbers of a block, of table, b, first, lane."""
-    table, b, first, lane = values[:4]
-    one = not takes_all(kinds[3])
-    kind, last = (DOUBLE, lane) if one else (LANES, ZERO)
+def _addresses(context: Any, builder: Any, table: Any, lane: Any, values: Any, n: int) -> list[Any]:
+    """Return the addresses of n numbers of a block, from table, b, first and lane."""
+    array, b, first, one = values[:4]
+    kind, last = (LANES, ZERO) if takes_all(lane) else (DOUBLE, one)
     places = ([b, shifted(builder, first, i), last] for i in range(n))
-    return [address(context, builder, kinds[0], table, place, kind) for place in places]
+    return [address(context, builder, table, array, place, kind) for place in places]
 
 
+@for_kernels
 def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
     """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
-    return table[b, k, lane] if _one(lane) else table[b, k].copy()
-
-
-@in_kernels(pick)
-def _pick(*kinds: Any) -> Any:
-    table, _, _, lane = kinds
 
     def code(context: Any, builder: Any, values: Any) -> Any:
-        (where,) = _addresses(context, builder, kinds, values, 1)
+        (where,) = _addresses(context, builder, table, lane, values, 1)
         return builder.load(where, align=8)
 
     return numbers_of(lane)(table, types.intp, types.intp, lane_of(lane)), code
 
 
-def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> None:
+@for_kernels
+def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> Any:
     """Write number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
-    if _one(lane):
-        table[b, k, lane] = value
-    else:
-        table[b, k] = value
-
-
-@in_kernels(put)
-def _put(*kinds: Any) -> Any:
-    table, _, _, lane, _ = kinds
 
     def code(context: Any, builder: Any, values: Any) -> None:
-        (where,) = _addresses(context, builder, kinds, values, 1)
+        (where,) = _addresses(context, builder, table, lane, values, 1)
         builder.store(values[4], where, align=8)
 
     return types.void(table, types.intp, types.intp, lane_of(lane), numbers_of(lane)), code
 
 
-def pick_all(table: Floats, b: int, first: int, n: int, lane: Lane) -> tuple[Number, ...]:
+@for_kernels
+def pick_all(table: Floats, b: int, first: int, n: Any, lane: Lane) -> tuple[Number, ...]:
     """Return n numbers of block ``b`` of a table : (n_block, m, 8), from ``first``; n is fixed."""
-    return tuple(pick(table, b, first + k, lane) for k in range(n))
-
-
-@in_kernels(pick_all)
-def _pick_all(table: Any, b: Any, first: Any, n: Any, lane: Any) -> Any:
-    if not isinstance(n, types.IntegerLiteral):
-        return None
     returned = types.UniTuple(numbers_of(lane), n.literal_value)
 
     def code(context: Any, builder: Any, values: Any) -> Any:
-        table_, b_, first_, _, lane_ = values
-        kinds, places = (table, b, first, lane), (table_, b_, first_, lane_)
-        where = _addresses(context, builder, kinds, places, n.literal_value)
+        places = *values[:3], values[4]
+        where = _addresses(context, builder, table, lane, places, returned.count)
         loaded = [builder.load(one, align=8) for one in where]
         return context.make_tuple(builder, returned, loaded)
 
     return returned(table, types.intp, types.intp, n, lane_of(lane)), code
 
 
-def put_all(table: Floats, b: int, first: int, lane: Lane, values: tuple[Number, ...]) -> None:
+@for_kernels
+def put_all(table: Floats, b: int, first: int, lane: Lane, values: tuple[Number, ...]) -> Any:
     """Write numbers of block ``b`` of a table : (n_block, m, 8), from ``first`` on."""
-    for k, value in enumerate(values):
-        put(table, b, first + k, lane, value)
+    n = len(values)
 
-
-@in_kernels(put_all)
-def _put_all(*kinds: Any) -> Any:
-    table, _, _, lane, numbers = kinds
-    n = len(numbers)
-
-    def code(context: Any, builder: Any, values: Any) -> None:
-        given = cgutils.unpack_tuple(builder, values[4], n)
-        for where, value in zip(_addresses(context, builder, kinds, values, n), given, strict=True):
-            builder.store(value, where, align=8)
+    def code(context: Any, builder: Any, given: Any) -> None:
+        numbers = cgutils.unpack_tuple(builder, given[4], n)
+        where = _addresses(context, builder, table, lane, given, n)
+        for place, value in zip(where, numbers, strict=True):
+            builder.store(value, place, align=8)
 
     taken = types.UniTuple(numbers_of(lane), n)
     return types.void(table, types.intp, types.intp, lane_of(lane), taken), code
 
 
+@for_kernels
+def repeated(number: Number, n: Any) -> tuple[Number, ...]:
+    """Return a tuple that has a number n times; n is fixed."""
+    returned = types.UniTuple(number, n.literal_value)
+    return returned(number, n), lambda context, builder, given: context.make_tuple(
+        builder, returned, [given[0]] * returned.count
+    )
+
+
+@for_kernels
 def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
     """Return the node ids at corner ``a`` of block ``b``, for :func:`at`."""
-    return int(corner[b, a, lane]) if _one(lane) else corner[b, a]
-
-
-@in_kernels(corner_node)
-def _corner_node(corner: Any, b: Any, a: Any, lane: Any) -> Any:
     every = takes_all(lane)
 
     def code(context: Any, builder: Any, values: Any) -> Any:
@@ -196,13 +170,10 @@ def _corner_node(corner: Any, b: Any, a: Any, lane: Any) -> Any:
     return returned(corner, types.intp, types.intp, lane_of(lane)), code
 
 
-def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
+@for_kernels
+def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
     """Return the node id at corner ``a`` of block ``b``; of the first place if all are selected."""
-    return int(corner[b, a, lane if _one(lane) else 0])
 
-
-@in_kernels(first_node)
-def _first_node(corner: Any, b: Any, a: Any, lane: Any) -> Any:
     def code(context: Any, builder: Any, values: Any) -> Any:
         corner_, b_, a_, lane_ = values
         index = [b_, a_, ZERO if takes_all(lane) else lane_]
@@ -213,17 +184,12 @@ def _first_node(corner: Any, b: Any, a: Any, lane: Any) -> Any:
     return types.intp(corner, types.intp, types.intp, lane_of(lane)), code
 
 
+@for_kernels
 def scatter_add(
     rows: Floats, corner: SmallIds, b: int, a: int, lane: Lane, force: tuple[Number, ...]
-) -> None:
+) -> Any:
     """Add six numbers to the rows : (n, 8) of the nodes at corner ``a``, lane after lane."""
-    for place in (lane,) if _one(lane) else range(corner.shape[2]):
-        for c in range(6):
-            rows[corner[b, a, place], c] += force[c] if _one(lane) else force[c][place]
 
-
-@in_kernels(scatter_add)
-def _scatter_add(rows: Any, corner: Any, b: Any, a: Any, lane: Any, force: Any) -> Any:
     def code(context: Any, builder: Any, values: Any) -> None:
         rows_, corner_, b_, a_, lane_, force_ = values
         columns = cgutils.unpack_tuple(builder, force_, 6)
@@ -249,18 +215,12 @@ def _add_to_row(builder: Any, row: Any, columns: list[Any]) -> None:
         add_to(builder, builder.gep(first, [ir.Constant(I64, c)]), column, CONTRACT)
 
 
+@for_kernels
 def at(values: Floats, n: Any, c: int, lane: Lane) -> Number:
     """Return column ``c`` of values : (m, 3), one column after the other, at nodes.
 
     n : of :func:`corner_node`; or a node id, and with lanes the eight from there on.
     """
-    if _one(lane) or np.ndim(n):
-        return values[n, c]
-    return values[n : n + WIDTH, c].copy()
-
-
-@in_kernels(at)
-def _at(values: Any, n: Any, c: Any, lane: Any) -> Any:
     of_ids = isinstance(n, LaneIdsType)
 
     def code(context: Any, builder: Any, given: Any) -> Any:
@@ -281,13 +241,10 @@ def vector_at(values: Floats, n: Any, lane: Lane) -> Vector:
     return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
 
 
-def along(values: Floats, n: int, lane: int | None) -> Number:
+@for_kernels
+def along(values: Floats, n: int, lane: Lane) -> Number:
     """Return values : (m,) at node ``n``, or at the eight nodes from ``n``."""
-    return values[n : n + WIDTH].copy() if lane is None else values[n]
 
-
-@in_kernels(along)
-def _along(values: Any, n: Any, lane: Any) -> Any:
     def code(context: Any, builder: Any, given: Any) -> Any:
         kind = LANES if takes_all(lane) else DOUBLE
         return builder.load(address(context, builder, values, given[0], [given[1]], kind), align=8)
@@ -295,16 +252,10 @@ def _along(values: Any, n: Any, lane: Any) -> Any:
     return numbers_of(lane)(values, types.intp, lane_of(lane)), code
 
 
-def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> None:
+@for_kernels
+def put_at(values: Floats, n: int, c: int, lane: Lane, value: Number) -> Any:
     """Write column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
-    if lane is None:
-        values[n : n + WIDTH, c] = value
-    else:
-        values[n, c] = value
 
-
-@in_kernels(put_at)
-def _put_at(values: Any, n: Any, c: Any, lane: Any, value: Any) -> Any:
     def code(context: Any, builder: Any, given: Any) -> None:
         values_, n_, c_, _, value_ = given
         where = address(context, builder, values, values_, [n_, c_], value_.type)
@@ -313,28 +264,21 @@ def _put_at(values: Any, n: Any, c: Any, lane: Any, value: Any) -> Any:
     return types.void(values, types.intp, types.intp, lane_of(lane), numbers_of(lane)), code
 
 
-def _rows_at(context: Any, builder: Any, kinds: Any, given: Any) -> list[Any]:
-    """Return the addresses of the row at a node, or of eight rows, of rows, n, lane."""
-    rows, n, _ = given[:3]
-    count = WIDTH if takes_all(kinds[2]) else 1
-    places = (shifted(builder, n, i) for i in range(count))
-    return [row_address(context, builder, kinds[0], rows, place) for place in places]
+def _rows_at(context: Any, builder: Any, kind: Any, lane: Any, given: Any) -> list[Any]:
+    """Return the addresses of the row at a node, or of eight rows, from rows and n."""
+    rows, n = given[:2]
+    places = (shifted(builder, n, i) for i in range(WIDTH if takes_all(lane) else 1))
+    return [row_address(context, builder, kind, rows, place) for place in places]
 
 
-def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
+@for_kernels
+def row_columns(rows: Floats, n: int, lane: Lane) -> tuple[Number, ...]:
     """Return the first six columns of rows : (m, 8) at node ``n``, or the eight from ``n``."""
-    if lane is None:
-        return tuple(rows[n : n + WIDTH, c].copy() for c in range(6))
-    return tuple(rows[n, c] for c in range(6))
-
-
-@in_kernels(row_columns)
-def _row_columns(*kinds: Any) -> Any:
-    rows, _, lane = kinds
     returned = types.UniTuple(numbers_of(lane), 6)
 
     def code(context: Any, builder: Any, given: Any) -> Any:
-        loaded = [builder.load(row, align=8) for row in _rows_at(context, builder, kinds, given)]
+        where = _rows_at(context, builder, rows, lane, given)
+        loaded = [builder.load(row, align=8) for row in where]
         if takes_all(lane):
             columns = transposed(builder, loaded)[:6]
         else:
@@ -344,23 +288,17 @@ def _row_columns(*kinds: Any) -> Any:
     return returned(rows, types.intp, lane_of(lane)), code
 
 
-def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
+@for_kernels
+def add_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> Any:
     """Add to the first three columns of rows : (m, 8) at node ``n``, or at the eight from ``n``."""
-    for c, column in enumerate(columns):
-        rows[n : n + (WIDTH if lane is None else 1), c] += column
-
-
-@in_kernels(add_row_columns)
-def _add_row_columns(*kinds: Any) -> Any:
-    rows, _, lane, columns = kinds
 
     def code(context: Any, builder: Any, given: Any) -> None:
-        added = cgutils.unpack_tuple(builder, given[3], columns.count)
-        where = _rows_at(context, builder, kinds, given)
+        added = cgutils.unpack_tuple(builder, given[3], 3)
+        where = _rows_at(context, builder, rows, lane, given)
         if not takes_all(lane):
             _add_to_row(builder, where[0], added)
             return
-        padded = [*added, *[ZEROS] * (WIDTH - columns.count)]
+        padded = [*added, *[ZEROS] * (WIDTH - 3)]
         for place, row in zip(where, transposed(builder, padded), strict=True):
             add_to(builder, place, row)
 
@@ -368,43 +306,27 @@ def _add_row_columns(*kinds: Any) -> Any:
     return types.void(rows, types.intp, lane_of(lane), taken), code
 
 
-def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
+@for_kernels
+def clear_rows(rows: Floats, n: int, lane: Lane) -> Any:
     """Set rows : (m, 8) to zero at node ``n``, or at the eight nodes from ``n``."""
-    rows[n : n + (WIDTH if lane is None else 1)] = 0.0
-
-
-@in_kernels(clear_rows)
-def _clear_rows(*kinds: Any) -> Any:
-    rows, _, lane = kinds
 
     def code(context: Any, builder: Any, given: Any) -> None:
-        for row in _rows_at(context, builder, kinds, given):
+        for row in _rows_at(context, builder, rows, lane, given):
             builder.store(ZEROS, row, align=8)
 
     return types.void(rows, types.intp, lane_of(lane)), code
 
 
+@for_kernels
 def zero(lane: Lane) -> Number:
     """Return zero, to start a sum."""
-    return 0.0 if _one(lane) else np.zeros(WIDTH)
-
-
-@in_kernels(zero)
-def _zero(lane: Any) -> Any:
     nothing = ZEROS if takes_all(lane) else ir.Constant(DOUBLE, 0.0)
     return numbers_of(lane)(lane_of(lane)), lambda context, builder, given: nothing
 
 
-def total(value: Number) -> float:
+@for_kernels
+def total(value: Number) -> Any:
     """Return the sum over the lanes from the first to the last."""
-    sum_ = 0.0
-    for one in np.atleast_1d(value):
-        sum_ += float(one)
-    return sum_
-
-
-@in_kernels(total)
-def _total(value: Any) -> Any:
     if not isinstance(value, LanesType):
         return types.float64(types.float64), lambda context, builder, given: given[0]
 
@@ -415,17 +337,13 @@ def _total(value: Any) -> Any:
     return types.float64(value), code
 
 
+@for_kernels
 def multiply_add(a: Number, b: Number, c: Number) -> Number:
     """Return a b + c, rounded once where the processor can.
 
     In a b + c d the compiler may fuse either product with the sum, differently in each kernel; this
     fixes the choice where two kernels must give the same bits.
     """
-    return a * b + c
-
-
-@in_kernels(multiply_add)
-def _multiply_add(a: Any, b: Any, c: Any) -> Any:
     kind = DOUBLES if isinstance(a, LanesType) else types.float64
     return kind(kind, kind, kind), lambda context, builder, given: called(
         builder, "fmuladd", *given

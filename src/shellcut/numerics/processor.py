@@ -14,14 +14,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 
-from .intrinsics import in_kernels
+from .intrinsics import for_kernels
 from .lane_instructions import CACHE_LINE, I8, I32
 
 FLUSH = 0x8040  # bits of x86's MXCSR: flush results to zero, treat operands as zero
@@ -44,51 +43,48 @@ def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
     return builder.load(where)
 
 
-def align_stack() -> None:
+def _aligned(*marks: str) -> Any:
+    """Return what aligns the stack of the function around a call, and marks that function.
+
+    ``nounwind`` is true of all; llvmlite writes an alignment only beside an attribute.
+    """
+
+    def code(context: Any, builder: Any, given: Any) -> None:
+        builder.function.attributes.alignstack = CACHE_LINE
+        for one in marks:
+            builder.function.attributes.add(one)
+
+    return types.void(), code
+
+
+@for_kernels
+def align_stack() -> Any:
     """Align the stack of the calling kernel to a cache line.
 
     A quad has more live lanes than there are registers. Without this LLVM spills lanes across two
     cache lines each, which costs a kernel about a tenth of its time, depending on the caller's
     stack.
     """
+    return _aligned("nounwind")
 
 
-def not_inlined() -> None:
+@for_kernels
+def not_inlined() -> Any:
     """Keep the calling function apart from the kernels that call it, with a stack of its own.
 
     For many operations on few numbers, or that are seldom needed: their registers are then their
     own, a kernel with several calls holds them once, and compiles faster.
     """
+    return _aligned("noinline", "nounwind")
 
 
-def _mark(function: Callable[[], None], *marks: str) -> None:
-    """Let a call of a function align the stack of the function around it, and mark that."""
-
-    @in_kernels(function)
-    def marked() -> Any:
-        def code(context: Any, builder: Any, given: Any) -> None:
-            builder.function.attributes.alignstack = CACHE_LINE
-            for one in marks:
-                builder.function.attributes.add(one)
-
-        return types.void(), code
-
-
-# True for all kernels; llvmlite needs an attribute to write others.
-_mark(align_stack, "nounwind")
-_mark(not_inlined, "noinline", "nounwind")
-
-
-def seldom(condition: bool) -> bool:
+@for_kernels
+def seldom(condition: bool) -> Any:
     """Return a condition that a branch asks for and that is seldom true.
 
     The compiler then keeps in registers what the other branch needs.
     """
-    return condition
 
-
-@in_kernels(seldom)
-def _seldom(condition: Any) -> Any:
     def code(context: Any, builder: Any, given: Any) -> Any:
         bit = given[0].type
         function = cgutils.get_or_insert_function(
@@ -99,18 +95,15 @@ def _seldom(condition: Any) -> Any:
     return types.boolean(types.boolean), code
 
 
-def flush_subnormals() -> int:
+@for_kernels
+def flush_subnormals() -> Any:
     """Flush subnormal numbers to zero; return the previous setting.
 
     Far ahead of a wave a film moves by 1e-160 mm and less: products of such numbers are subnormal,
     and arithmetic with them takes a hundred times as long on x86. On other processors this does
     nothing.
     """
-    return 0
 
-
-@in_kernels(flush_subnormals)
-def _flush_subnormals() -> Any:
     def code(context: Any, builder: Any, given: Any) -> Any:
         if not _on_x86(builder):
             return I32(0)
@@ -121,12 +114,10 @@ def _flush_subnormals() -> Any:
     return types.int32(), code
 
 
-def set_rounding(setting: int) -> None:
+@for_kernels
+def set_rounding(setting: int) -> Any:
     """Restore the setting that :func:`flush_subnormals` returned."""
 
-
-@in_kernels(set_rounding)
-def _set_rounding(setting: Any) -> Any:
     def code(context: Any, builder: Any, given: Any) -> None:
         if _on_x86(builder):
             _of_mxcsr(builder, "ldmxcsr", given[0])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellcut.contact.contact_tables import PressTerm
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.contact.film_outline import Part
@@ -45,37 +46,34 @@ def contact_terms(
     aside = MERGE if fracture.path == "free" else 0.0
     of_edges = part_of if settings.film_edges else None
     contact = PenaltyContact(tool, settings, film, edge_length, aside, of_edges)
-    terms: list[ForceTerm] = [contact]
-    if settings.friction > 0.0:
-        terms.append(CoulombFriction("friction", contact, settings.friction))
+    terms = _with_friction("friction", contact, settings.friction)
     if settings.tool_points:
         finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
-        points = PointContact(contact, finer)
-        terms.append(points)
-        if settings.friction > 0.0:
-            terms.append(CoulombFriction("point_friction", points, settings.friction))
+        terms += _with_friction("point_friction", PointContact(contact, finer), settings.friction)
     if settings.film_edges:
         edges = EdgeContact(contact, edge_length)
-        terms.append(edges)
-        if settings.friction > 0.0:
-            terms.append(CoulombFriction("edge_friction", edges, settings.friction))
+        terms += _with_friction("edge_friction", edges, settings.friction)
     return contact, terms
 
 
 def self_contact_terms(
     settings: Contact, mesh: Mesh, film: ShellMaterial, part_of: Callable[[int], Part]
-) -> tuple[()] | tuple[SelfContact] | tuple[SelfContact, CoulombFriction]:
+) -> list[ForceTerm]:
     """Return the terms of a film's contact with itself in the order of their evaluation.
 
     part_of : returns the polygon of a row that is cut.
     """
     if not settings.self_contact:
-        return ()
+        return []
     edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
     contact = SelfContact(settings, film, edge_length, part_of)
-    if settings.self_friction == 0.0:
-        return (contact,)
-    return contact, CoulombFriction("self_friction", contact, settings.self_friction)
+    return _with_friction("self_friction", contact, settings.self_friction)
+
+
+def _with_friction(name: str, contact: PressTerm, coefficient: float) -> list[ForceTerm]:
+    if coefficient == 0.0:
+        return [contact]
+    return [contact, CoulombFriction(name, contact, coefficient)]
 
 
 def polygons_of(simulation: Simulation) -> Callable[[int], Part]:

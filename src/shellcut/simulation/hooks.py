@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from shellcut.numerics.trigger import Trigger
-
 if TYPE_CHECKING:
     from .simulation import Simulation
 
@@ -42,20 +40,26 @@ class StopRun(Exception):
 class Hook(Protocol):
     """Reads the simulation now and then; any object with these three methods is one.
 
-    :class:`~shellcut.simulation.hooks.Sampler` is a ready one that keeps what a function returns.
-
     Examples
     --------
     >>> import shellcut
-    >>> from shellcut.simulation.hooks import Sampler
-    >>> case = shellcut.guillotine(1.0, length=6.0, width=4.0)
-    >>> sim = case.simulation
-    >>> pull = Sampler(1e-6, lambda sim: float(sim.tooth_wrenches[:, 2].sum()))
-    >>> isinstance(pull, shellcut.Hook)
+    >>> class Pull:
+    ...     values = []
+    ...
+    ...     def due(self, sim: shellcut.Simulation) -> bool:
+    ...         return sim.state.step % 10 == 0
+    ...
+    ...     def __call__(self, sim: shellcut.Simulation) -> None:
+    ...         self.values.append(float(sim.tooth_wrenches[:, 2].sum()))
+    ...
+    ...     def close(self) -> None:
+    ...         pass
+    >>> isinstance(pull := Pull(), shellcut.Hook)
     True
-    >>> sim.run(5e-6, [pull])
-    >>> len(pull.values)
-    6
+    >>> case = shellcut.guillotine(1.0, length=6.0, width=4.0)
+    >>> case.simulation.run(5e-6, [pull])
+    >>> len(pull.values) > 1
+    True
     """
 
     def due(self, sim: Simulation) -> bool:
@@ -90,34 +94,6 @@ class StopWhen:
     def __call__(self, sim: Simulation) -> None:
         """Stop."""
         raise StopRun
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to release."""
-
-
-class Sampler:
-    """Call a function of the simulation at intervals of time and keep what it returns.
-
-    Parameters
-    ----------
-    interval : float
-        Time between two calls [s].
-    read : callable
-        Takes the simulation, returns anything; the values are in :attr:`values`.
-    """
-
-    def __init__(self, interval: float, read: Callable[[Simulation], object]) -> None:
-        self._trigger = Trigger(interval)
-        self._read = read
-        self.values: list[object] = []
-
-    def due(self, sim: Simulation) -> bool:
-        """Whether the interval has passed."""
-        return self._trigger(sim.state.time)
-
-    def __call__(self, sim: Simulation) -> None:
-        """Keep one value."""
-        self.values.append(self._read(sim))
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""

@@ -113,26 +113,3 @@ def points_of_notch(points: tuple[npt.ArrayLike, ...]) -> Floats:
         said = ", ".join(repr(point) for point in points[:4])
         raise ValueError(f"a notch needs two different points in mm or more, got {said}")
     return np.array(every)
-
-
-def nodal_velocities(velocity: Floats, n_node: int) -> Floats:
-    """Return velocities of all nodes, shape (n_node, 3) [mm/s]; refuse those that are none."""
-    given = np.asarray(velocity, float)
-    if given.shape != (n_node, 3):
-        raise ValueError(f"velocity must have shape ({n_node}, 3), a row a node, got {given.shape}")
-    if not np.isfinite(given).all():
-        bad = np.flatnonzero(~np.isfinite(given).all(axis=1))[:5].tolist()
-        raise ValueError(f"velocity must be finite, is not at nodes {bad}")
-    return given
-
-
-@checked
-def nodal_displacements(displacement: Floats, n_node: int) -> Floats:
-    """Return displacements of all nodes, shape (n_node, 3) [mm]; refuse those that are none."""
-    moved = np.asarray(displacement, float)
-    if moved.shape != (n_node, 3) or not np.isfinite(moved).all():
-        raise ValueError(
-            f"displacement must be finite and of shape (n_node, 3) = ({n_node}, 3), "
-            f"got {moved.shape}; a notch adds nodes: sim.state.node.X has the places of all"
-        )
-    return moved

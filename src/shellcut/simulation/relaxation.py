@@ -15,13 +15,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, node_rows
 from shellcut.central_difference import CentralDifference
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .input_checks import nodal_displacements
 from .stable_step import StableStep
 
 # Steps between two evaluations of all quads, and between two looks at what has become of their
@@ -63,7 +62,7 @@ def find_rest(
     n = state.node
     before = n.x[: n.count].copy(), n.t[: n.count].copy(), state.history.copy()
     if displacement is not None:
-        n.x[: n.count] += nodal_displacements(displacement, n.count)
+        n.x[: n.count] += node_rows("displacement", displacement, n.count)
     n.support_rate[: n.count] = 0.0
     edge = float(np.sqrt(shell.area.mean()))
     film = _Swing(state, shell, time_step)

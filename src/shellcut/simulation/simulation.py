@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, node_rows
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
@@ -34,14 +34,14 @@ from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
-from shellcut.tool.pose_of_motion import poses_of
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .force_terms import ForceTerms
 from .hooks import Hook, serve
 from .imperfection import Imperfection, ImperfectionNumber
-from .input_checks import check_parts, check_quasi_static, nodal_velocities, points_of_notch
+from .input_checks import check_parts, check_quasi_static, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .pace import KineticShare, Pace
@@ -172,13 +172,12 @@ class Simulation:
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
         self.contact, touching = contact_terms(tool, contact, *film, self.fracture, part_of)
         own = self_contact_terms(contact, *film, part_of)
-        self.self_contact: SelfContact | None = own[0] if own else None
+        self.self_contact = next((one for one in own if isinstance(one, SelfContact)), None)
         """Of the film with itself, if it is switched on."""
         self.terms = ForceTerms([*touching, self.cables, *own, *others], self.motion)
         """All that puts forces on the nodes but shells and loads."""
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
-        self._pose_at = poses_of(self.motion) if self.motion is not None else None
 
     def _let_crack(self) -> None:
         """Build the cracks, and the points on their flanks."""
@@ -208,7 +207,7 @@ class Simulation:
         self.shell.initialise(state)
         self.supports.initialise(state)
         if velocity is not None:
-            state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
+            state.node.velocity_half[: mesh.n_node] = node_rows("velocity", velocity, mesh.n_node)
         return state
 
     def _repr_html_(self) -> str:
@@ -467,5 +466,5 @@ class Simulation:
         self.terms.restore(s, self.pose, saved["terms"])  # they ask the cracks which film is left
 
     def _place_tool(self) -> None:
-        if self._pose_at is not None:
-            self.pose = self._pose_at(self.state.time)
+        if self.motion is not None:
+            self.pose = pose_at(self.motion, self.state.time)

@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, node_rows
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -114,17 +114,12 @@ class Statics:
             Spin vectors by which the directors turn [rad].
         """
         n = self.mesh.n_node
-        for name, value in (("displacement", displacement), ("rotation", rotation)):
-            if value is not None and (
-                np.shape(value) != (n, 3) or not np.isfinite(np.asarray(value)).all()
-            ):
-                raise ValueError(
-                    f"{name} must be finite and of shape ({n}, 3), got {np.shape(value)}"
-                )
+        moved = node_rows("displacement", displacement, n)
+        spin = None if rotation is None else node_rows("rotation", rotation, n)
         self._path.leave()
-        self.state.node.x[:n] += displacement
-        if rotation is not None:
-            turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(rotation, float))
+        self.state.node.x[:n] += moved
+        if spin is not None:
+            turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(spin))
 
     def linear(self) -> LinearSolution:
         """Return the linear solution about the present state.

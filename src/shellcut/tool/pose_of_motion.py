@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import isfinite
 
 from .motion import Motion, ScrewMotion, StraightMotion
@@ -17,25 +16,15 @@ _GIVE_ROWS = (ScrewMotion, StraightMotion, TableMotion)
 may move differently."""
 
 
-def poses_of(motion: Motion) -> Callable[[float], Pose]:
-    """Return the pose as a function of time [s].
-
-    A motion written by a user may return views of any kind, and kernels would misread them.
-    """
-    if type(motion) in _GIVE_ROWS:
-        by_rows: Callable[[float], Pose] = motion.pose  # type: ignore[assignment]
-        return by_rows
-    return lambda time: pose_at(motion, time)
-
-
 def pose_at(motion: Motion, time: float) -> Pose:
     """Return the pose of any motion at a time [s].
 
-    ValueError if it is none: R no rotation, or a number that is not finite.
+    A motion written by a user may return views of any kind, and kernels would misread them.
+    ValueError if it is no pose: R no rotation, or a number that is not finite.
     """
-    R, r = pose = Pose.of(*motion.pose(time))
     if type(motion) in _GIVE_ROWS:
-        return pose
+        return motion.pose(time)  # type: ignore[return-value]
+    R, r = pose = Pose.of(*motion.pose(time))
     # Of a rotation R : R = 3; nan and infinity fail here too.
     is_pose = R.shape == (3, 3) and r.shape == (3,) and isfinite(r.sum())
     if not (is_pose and abs((R * R).sum() - 3.0) < _LEFT_OVER):
