@@ -23,14 +23,11 @@ from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.case import Case
 from shellcut.recording.checkpoint import CheckpointError
-from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.recorder import Recorder
 from shellcut.recording.run_log import RunLog
 from shellcut.results.verdict import doubts_in
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
-
-OUTCOME = "outcome.json"
-"""Says that a run is done, beside its other files."""
 
 STOP = "stop"
 """A file of this name in the study's folder stops all runs after their step."""
@@ -91,7 +88,7 @@ def run_one(task: Task) -> Outcome:
     stops = _Stops(folder.parent.parent)
     try:
         while True:
-            if found := outcome_in(folder, task.key):
+            if found := outcome_in(folder):
                 return found
             try:
                 figures = _run(task, folder, StopWhen(stops))
@@ -117,15 +114,13 @@ def run_one(task: Task) -> Outcome:
     return Outcome.done(figures, seconds)
 
 
-def outcome_in(folder: Path, key: str) -> Outcome | None:
-    """Return the outcome of a run that is done, None if it is not."""
+def outcome_in(folder: Path) -> Outcome | None:
+    """Return the outcome of a run that is done, None if it is not; its inputs name the folder."""
     try:
-        kept = json.loads(read_regular(folder / OUTCOME))
-        if kept["key"] == key:
-            return Outcome.done(kept["figures"])
-    except (OSError, ValueError, KeyError, TypeError):  # none, or cut short by a full disk
-        pass
-    return None
+        figures = json.loads(read_regular(folder / SUMMARY))
+        return Outcome.done(figures) if figures["share_done"] >= 1.0 else None
+    except (OSError, ValueError, KeyError, TypeError):  # none, or another file
+        return None
 
 
 class _Stops:
@@ -151,15 +146,14 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     resume = (folder / CHECKPOINT).exists()
     model = model_of_text(task.model, USED)
     log = RunLog(shown=False, words=model.words)
-    with log.library_said(), contextlib.closing(log), contextlib.suppress(RunEnded):
+    with log.library_said(), contextlib.closing(log):
         case, recorder = _begun(model, folder, resume=resume)
         write_text(folder / USED, task.model)
         log.open(folder / LOG)  # the recorder has taken the folder
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
             return None
-    figures: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    write_text(folder / OUTCOME, json.dumps({"key": task.key, "figures": figures}, indent=1))
+    figures: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
     return figures
 
 
@@ -169,7 +163,7 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
     options = {
         **model.run_options(),
         "progress": False,
-        "also": (USED, LOG, OUTCOME),
+        "also": (USED, LOG),
         "until": case.duration,
         "name": case.name,
     }

@@ -185,7 +185,7 @@ def run_values(
 
 def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
     """Return the outcomes of the runs that are done in a folder, by their numbers."""
-    each = ((run.number, outcome_in(run.folder(folder), run.key)) for run in planned.runs)
+    each = ((run.number, outcome_in(run.folder(folder))) for run in planned.runs)
     return {number: outcome for number, outcome in each if outcome}
 
 
