@@ -76,7 +76,7 @@ def _ready(
     from shellcut.checks import RefusedModel
     from shellcut.model_file import ModelFileError
     from shellcut.model_file.model import digest_of
-    from shellcut.recording.recorder import Recorder, RunEnded
+    from shellcut.recording.recorder import RunEnded
 
     try:
         case, lines = _built(model, log, options)
@@ -84,17 +84,8 @@ def _ready(
         log.warn(refused(problem))
         return BAD_INPUT
     try:
-        recorder = Recorder(
-            case.simulation,
-            folder,
-            until=case.duration,
-            name=case.name,
-            **model.run_options(),
-            **options,
-            log=log.keep,
-            check=case.check,
-            also=(USED, LOG),
-        )
+        kept = {"log": log.keep, "also": (USED, LOG)}
+        recorder = case.recorder(folder, **model.run_options(), **options, **kept)
         try:
             if not options["resume"]:
                 model.write(folder / USED)

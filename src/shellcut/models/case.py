@@ -104,18 +104,16 @@ class Case:
                 "it again, and run it anew or with resume=True"
             )
         try:
-            recorder = Recorder(
-                self.simulation,
-                folder,
-                until=self.duration,
-                name=self.name,
-                check=self.check,
-                **options,
-            )
+            recorder = self.recorder(folder, **options)
         except RunEnded as ended:
             _log.warning("%s; nothing was changed", ended)
             return
         self.go(recorder)
+
+    def recorder(self, folder: str | os.PathLike[str], **options: Any) -> Recorder:
+        """Return what writes a run to a folder, with the options of :class:`Recorder`."""
+        of = {"until": self.duration, "name": self.name, "check": self.check}
+        return Recorder(self.simulation, folder, **of, **options)
 
     def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
         """Run to the end with a given recorder and further hooks, as :meth:`run` does.

@@ -160,20 +160,14 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
 def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]:
     """Return the case and its recorder, from the checkpoint where that can be read."""
     case = model.build()
-    options = {
-        **model.run_options(),
-        "progress": False,
-        "also": (USED, LOG),
-        "until": case.duration,
-        "name": case.name,
-    }
+    options = {**model.run_options(), "progress": False, "also": (USED, LOG)}
     if resume:
         try:
-            return case, Recorder(case.simulation, folder, resume=True, **options)
+            return case, case.recorder(folder, resume=True, **options)
         except (CheckpointError, FileNotFoundError) as problem:
             _log.warning("begun afresh: %s", problem)
             case = model.build()  # the checkpoint may have been read in part
-    return case, Recorder(case.simulation, folder, **options)
+    return case, case.recorder(folder, **options)
 
 
 def _one_line(error: BaseException) -> str:
