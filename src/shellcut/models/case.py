@@ -112,8 +112,8 @@ class Case:
 
     def recorder(self, folder: str | os.PathLike[str], **options: Any) -> Recorder:
         """Return what writes a run to a folder, with the options of :class:`Recorder`."""
-        of = {"until": self.duration, "name": self.name, "check": self.check}
-        return Recorder(self.simulation, folder, **of, **options)
+        sim, until = self.simulation, self.duration
+        return Recorder(sim, folder, until=until, name=self.name, check=self.check, **options)
 
     def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
         """Run to the end with a given recorder and further hooks, as :meth:`run` does.
