@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
@@ -49,8 +48,6 @@ class Task:
 
     number: int
     """Of the run in the study."""
-    key: str
-    """Hash of its inputs."""
     folder: str
     """Of the run; the worker must see the same file system."""
     model: str
@@ -93,13 +90,13 @@ def run_one(task: Task) -> Outcome:
             try:
                 figures = _run(task, folder, StopWhen(stops))
                 break
-            except FolderInUse:  # a worker that was given up may still be at it
+            except FolderInUse:  # by a run of the same inputs, or a worker that was given up
                 if stops():
                     return Outcome("stopped")
                 time.sleep(_PATIENCE)
     except KeyboardInterrupt:
         return Outcome("stopped")
-    except (ModelFileError, RefusedModel, UnstableStep, OSError, ValueError, MemoryError) as error:
+    except (UnstableStep, OSError, ValueError, MemoryError) as error:
         return Outcome("failed", _one_line(error), seconds=time.perf_counter() - began)
     except Exception as error:  # a fault of the library must not end the study either
         # Not in the folder, where no run may have begun.
