@@ -88,7 +88,8 @@ class VtkHdfReader:
         require_regular(self.path)
         for _ in range(_MOST_TRIES):
             try:
-                with _opened(self.path) as file:
+                # By the system's file, not by HDF5's own, which locks it and may have it open here.
+                with self.path.open("rb") as raw, h5py.File(raw, "r") as file:
                     return read(file)
             except Exception as error:  # whatever HDF5 makes of damage: sizes, types, names
                 failed = error
@@ -181,12 +182,3 @@ class VtkHdfReader:
             scalars=scalars,
             scalar_units=self._scalar_units,
         )
-
-
-def _opened(path: Path) -> Any:
-    try:
-        # Without a lock: a reader must not block anybody.
-        return h5py.File(path, "r", locking=False)
-    except OSError:
-        # It may be open in this process; HDF5 then requires the same options every time.
-        return h5py.File(path, "r")
