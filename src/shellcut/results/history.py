@@ -102,7 +102,6 @@ class HistoryWriter:
             self._file = opened(self.path, "r+")
             self._file.truncate(kept)
             self._file.seek(kept)
-        self._can_be_told = self._is_the_one_there()
 
     def __enter__(self) -> HistoryWriter:
         return self
@@ -125,10 +124,6 @@ class HistoryWriter:
         line = ",".join(map(repr, map(float, row.values()))) + "\n"
         write_all(self._file, line.encode("ascii"))
 
-    def in_place(self) -> bool:
-        """Whether the file is still in place: nobody has moved or removed it."""
-        return self._is_the_one_there() if self._can_be_told else self.path.exists()
-
     def sync(self) -> None:
         """Wait until all rows are on the disk; OSError if that fails."""
         os.fsync(self._file.fileno())
@@ -136,12 +131,6 @@ class HistoryWriter:
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         self._file.close()
-
-    def _is_the_one_there(self) -> bool:
-        try:
-            return os.path.samestat(os.fstat(self._file.fileno()), self.path.stat())
-        except FileNotFoundError:
-            return False
 
     def _check_columns(self) -> None:
         if not self.columns:
