@@ -40,7 +40,6 @@ from .study import FEW_FILES, run_values, taken
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
-_STEADY = "the steady window"
 _AT_A_TIME = 4  # sets proposed before their results are told: keeps four processes busy
 _DIGITS = 4  # of a value: nobody makes a tooth more precisely
 _LIMIT = re.compile(r"\s*(\w[^<>=]*?)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
@@ -130,7 +129,7 @@ class Optimum:
         if _BEYOND in states:
             beyond = [one for one in self.trials if one.missed > 0.0]
             near = min(beyond, key=lambda one: one.missed)
-            said = ((label_of(n, _STEADY), with_unit(n, v)) for n, v in near.limited.items())
+            said = ((label_of(n), with_unit(n, v)) for n, v in near.limited.items())
             figures = ", ".join(f"{name} {value}" for name, value in said)
             yield (
                 f"the nearest to {', '.join(self.limits)} is run {self.trials.index(near) + 1} "
@@ -142,7 +141,7 @@ class Optimum:
             yield "to let a distrusted run be the best: allow_doubts, or --allow-doubts"
 
     def _against(self, start: Trial, best: Trial) -> Iterator[str]:
-        name = label_of(self.figure, _STEADY)
+        name = label_of(self.figure)
         if start.figure is None or best.figure is None:
             yield f"{name}: {start.reason or best.reason}"
             return
@@ -178,7 +177,7 @@ class Optimum:
             if state in states
         ]
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
-        name = label_of(self.figure, _STEADY)
+        name = label_of(self.figure)
         unit = unit_of(self.figure)
         return Diagram(n, curves, "run", "", name, unit, zero=False)
 
