@@ -110,18 +110,12 @@ class HistoryWriter:
         self.close()
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Write one row; its keys must be exactly the names of the columns, else KeyError.
+        """Write one row, by the names of the columns.
 
         After an OSError, of a full disk, part of the row may have been written, which is dropped
         when the file is reopened.
         """
-        if tuple(row) != self._names:
-            missing = [name for name in self._names if name not in row]
-            unknown = [name for name in row if name not in self._names]
-            if missing or unknown:
-                raise KeyError(f"history row: missing {missing}, unknown {unknown}")
-            row = {name: row[name] for name in self._names}
-        line = ",".join(map(repr, map(float, row.values()))) + "\n"
+        line = ",".join(repr(float(row[name])) for name in self._names) + "\n"
         write_all(self._file, line.encode("ascii"))
 
     def sync(self) -> None:

@@ -83,7 +83,8 @@ class VtkHdfWriter:
         self._cells_written: dict[str, Any] = {}  # cells of the last frame, as they are in the file
         self._cells_entry: dict[str, Any] = {}  # their offsets
         self._cells_sizes = [0, 0, 0]  # numbers of points, cells and ids
-        self._n_frame = 0
+        self.n_frame = 0
+        """Number of frames in the file."""
         self._is_sound = False
         try:
             if until is None:
@@ -101,11 +102,6 @@ class VtkHdfWriter:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    @property
-    def n_frame(self) -> int:
-        """Number of frames in the file."""
-        return self._n_frame
 
     def append(self, frame: Frame) -> None:
         """Write one frame and flush it.
@@ -132,7 +128,7 @@ class VtkHdfWriter:
         self._append_row(frame, grid, entry, digest_of_arrays(written))
         # The frame counts only once it is completely in the file.
         self._file.flush()
-        self._count(self._n_frame + 1)
+        self._count(self.n_frame + 1)
 
     def sync(self) -> None:
         """Wait until all frames are on the disk."""
@@ -142,7 +138,7 @@ class VtkHdfWriter:
         """Close the file; a second call does nothing."""
         try:
             if self._file and self._is_sound:  # the number of frames is now final
-                self._file[BESIDE].attrs.modify(ENDED, np.int64(self._n_frame))  # in place
+                self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place
         finally:
             self._file.close()
             self._target.close()
@@ -150,7 +146,7 @@ class VtkHdfWriter:
     def _append_row(
         self, frame: Frame, grid: FrameGrid, entry: dict[str, Any], of_arrays: int
     ) -> None:
-        k, series = self._n_frame, series_of(frame)
+        k, series = self.n_frame, series_of(frame)
         entry[_SERIES_OFFSETS] = k
         entry[_SERIES_SIZES] = (1, 1)  # components, tuples
         for name, value in series.items():
@@ -194,7 +190,7 @@ class VtkHdfWriter:
         self._root["Steps"].attrs["NSteps"] = n_frame
         self._file.flush()
         self._target.keep()
-        self._n_frame = n_frame
+        self.n_frame = n_frame
 
     def _create_new(self) -> None:
         self._root: Any = self._file.create_group("VTKHDF")
