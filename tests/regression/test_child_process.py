@@ -10,7 +10,7 @@ from shellcut.files.folder_lock import FolderInUse, FolderLock
 from shellcut.files.run_folder import CHECKPOINT
 from shellcut.study import child_process
 from shellcut.study.child_process import ChildDied, run_in_child
-from shellcut.study.one_run import OUTCOME, run_one
+from shellcut.study.one_run import outcome_in, run_one
 from shellcut.study.plan import Definition
 from shellcut.study.study import _tasks
 from tiny_study import SETTINGS
@@ -104,7 +104,7 @@ def test_a_child_whose_worker_is_killed_stops_with_a_checkpoint(tmp_path):
     child._process.stdin.close()  # as the system does when the worker is killed
     until(lambda: not is_held(folder))
     assert (folder / CHECKPOINT).exists()
-    assert not (folder / OUTCOME).exists()
+    assert outcome_in(folder) is None
     child.end()
     assert child._process.returncode == 0
 

@@ -98,7 +98,7 @@ def test_negative_shares_are_lines_and_ragged_columns_refused(tmp_path, figures)
     assert not upper.collections
     assert {"cables", "damping", "work put in"} <= {line.get_label() for line in upper.lines}
     ragged = Diagram(ANGLE, [Curve("total", TORQUE[1:])], "angle", "deg", "torque", "N*mm")
-    with pytest.raises(ValueError, match=r"total must have as many rows .*, 60, got"):
+    with pytest.raises(ValueError, match="same first dimension"):
         draw_curves(tmp_path / "never.png", [ragged])
 
 

@@ -156,7 +156,7 @@ def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
 
 
 def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
-    with pytest.raises(RuntimeError, match=r"there is no figure torque_peak; .*force_peak"):
+    with pytest.raises(RuntimeError, match=r"no figure torque_peak_Nmm; .*force_peak_N"):
         sc.optimise(
             "guillotine",
             {PLATEAU: "6:12"},

@@ -28,7 +28,7 @@ class Clock:
 
 def run(stream, clock, *, n=41, each=1.0):
     with Progress("opening", figure_units=UNITS, stream=stream, clock=clock) as shown:
-        shown.note("compiling (first run only)")
+        shown.status("half way")
         for k in range(n):
             shown.update(k / 95.0, step=1000 * k, angle=k, torque=143.6, imbalance=-0.04)
             clock.now += each
@@ -38,13 +38,13 @@ def test_lines_elsewhere_than_on_a_terminal_come_every_ten_seconds():
     stream = io.StringIO()
     run(stream, Clock())
     lines = stream.getvalue().splitlines()
-    assert lines[0] == "opening: compiling (first run only)"
+    assert lines[0] == "opening: half way"
     assert lines[1] == "opening: 0 %: angle 0°, torque 143.6 N·mm, imbalance -0.04 %"
     assert lines[2] == (
         "opening: 10 %: 1 min 25 s left, angle 10°, torque 143.6 N·mm, imbalance -0.04 %, "
         "1,000 steps/s"
     )
-    assert len(lines) == 1 + 5  # the note, at 0, 10, 20, 30 and 40 s, which is the last
+    assert len(lines) == 1 + 5  # the status, at 0, 10, 20, 30 and 40 s, which is the last
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_a_terminal_gets_a_bar_with_the_figures_it_has_room_for(monkeypatch, col
     stream = Terminal()
     run(stream, Clock())
     everything = stream.getvalue()
-    assert "compiling (first run only)" in everything
+    assert "half way" not in everything  # the bar shows such figures
     last = next(line for line in reversed(everything.splitlines()) if "opening" in line)
     shown = re.sub(r"\x1b\[[\d;?]*[a-zA-Z]", "", last).rpartition("\r")[2]
     assert re.fullmatch(f"opening [━╺]+ +42 % *{re.escape(text)} *", shown)
@@ -96,7 +96,7 @@ def test_a_closed_stream_does_not_stop_the_run(terminal, monkeypatch):
     stream = Terminal() if terminal else io.StringIO()
     shown = Progress("opening", stream=stream)
     stream.close()
-    shown.note("still here")
+    shown.status("still here")
     for k in range(3):
         shown.update(k, step=k)
     shown.close()

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from html import escape
 from html.parser import HTMLParser
 
 import numpy as np
@@ -202,6 +203,13 @@ class TestWhatIsMissing:
         said = " ".join(text for kind, text in sentences(page) if kind == "doubt")
         assert "The frames cannot be shown" in said
         assert "fewer than two rows" in said
+
+    def test_without_frames_the_verdict_is_still_that_of_the_run(self, out, tmp_path):
+        folder = copy_without(out, tmp_path, "guillotine.vtkhdf")
+        page = report_run(folder).read_text(encoding="utf-8")
+        told = [text for _, text in sentences(page)]
+        verdict = json.loads((out / "summary.json").read_text())["verdict"]
+        assert {escape(line["text"]) for line in verdict} <= {*told}
 
     def test_a_section_that_fails_costs_no_other(self, out, tmp_path):
         folder = copy_without(out, tmp_path)

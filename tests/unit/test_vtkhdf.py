@@ -287,17 +287,6 @@ def test_a_file_that_ends_before_the_checkpoint_is_refused(tmp_path):
         write(path, written[2:], until=written[2].time)
 
 
-def test_frames_out_of_order_or_with_other_scalars_are_refused(tmp_path):
-    first, second, *_ = frames(2)
-    with VtkHdfWriter(tmp_path / "run.vtkhdf") as writer:
-        writer.append(second)
-        with pytest.raises(ValueError, match=r"in order of time, got 0.0001 s after 0.0002 s"):
-            writer.append(first)
-        later = dataclasses.replace(second, time=1.0, scalars={}, scalar_units={})
-        with pytest.raises(ValueError, match="every frame must have the scalars"):
-            writer.append(later)
-
-
 def test_after_a_frame_that_failed_the_next_one_is_whole(tmp_path, monkeypatch):
     # Both have the same new cells; those of the failed one must not be taken for written.
     before, failed, after = frames(4)[1:]

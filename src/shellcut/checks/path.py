@@ -1,33 +1,7 @@
 """Check the path of the cutting edges through the film.
 
-Conditions for a correct cut, with reasons:
-
-* An edge that meets the film. Where the edge ends, the tool has nothing to cut with.
-* The edge in front of the tool: it must move within 60° of the direction in which it points, in
-  the plane normal to it. A blunt back does not part the film, and joints made by a passing back
-  lie up to 1.5 mm behind the edge.
-* A row of mesh edges under it, where cracks follow edges. At 0.05 edge lengths beside the row the
-  cutting force is 3.5 % higher, at 0.25 of them 6.5 % (h = 0.4 mm); beyond 0.3 the edge pierces no
-  node.
-* No held nodes under it: they never split.
-* Film that is not cut yet.
-* A process zone longer than an edge. The blade drags a cable by its two branches, so the cable
-  breaks when the edge has moved on by half of ``opening_u``; the next one is made an edge length h
-  farther on. With h <= opening_u / 2 the blade always drags a cable; with a longer h there are
-  stretches without cables on which nothing holds the flanks, and the work that opens them is
-  dissipated in vibration and damping. Measured ratio of the tool's work to that of the cables in
-  steady cutting:
-
-  ================  =====  =========  =========  =========  =========
-  opening_u / h     5      2          1          0.5        0.25
-  guillotine        1.01   1.03-1.05  1.07-1.08  1.15-1.22  1.19-1.69
-  opening test      1.06   1.14-1.20  1.26-1.41  1.54-1.83  2.05
-  ================  =====  =========  =========  =========  =========
-
-  (h = 0.8 and 0.4 mm; moduli from 420 to 6712 MPa, strengths of 18 and 72 MPa, half the speed and
-  a tenth of the damping keep the guillotine within 1.04-1.08 at 2 and 1.08-1.37 at 0.5.) So only
-  the opening matters here; Irwin's length E G / strength² is 0.6 opening_u over the strain at
-  which the film tears, more than ten edges if the other two limits are kept.
+docs/howto/trust.md lists what is asked of it with the reasons, docs/limits.md by how much the force
+is off where it is not kept.
 """
 
 from __future__ import annotations
@@ -60,7 +34,7 @@ NEAR_HELD = 0.5
 SHARE = 0.05
 """Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
-"""Smallest opening_u in edge lengths, see above."""
+"""Smallest opening_u in edge lengths."""
 
 
 def check_path(

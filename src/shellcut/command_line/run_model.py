@@ -84,8 +84,8 @@ def _ready(
         log.warn(refused(problem))
         return BAD_INPUT
     try:
-        also = {"log": log.keep, "also": (USED, LOG)}
-        recorder = case.recorder(folder, **model.run_options(), **options, **also)
+        kept = {"log": log.keep, "also": (USED, LOG)}
+        recorder = case.recorder(folder, **model.run_options(), **options, **kept)
         try:
             if not options["resume"]:
                 model.write(folder / USED)

@@ -36,7 +36,7 @@ from shellcut.unit import shown
 from shellcut.view import Look, can_draw, draw_scene
 from shellcut.view.progress import Progress
 
-from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
+from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .cut_front import CutFront
 from .frame_capture import Exposure
 from .resistance import resistance_of
@@ -283,9 +283,8 @@ class Recorder:
         """Load the checkpoint into the simulation; return the schedule."""
         path = self.folder / CHECKPOINT
         saved = load_checkpoint(self._sim, path)
-        with content_of(path):
-            self._front.restore(saved.pop("cut_front", self._front.saved()))
-            schedule = Schedule.restored(saved)
+        self._front.restore(saved.pop("cut_front", self._front.saved()))
+        schedule = Schedule.restored(saved)
         if schedule is None:
             raise CheckpointError(
                 f"{path} was saved by hand: resume it with load_checkpoint, in another folder"

@@ -152,7 +152,8 @@ class RunFiles:
         """
         self.frames.check()
         self.lost = True
-        if not (self.history.in_place() and result_file(self.folder, self._name).exists()):
+        # Those of another run that began here since are told by its lock.
+        if not (self.history.path.exists() and result_file(self.folder, self._name).exists()):
             raise FolderLost(
                 f"{self.folder} has been removed, moved or emptied while {self._name} was written "
                 "there; if it was moved, the run can be resumed where it is now"

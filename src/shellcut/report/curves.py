@@ -21,9 +21,9 @@ from .markup import missing, sentences, table
 
 def resistance(run: Gathered) -> str:
     """Return torque (or force) over the coordinate of the motion."""
-    if not run.history:
+    if not run.results.history:
         return missing("No curve: the history is missing.")
-    diagram = resistance_diagram(run.history, run.units)
+    diagram = resistance_diagram(run.results.history, run.results.units)
     found = run.measured
     if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], diagram.name):
         x, y = found.measured_curve
@@ -76,7 +76,7 @@ def measured(run: Gathered) -> str:
 
 def energy(run: Gathered) -> str:
     """Return the energy ledger: work put in, energies, and imbalance."""
-    h = run.history
+    h = run.results.history
     if "tool_work" not in h:
         return missing("No ledger: the history is missing.")
     rows = [
@@ -85,11 +85,11 @@ def energy(run: Gathered) -> str:
         for words, energy, share in lines
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
-    ledger = at_end + _chart(energy_diagram(h, run.units), "energies and the work put in")
+    ledger = at_end + _chart(energy_diagram(h, run.results.units), "energies and the work put in")
     trusted = trusted_rows(h)
     if trusted.sum() < 2:
         return ledger
-    missed = imbalance_diagram(h, run.units)
+    missed = imbalance_diagram(h, run.results.units)
     start = with_unit(h[missed.x_name][trusted][0], run.coordinate[1])
     missed = replace(missed, name=f"imbalance of the energies from {start} on")
     return ledger + _chart(missed, "imbalance of the energies", 170.0, trusted)

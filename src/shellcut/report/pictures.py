@@ -30,9 +30,9 @@ def crack_map(run: Gathered) -> str:
     if not frames:
         return missing("No crack map: there are no frames.")
     places = {}
-    if run.splits:
-        where = np.stack([run.splits[axis] for axis in "XYZ"], axis=1)
-        kinds = run.splits["kind"]
+    if splits := run.results.splits:
+        where = np.stack([splits[axis] for axis in "XYZ"], axis=1)
+        kinds = splits["kind"]
         places = {str(kind): where[kinds == kind] for kind in np.unique(kinds)}
 
     try:
@@ -46,7 +46,7 @@ def crack_map(run: Gathered) -> str:
     alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
     caption = (
         f"The crack on the uncut film. Each edge is dated by the first frame in which it is "
-        f"open; {len(frames)} of {run.results.n_frame if run.results else 0} frames were read."
+        f"open; {len(frames)} of {run.results.n_frame} frames were read."
     )
     return (
         f'<figure>{image(png, alt)}<figcaption class="caption">{escape(caption)}</figcaption>'
@@ -56,7 +56,7 @@ def crack_map(run: Gathered) -> str:
 
 def snapshots(run: Gathered) -> str:
     """Return the pictures that the run has drawn, side by side, large enough to be read."""
-    pictures = [path.read_bytes() for path in run_folder.snapshots(run.folder)]
+    pictures = [path.read_bytes() for path in run_folder.snapshots(run.results.folder)]
     if not pictures:
         return missing("No pictures: the run has drawn none. shellcut view draws them.")
     shown = "".join(
@@ -69,9 +69,10 @@ def snapshots(run: Gathered) -> str:
 
 def scene(run: Gathered) -> str:
     """Return the scene, of fewer frames if all need too much room, or why there is none."""
-    if run.results is None or not run.results.n_frame:
+    if not run.results.n_frame:
         return missing("No scene: there are no frames.")
-    command = f"<code>shellcut view {escape(shlex.quote(str(run.folder)))} -o FILE.html</code>"
+    folder = escape(shlex.quote(str(run.results.folder)))
+    command = f"<code>shellcut view {folder} -o FILE.html</code>"
     try:
         packed = packed_scene(run.results, None, _LARGEST)
     except ValueError as error:

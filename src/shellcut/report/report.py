@@ -15,7 +15,7 @@ from shellcut.unit import LIBRARY_UNITS, shown, with_unit
 
 from . import curves, pictures, words
 from .error_bars import error_bars
-from .gathered import Gathered, gather, run_or_say
+from .gathered import Gathered, gather, or_say
 from .markup import section
 from .page import page_of
 
@@ -67,13 +67,13 @@ def report_run(
     """
     run = gather(Path(folder))
     inputs = [measured] if isinstance(measured, str | os.PathLike) else []
-    out = target(path, run.folder / "report.html", inputs)
+    out = target(path, run.results.folder / "report.html", inputs)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
     body = _body(run)
     html = page_of(
-        title=f"{run.name} - report of a run",
-        heading=run.name,
+        title=f"{run.results.name} - report of a run",
+        heading=run.results.name,
         lead=_lead(run),
         body=body,
         style=scene_style(),
@@ -84,21 +84,20 @@ def report_run(
 
 
 def _lead(run: Gathered) -> str:
-    parts = [f"Report of the run in {run.folder.resolve()}"]
-    if run.history:
+    results, parts = run.results, [f"Report of the run in {run.results.folder.resolve()}"]
+    if results.history:
         name, unit = run.coordinate
-        end = run.figures.get(f"{name}_end_{unit}", run.history[name][-1])
+        end = run.figures.get(f"{name}_end_{unit}", results.history[name][-1])
         parts.append(f"up to {name} {with_unit(end, unit)}")
-    if run.results is not None:
-        parts.append(f"{run.results.n_frame} frames")
+    parts.append(f"{results.n_frame} frames")
     kept = "What the run has said keeps mm, N and s; its pictures keep the units they bear."
     converted = any(shown(unit)[1] != 1.0 for unit in LIBRARY_UNITS.values())
     return ", ".join(parts) + "." + f" {kept}" * converted
 
 
 def _body(run: Gathered) -> str:
-    last = run_or_say(run, "last frame", lambda: next(iter(run.frames(1)), None))
-    resistance = run.resistance[0].capitalize() if run.history else "Resistance"
+    last = or_say(run.problems, "last frame", lambda: next(iter(run.frames(1)), None))
+    resistance = run.resistance[0].capitalize() if run.results.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,
         resistance: lambda: curves.resistance(run),
@@ -114,7 +113,9 @@ def _body(run: Gathered) -> str:
         "What was run": lambda: words.what_was_run(run),
         "Versions": words.versions,
     }
-    made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
+    made = {
+        title: or_say(run.problems, title.lower(), make) or "" for title, make in makers.items()
+    }
     # Last, because they report the problems of the other sections.
     made[_CONCLUSION], made[_TRUST] = words.judged(run, last)
     return "".join(section(title, body) for title, body in made.items())

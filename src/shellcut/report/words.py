@@ -36,8 +36,8 @@ def what_was_run(run: Gathered) -> str:
 
 def judged(run: Gathered, last: Frame | None) -> tuple[str, str]:
     """Return the conclusion; the verdict with the list of missing data, doubts first."""
-    if "verdict" in run.summary:  # the run's own verdict
-        lines = [Line(**line) for line in run.summary["verdict"]]
+    if "verdict" in run.results.summary:  # the run's own verdict
+        lines = [Line(**line) for line in run.results.summary["verdict"]]
     else:
         figures = run.figures
         if last is not None:

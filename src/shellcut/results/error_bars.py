@@ -80,7 +80,7 @@ class ErrorBar:
     @property
     def name(self) -> str:
         """Label of the figure."""
-        return label_of(self.figure, "the steady window")
+        return label_of(self.figure)
 
     @property
     def unit(self) -> str:

@@ -102,7 +102,6 @@ class HistoryWriter:
             self._file = opened(self.path, "r+")
             self._file.truncate(kept)
             self._file.seek(kept)
-        self._can_be_told = self._is_the_one_there()
 
     def __enter__(self) -> HistoryWriter:
         return self
@@ -111,23 +110,13 @@ class HistoryWriter:
         self.close()
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Write one row; its keys must be exactly the names of the columns, else KeyError.
+        """Write one row, by the names of the columns.
 
         After an OSError, of a full disk, part of the row may have been written, which is dropped
         when the file is reopened.
         """
-        if tuple(row) != self._names:
-            missing = [name for name in self._names if name not in row]
-            unknown = [name for name in row if name not in self._names]
-            if missing or unknown:
-                raise KeyError(f"history row: missing {missing}, unknown {unknown}")
-            row = {name: row[name] for name in self._names}
-        line = ",".join(map(repr, map(float, row.values()))) + "\n"
+        line = ",".join(repr(float(row[name])) for name in self._names) + "\n"
         write_all(self._file, line.encode("ascii"))
-
-    def in_place(self) -> bool:
-        """Whether the file is still in place: nobody has moved or removed it."""
-        return self._is_the_one_there() if self._can_be_told else self.path.exists()
 
     def sync(self) -> None:
         """Wait until all rows are on the disk; OSError if that fails."""
@@ -136,12 +125,6 @@ class HistoryWriter:
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         self._file.close()
-
-    def _is_the_one_there(self) -> bool:
-        try:
-            return os.path.samestat(os.fstat(self._file.fileno()), self.path.stat())
-        except FileNotFoundError:
-            return False
 
     def _check_columns(self) -> None:
         if not self.columns:

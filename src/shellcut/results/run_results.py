@@ -57,21 +57,25 @@ class Results:
     It is a snapshot of the folder: for a run in progress, read again to see more.
     """
 
-    def __init__(self, folder: Path, name: str, frames: VtkHdfReader) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        name: str,
+        frames: VtkHdfReader | None,
+        history: tuple[dict[str, Floats], dict[str, str]],
+    ) -> None:
         self.folder = folder
         self.name = name
         """Name of the run, the stem of its ``.vtkhdf`` file."""
         self._frames = frames
-        self.n_frame = frames.n_frame
+        self.n_frame = frames.n_frame if frames else 0
         """Number of complete frames."""
-        self.times, self.coordinates = frames.times, frames.coordinates
+        self.times = frames.times if frames else np.zeros(0)
+        self.coordinates = frames.coordinates if frames else np.zeros(0)
         """Time [s] and coordinate, in ``coordinate_unit``, of every frame, shape (n_frame,)."""
-        self.history: dict[str, Floats] = {}
-        """The columns of ``history.csv`` by name, shape (n_row,); empty if the file is missing."""
-        self.units: dict[str, str] = {}
-        """Their units by the same names."""
-        if (folder / HISTORY).exists():
-            self.history, self.units = read_history(folder / HISTORY)
+        self.history, self.units = history
+        """The columns of ``history.csv`` by name, shape (n_row,), and their units; empty if the
+        file is missing."""
         self.summary: dict[str, Any] = {}
         """``summary.json``; empty if the run has not ended."""
         with suppress(FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
@@ -117,12 +121,12 @@ class Results:
     @property
     def coordinate_name(self) -> str:
         """Abscissa of all curves, ``"angle"`` or ``"path"``."""
-        return self._frames.coordinate_name or self._column(1)
+        return (self._frames and self._frames.coordinate_name) or self._column(1)
 
     @property
     def coordinate_unit(self) -> str:
         """Unit of the coordinate."""
-        return self._frames.coordinate_unit or self.units[self._column(1)]
+        return (self._frames and self._frames.coordinate_unit) or self.units[self._column(1)]
 
     @property
     def resistance_name(self) -> str:
@@ -149,7 +153,7 @@ class Results:
         IndexError
             If there is no such frame.
         """
-        return self._frames.frame(k)
+        return self._reader.frame(k)
 
     def frames(self) -> Iterator[Frame]:
         """Iterate over the frames in order of time."""
@@ -160,7 +164,7 @@ class Results:
 
         None if the run has no tool.
         """
-        return self._frames.pose(k)
+        return self._reader.pose(k)
 
     def cut_quality(self) -> FrameFigures:
         """Return the quality of the cut over the frames.
@@ -221,6 +225,12 @@ class Results:
 
     # ------------------------------------------------------------------ parts
 
+    @property
+    def _reader(self) -> VtkHdfReader:
+        if self._frames is None:
+            raise IndexError(f"there are no frames, as {self.folder} has no result file to read")
+        return self._frames
+
     def _column(self, k: int) -> str:
         # Time, coordinate and the plotted figure are the first three columns of every history.
         if not self.history:
@@ -253,7 +263,17 @@ def read(path: str | os.PathLike[str]) -> Results:
     >>> results.frame(-1).points.shape  # doctest: +SKIP
     (3219, 3)
     """
-    path = Path(path)
+    file = result_in(Path(path))
+    return Results(file.parent, file.stem, VtkHdfReader(file), history_in(file.parent))
+
+
+def history_in(folder: Path) -> tuple[dict[str, Floats], dict[str, str]]:
+    """Return the columns of a run's history and their units; empty if there is none."""
+    return read_history(folder / HISTORY) if (folder / HISTORY).exists() else ({}, {})
+
+
+def result_in(path: Path) -> Path:
+    """Return the result file of a run, given its folder or the file."""
     if not path.exists():
         raise FileNotFoundError(
             f"{path} must be the folder of a run or its .vtkhdf file, there is neither"
@@ -271,4 +291,4 @@ def read(path: str | os.PathLike[str]) -> Results:
             names = ", ".join(file.name for file in found)
             raise ValueError(f"{path} must hold one .vtkhdf file, got {names}; give one of them")
         path = found[0]
-    return Results(path.parent, path.stem, VtkHdfReader(path))
+    return path

@@ -204,7 +204,7 @@ def _plain(name: str) -> str:
     return name.casefold().replace("_", " ").strip()
 
 
-def label_of(key: str, window: str) -> str:
+def label_of(key: str, window: str = "the steady window") -> str:
     """Return the label of a figure; ``window`` says over what a mean is taken."""
     if key in LABELS:
         return LABELS[key].format(window=window)

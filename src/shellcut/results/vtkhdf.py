@@ -83,8 +83,8 @@ class VtkHdfWriter:
         self._cells_written: dict[str, Any] = {}  # cells of the last frame, as they are in the file
         self._cells_entry: dict[str, Any] = {}  # their offsets
         self._cells_sizes = [0, 0, 0]  # numbers of points, cells and ids
-        self._last_time = -np.inf
-        self._n_frame = 0
+        self.n_frame = 0
+        """Number of frames in the file."""
         self._is_sound = False
         try:
             if until is None:
@@ -103,38 +103,17 @@ class VtkHdfWriter:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    @property
-    def n_frame(self) -> int:
-        """Number of frames in the file."""
-        return self._n_frame
-
     def append(self, frame: Frame) -> None:
         """Write one frame and flush it.
 
-        Its scalars are those of the first frame, its time is later than that of the last one. After
-        an OSError, as of a full disk, the earlier frames stay in the file, and no more can be
-        added.
+        Its scalars and history numbers are those of the first frame, its time is later than that of
+        the last one. After an OSError, as of a full disk, the earlier frames stay in the file, and
+        no more can be added.
         """
         self._target.check()
-        if frame.time <= self._last_time:
-            raise ValueError(
-                f"frames must be appended in order of time, got {frame.time} s after "
-                f"{self._last_time} s"
-            )
-        series, grid = series_of(frame), grid_of(frame)
-        of_material = {*filter(is_history, grid.cell_arrays)}
+        grid = grid_of(frame)
         if not self._series_names:
-            self._begin(frame, tuple(series), of_material)
-        elif set(series) != set(self._series_names):
-            raise ValueError(
-                f"every frame must have the scalars {sorted(self._series_names)}, "
-                f"got {sorted(series)}"
-            )
-        if of_material != set(self._history_names()):
-            raise ValueError(
-                "every frame must have the history numbers of the first, "
-                f"{', '.join(self._history_names()) or 'none'}"
-            )
+            self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
         entry = self._append_cells(grid)
         written = dict(self._cells_written)
         point = self._columns.end("Points")
@@ -149,8 +128,7 @@ class VtkHdfWriter:
         self._append_row(frame, grid, entry, digest_of_arrays(written))
         # The frame counts only once it is completely in the file.
         self._file.flush()
-        self._count(self._n_frame + 1)
-        self._last_time = frame.time
+        self._count(self.n_frame + 1)
 
     def sync(self) -> None:
         """Wait until all frames are on the disk."""
@@ -160,7 +138,7 @@ class VtkHdfWriter:
         """Close the file; a second call does nothing."""
         try:
             if self._file and self._is_sound:  # the number of frames is now final
-                self._file[BESIDE].attrs.modify(ENDED, np.int64(self._n_frame))  # in place
+                self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place
         finally:
             self._file.close()
             self._target.close()
@@ -168,7 +146,7 @@ class VtkHdfWriter:
     def _append_row(
         self, frame: Frame, grid: FrameGrid, entry: dict[str, Any], of_arrays: int
     ) -> None:
-        k, series = self._n_frame, series_of(frame)
+        k, series = self.n_frame, series_of(frame)
         entry[_SERIES_OFFSETS] = k
         entry[_SERIES_SIZES] = (1, 1)  # components, tuples
         for name, value in series.items():
@@ -212,7 +190,7 @@ class VtkHdfWriter:
         self._root["Steps"].attrs["NSteps"] = n_frame
         self._file.flush()
         self._target.keep()
-        self._n_frame = n_frame
+        self.n_frame = n_frame
 
     def _create_new(self) -> None:
         self._root: Any = self._file.create_group("VTKHDF")
@@ -252,7 +230,8 @@ class VtkHdfWriter:
     def _begin(self, frame: Frame, series_names: tuple[str, ...], of_material: set[str]) -> None:
         """Create the columns that depend on the model, by its first frame."""
         create, link = self._columns.create, self._columns.link
-        for name in sorted(of_material - set(self._history_names())):  # a killed run may have begun
+        begun = filter(is_history, self._root["CellData"])  # by a run that was killed
+        for name in sorted(of_material - {*begun}):
             create(f"CellData/{name}", np.float32, packed=True)
             link(f"Steps/CellDataOffsets/{name}", f"Steps/{_CELL_DATA_OFFSETS}")
         create(f"Steps/{_SERIES_OFFSETS}", np.int64)
@@ -267,9 +246,6 @@ class VtkHdfWriter:
             scalar_names=list(frame.scalars),
             scalar_units=[frame.scalar_units[name] for name in frame.scalars],
         )
-
-    def _history_names(self) -> list[str]:
-        return [*filter(is_history, self._root["CellData"])]
 
     def _open_old(self) -> None:
         arrays = [f"VTKHDF/PointData/{name}" for name in POINT_ARRAYS]
@@ -308,7 +284,6 @@ class VtkHdfWriter:
                 "Offsets": columns["Offsets"][cell + part : n_cell + n_part],
                 "Connectivity": columns["Connectivity"][first_id:n_id],
             }
-            self._last_time = float(columns["Steps/Values"][k])
         ends = {
             **dict.fromkeys(SIZES, n_part),
             "Points": n_point,

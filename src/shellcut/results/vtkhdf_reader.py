@@ -5,7 +5,6 @@ A file that differs in a single bit is refused, with the number of the damaged f
 
 from __future__ import annotations
 
-import io
 import os
 import time
 from collections.abc import Callable
@@ -24,15 +23,10 @@ from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of, is_history
 from .vtkhdf import BESIDE, ENDED, NOT_ENDED, is_ours
 
-# A file may be read while its run writes: it must not change meanwhile, judged by its time stamp,
-# which the system updates in ticks of up to 10 ms.
-_TICK_S = 0.02
+# A file may be read while its run writes: what is read then may be half old and half new, as its
+# digests tell. It is read again, so often at most, until it has not been written to for a while.
+_TICK_S, _HELD_UP_S = 0.02, 1.0
 _MOST_TRIES = 250
-# A file written this recently may change at any moment. It is read into memory at once, unless it
-# is too large [bytes]; other programs may delay the run in the middle of a frame, so apparent
-# damage is checked again.
-_HELD_UP_S = 1.0
-_LARGEST_IMAGE = 200_000_000
 
 _Value = TypeVar("_Value")
 
@@ -93,35 +87,20 @@ class VtkHdfReader:
         """Return the result of ``read`` on the open file, never of a partly written one."""
         require_regular(self.path)
         for _ in range(_MOST_TRIES):
-            before = self.path.stat()
-            if time.time() - before.st_mtime < _TICK_S:
-                time.sleep(_TICK_S)
-                before = self.path.stat()
-            is_recent = time.time() - before.st_mtime < _HELD_UP_S
-            source = None
-            if is_recent and before.st_size < _LARGEST_IMAGE:
-                with self.path.open("rb") as opened:
-                    source = io.BytesIO(opened.read(_LARGEST_IMAGE))
-            taken = self.path.stat()
-            failed: Exception | None = None
             try:
-                with _opened(self.path) if source is None else h5py.File(source, "r") as file:
-                    value = read(file)
+                # By the system's file, not by HDF5's own, which locks it and may have it open here.
+                with self.path.open("rb") as raw, h5py.File(raw, "r") as file:
+                    return read(file)
             except Exception as error:  # whatever HDF5 makes of damage: sizes, types, names
                 failed = error
-            after = self.path.stat() if source is None else taken
-            if failed is not None and is_recent:
-                time.sleep(_TICK_S)
-            elif (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size):
-                if isinstance(failed, ResultFileError):
-                    raise failed
-                if failed is not None:
-                    raise ResultFileError(
-                        f"{self.path} must be a complete result file of shellcut; HDF5 says: "
-                        f"{failed}"
-                    ) from failed
-                return value
-        raise ResultFileError(f"{self.path} is being written continuously; read it again later")
+            if time.time() - self.path.stat().st_mtime >= _HELD_UP_S:
+                break
+            time.sleep(_TICK_S)
+        if isinstance(failed, ResultFileError):
+            raise failed
+        raise ResultFileError(
+            f"{self.path} must be a complete result file of shellcut; HDF5 says: {failed}"
+        ) from failed
 
     def _read_steps(self, file: Any) -> None:
         if not is_ours(file):
@@ -203,12 +182,3 @@ class VtkHdfReader:
             scalars=scalars,
             scalar_units=self._scalar_units,
         )
-
-
-def _opened(path: Path) -> Any:
-    try:
-        # Without a lock: a reader must not block anybody.
-        return h5py.File(path, "r", locking=False)
-    except OSError:
-        # It may be open in this process; HDF5 then requires the same options every time.
-        return h5py.File(path, "r")

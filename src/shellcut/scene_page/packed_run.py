@@ -34,7 +34,7 @@ Unsigned = npt.NDArray[Any]
 Rows = list[Any]
 """One array for each frame."""
 
-_CHANGING: dict[str, Callable[[Frame], Any]] = {
+_NUMBERS: dict[str, Callable[[Frame], Any]] = {
     "points": lambda frame: frame.points,
     "cables": lambda frame: frame.cable_segments.reshape(-1, 6),
 }
@@ -47,81 +47,50 @@ _CABLES = {"cable, straight": "straight", "cable, bent around the edge": "jointe
 """What these entries of the legend switch in ``scene.js``; the others switch their part."""
 
 
-@dataclass(frozen=True)
-class Taken:
-    """What a page shows of some frames, in single precision; one entry a frame in every list."""
+def packed(
+    results: Results, numbers: Sequence[int], fields: Sequence[Field], look: Look
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the description of a page's content, ready for JSON, and the packed tables by name.
 
-    name: str
-    numbers: list[int]
-    """Numbers of the frames in the run."""
-    captions: list[list[str]]
-    poses: list[list[float]]
-    """Rotation, row by row, and translation [mm] of the tool."""
-    tables: dict[str, Rows]
-    values: dict[str, Rows]
-    """Of the fields by name, shape (n_quad, 1) or (n_node, 1)."""
-    fields: list[Field]
-    tool: dict[str, Any]
-    legend: list[dict[str, Any]]
-
-
-def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken:
-    """Read frames, one after the other, and keep what a page shows of them."""
-    tables: dict[str, Rows] = {name: [] for name in (*_CHANGING, *_IDS)}
-    values: dict[str, Rows] = {field.name: [] for field in fields}
-    captions, poses = [], []
-    tool: dict[str, Any] = {}
-    legend: dict[str, dict[str, Any]] = {}
+    Frames are read one after the other; what the page shows of them is kept in single precision.
+    """
+    of_fields = {f"field-{k}": field for k, field in enumerate(fields)}
+    rows: dict[str, Rows] = {name: [] for name in (*_NUMBERS, *_IDS, *of_fields)}
+    frames, legend, tool = [], dict[str, dict[str, Any]](), dict[str, Any]()
     for number in numbers:
         frame = results.frame(number)
-        captions.append(title_parts(frame))
-        poses.append([*frame.tool_rotation.ravel().tolist(), *frame.tool_translation.tolist()])
-        for name, table in _CHANGING.items():
-            tables[name].append(table(frame).astype(np.float32))
+        pose = [*frame.tool_rotation.ravel().tolist(), *frame.tool_translation.tolist()]
+        frames.append({"number": number, "caption": title_parts(frame), "pose": pose})
+        for name, table in _NUMBERS.items():
+            rows[name].append(table(frame).astype(np.float32))
         for name, table in _IDS.items():
-            tables[name].append(table(frame).astype(np.int32))
-        for field in fields:
-            values[field.name].append(field.values(frame).astype(np.float32)[:, None])
+            rows[name].append(table(frame).astype(np.int32))
+        for name, field in of_fields.items():
+            rows[name].append(field.values(frame).astype(np.float32)[:, None])
         for entry in legend_of([frame]):
             switch = _CABLES.get(entry.name, entry.part)
             part = {"part": entry.part, "switch": switch, "color": entry.color}
             legend[entry.name] = {"name": entry.name, "area": entry.is_area} | part
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
-    entries = list(legend.values())
-    return Taken(
-        results.name, list(numbers), captions, poses, tables, values, fields, tool, entries
-    )
-
-
-def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the description of a page's content, ready for JSON, and the packed tables by name."""
-    tables: dict[str, PackedTable] = {}
-    for name, rows in taken.tables.items():
-        tables[name] = pack_ids(rows) if name in _IDS else pack_numbers(rows)
-    fields = []
-    for number, field in enumerate(taken.fields):
-        rows = taken.values[field.name]
-        key = f"field-{number}"
-        tables[key] = pack_numbers(rows)
-        fields.append(
+    tables = {n: pack_ids(each) if n in _IDS else pack_numbers(each) for n, each in rows.items()}
+    described = {
+        "name": results.name,
+        "length": shown("mm"),
+        "frames": frames,
+        "fields": [
             {
-                "table": key,
+                "table": name,
                 "name": field.name,
                 "label": field.label,
                 "unit": field.unit,
                 "of": field.of,
                 "limits": (look if field.name == look.field else _LOOK).limits_for(
-                    [values[:, 0] for values in rows], field.sign
+                    [values[:, 0] for values in rows[name]], field.sign
                 ),
             }
-        )
-    frames = zip(taken.numbers, taken.captions, taken.poses, strict=True)
-    described = {
-        "name": taken.name,
-        "length": shown("mm"),
-        "frames": [{"number": n, "caption": said, "pose": pose} for n, said, pose in frames],
-        "fields": fields,
+            for name, field in of_fields.items()
+        ],
         "look": {
             "colors": np.round(look.colors(64), 3).tolist(),
             "field": look.field,
@@ -129,8 +98,8 @@ def packed(taken: Taken, look: Look) -> tuple[dict[str, Any], dict[str, str]]:
             "hide": list(look.hide),
             "camera": [look.elevation, look.azimuth, look.zoom],
         },
-        "tool": taken.tool,
-        "legend": taken.legend,
+        "tool": tool,
+        "legend": list(legend.values()),
         "tables": {name: table.described() for name, table in tables.items()},
     }
     return described, {name: table.data for name, table in tables.items()}

@@ -7,9 +7,11 @@ import importlib.metadata
 import importlib.resources
 import os
 import string
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +20,7 @@ from shellcut.results.run_results import Results, read
 from shellcut.view import Look
 from shellcut.view.fields import fields_of
 
-from .packed_run import Taken, as_json, packed, take
+from .packed_run import as_json, packed
 
 _SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
 _LOOK = Look()
@@ -52,7 +54,7 @@ class Scene:
     """A scene as a part of a page."""
 
     html: str
-    taken: Taken
+    frames: list[int]
     dropped: str
     """As in :class:`ScenePage`."""
 
@@ -112,14 +114,14 @@ def view_html(
         scene=scene.html,
         scripts=scripts,
         footer=escape(
-            f"{len(scene.taken.numbers)} of {results.n_frame} frames of "
+            f"{len(scene.frames)} of {results.n_frame} frames of "
             f"{results.folder.resolve()}{f' ({scene.dropped})' * bool(scene.dropped)}. Written by "
             f"shellcut {importlib.metadata.version('shellcut')} with three.js."
         ),
     )
     write_text(Path(path), html, errors="backslashreplace")
     size = Path(path).stat().st_size
-    return ScenePage(Path(path), size, scene.taken.numbers, results.n_frame, scene.dropped)
+    return ScenePage(Path(path), size, scene.frames, results.n_frame, scene.dropped)
 
 
 def packed_scene(results: Results, frames: int | None, room: int, look: Look = _LOOK) -> Scene:
@@ -136,15 +138,14 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
     wanted = spread(results.n_frame, results.n_frame if frames is None else frames)
     raw = 4 * (3 * len(last.points) + last.quads.size + len(chosen) * len(last.quads))  # in memory
     held = max(2, _MOST_PACKED * room // max(raw, 1))
-    taken = take(results, [wanted[k] for k in spread(len(wanted), held)], chosen)
-    html = _figure(taken, look)
-    whole = len(html) * len(wanted) / len(taken.numbers)
-    while len(html) > room and len(taken.numbers) > 2:
-        n = len(taken.numbers)
+    numbers = [wanted[k] for k in spread(len(wanted), held)]
+    html = _figure(*packed(results, numbers, chosen, look))
+    whole = len(html) * len(wanted) / len(numbers)
+    while len(html) > room and (n := len(numbers)) > 2:
         fewer = spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html)))))
-        taken = take(results, [taken.numbers[k] for k in fewer], chosen)
-        html = _figure(taken, look)
-    n = len(taken.numbers)
+        numbers = [numbers[k] for k in fewer]
+        html = _figure(*packed(results, numbers, chosen, look))
+    n = len(numbers)
     if len(html) > room:
         raise ValueError(f"{n} frames must fit into {_size(room)}, they take {_size(len(html))}")
     dropped = ""
@@ -152,7 +153,7 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
         dropped = (
             f"all {len(wanted)} frames would take {_size(whole)}, there is room for {_size(room)}"
         )
-    return Scene(html, taken, dropped)
+    return Scene(html, numbers, dropped)
 
 
 def scene_style() -> str:
@@ -185,8 +186,7 @@ def spread(n: int, most: int) -> list[int]:
     return [int(k) for k in np.unique(wanted)]
 
 
-def _figure(taken: Taken, look: Look) -> str:
-    described, data = packed(taken, look)
+def _figure(described: Mapping[str, Any], data: Mapping[str, str]) -> str:
     tables = "\n".join(
         f'<script type="text/plain" data-table="{name}">{text}</script>'
         for name, text in data.items()

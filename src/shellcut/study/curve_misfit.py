@@ -65,10 +65,10 @@ class FitCurve:
     """Keys that this experiment had otherwise, such as another speed."""
 
 
-def refuse_curves(curves: Sequence[FitCurve], of_run: AnyResistance) -> None:
-    """Refuse files and units that do not fit a run with this resistance, before it is run."""
+def read_curves(curves: Sequence[FitCurve], of_run: AnyResistance) -> tuple[FitCurve, ...]:
+    """Return the curves with their files read, in units that fit a run with this resistance."""
     x, y = (of_run.coordinate_name, of_run.coordinate_unit), of_run.columns[0]
-    problems = []
+    found, problems = [], []
     for curve in curves:
         measured, columns = curve.measured, curve.columns or (None, None)
         names = curve.x or x[0], curve.y or y[0]
@@ -80,10 +80,12 @@ def refuse_curves(curves: Sequence[FitCurve], of_run: AnyResistance) -> None:
             if names == (x[0], y[0]):  # others are columns of the history
                 with naming(str("the curve" if measured is curve.measured else curve.measured)):
                     in_units(measured, x, y)
+            found.append(replace(curve, measured=measured))
         except (ValueError, OSError) as problem:
             problems.append(str(problem))
     if problems:
         raise ValueError("\n".join(dict.fromkeys(problems)))
+    return tuple(found)
 
 
 def window_of(folder: Path, figures: Mapping[str, Any], curve: FitCurve) -> float:
@@ -112,15 +114,7 @@ def compared(
     ends: where a run ends depends on the length of its steps. Raises ValueError if columns, units
     or ranges do not fit.
     """
-    found = compare(
-        folder,
-        curve.measured,
-        x=curve.x,
-        y=curve.y,
-        columns=curve.columns,
-        units=curve.units,
-        window=window or None,
-    )
+    found = compare(folder, curve.measured, x=curve.x, y=curve.y, window=window or None)
     (m, _), (s, _) = found.measured_curve, found.simulated_curve
     low, high = max(m[0], s[0]) + 0.5 * window, min(m[-1], s[-1]) - 0.5 * window
     inside = (found.x >= low) & (found.x <= high)

@@ -21,7 +21,7 @@ from shellcut.files.file_list import folder_named
 from shellcut.model_file.reader import ModelVariants
 from shellcut.recording.resistance import resistance_of
 
-from .curve_misfit import FitCurve, refuse_curves
+from .curve_misfit import FitCurve, read_curves
 from .engines import AnyExecutor, Say, engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
 from .fit_runs import FitRuns, OutOfRuns
@@ -125,10 +125,10 @@ def fit(
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
     case = variants.read({}).build()
-    refuse_curves(curves, resistance_of(case.simulation, case.duration))
+    measured = read_curves(curves, resistance_of(case.simulation, case.duration))
     engine, folder = engine_of(executor), folder_named(out)
     with taken(folder, [FIT, PICTURE]):
-        runs = FitRuns(variants, parameters, tuple(curves), folder, engine, search.max_runs, say)
+        runs = FitRuns(variants, parameters, measured, folder, engine, search.max_runs, say)
         runs.begin()
         try:
             (_locally if search.method == "local" else _globally)(runs)

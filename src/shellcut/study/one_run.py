@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
@@ -23,14 +22,11 @@ from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.case import Case
 from shellcut.recording.checkpoint import CheckpointError
-from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.recorder import Recorder
 from shellcut.recording.run_log import RunLog
 from shellcut.results.verdict import doubts_in
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
-
-OUTCOME = "outcome.json"
-"""Says that a run is done, beside its other files."""
 
 STOP = "stop"
 """A file of this name in the study's folder stops all runs after their step."""
@@ -52,8 +48,6 @@ class Task:
 
     number: int
     """Of the run in the study."""
-    key: str
-    """Hash of its inputs."""
     folder: str
     """Of the run; the worker must see the same file system."""
     model: str
@@ -91,18 +85,18 @@ def run_one(task: Task) -> Outcome:
     stops = _Stops(folder.parent.parent)
     try:
         while True:
-            if found := outcome_in(folder, task.key):
+            if found := outcome_in(folder):
                 return found
             try:
                 figures = _run(task, folder, StopWhen(stops))
                 break
-            except FolderInUse:  # a worker that was given up may still be at it
+            except FolderInUse:  # by a run of the same inputs, or a worker that was given up
                 if stops():
                     return Outcome("stopped")
                 time.sleep(_PATIENCE)
     except KeyboardInterrupt:
         return Outcome("stopped")
-    except (ModelFileError, RefusedModel, UnstableStep, OSError, ValueError, MemoryError) as error:
+    except (UnstableStep, OSError, ValueError, MemoryError) as error:
         return Outcome("failed", _one_line(error), seconds=time.perf_counter() - began)
     except Exception as error:  # a fault of the library must not end the study either
         # Not in the folder, where no run may have begun.
@@ -117,15 +111,13 @@ def run_one(task: Task) -> Outcome:
     return Outcome.done(figures, seconds)
 
 
-def outcome_in(folder: Path, key: str) -> Outcome | None:
-    """Return the outcome of a run that is done, None if it is not."""
+def outcome_in(folder: Path) -> Outcome | None:
+    """Return the outcome of a run that is done, None if it is not; its inputs name the folder."""
     try:
-        kept = json.loads(read_regular(folder / OUTCOME))
-        if kept["key"] == key:
-            return Outcome.done(kept["figures"])
-    except (OSError, ValueError, KeyError, TypeError):  # none, or cut short by a full disk
-        pass
-    return None
+        figures = json.loads(read_regular(folder / SUMMARY))
+        return Outcome.done(figures) if figures["share_done"] >= 1.0 else None
+    except (OSError, ValueError, KeyError, TypeError):  # none, or another file
+        return None
 
 
 class _Stops:
@@ -151,22 +143,21 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     resume = (folder / CHECKPOINT).exists()
     model = model_of_text(task.model, USED)
     log = RunLog(shown=False, words=model.words)
-    with log.library_said(), contextlib.closing(log), contextlib.suppress(RunEnded):
+    with log.library_said(), contextlib.closing(log):
         case, recorder = _begun(model, folder, resume=resume)
         write_text(folder / USED, task.model)
         log.open(folder / LOG)  # the recorder has taken the folder
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
             return None
-    figures: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    write_text(folder / OUTCOME, json.dumps({"key": task.key, "figures": figures}, indent=1))
+    figures: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
     return figures
 
 
 def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]:
     """Return the case and its recorder, from the checkpoint where that can be read."""
     case = model.build()
-    options = model.run_options() | {"progress": False, "also": (USED, LOG, OUTCOME)}
+    options = {**model.run_options(), "progress": False, "also": (USED, LOG)}
     if resume:
         try:
             return case, case.recorder(folder, resume=True, **options)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,6 @@ from .study import FEW_FILES, run_values, taken
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
-_STEADY = "the steady window"
 _AT_A_TIME = 4  # sets proposed before their results are told: keeps four processes busy
 _DIGITS = 4  # of a value: nobody makes a tooth more precisely
 _LIMIT = re.compile(r"\s*(\w[^<>=]*?)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
@@ -130,7 +129,7 @@ class Optimum:
         if _BEYOND in states:
             beyond = [one for one in self.trials if one.missed > 0.0]
             near = min(beyond, key=lambda one: one.missed)
-            said = ((label_of(n, _STEADY), with_unit(n, v)) for n, v in near.limited.items())
+            said = ((label_of(n), with_unit(n, v)) for n, v in near.limited.items())
             figures = ", ".join(f"{name} {value}" for name, value in said)
             yield (
                 f"the nearest to {', '.join(self.limits)} is run {self.trials.index(near) + 1} "
@@ -142,7 +141,7 @@ class Optimum:
             yield "to let a distrusted run be the best: allow_doubts, or --allow-doubts"
 
     def _against(self, start: Trial, best: Trial) -> Iterator[str]:
-        name = label_of(self.figure, _STEADY)
+        name = label_of(self.figure)
         if start.figure is None or best.figure is None:
             yield f"{name}: {start.reason or best.reason}"
             return
@@ -178,7 +177,7 @@ class Optimum:
             if state in states
         ]
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
-        name = label_of(self.figure, _STEADY)
+        name = label_of(self.figure)
         unit = unit_of(self.figure)
         return Diagram(n, curves, "run", "", name, unit, zero=False)
 
@@ -250,10 +249,8 @@ def optimise(
         raise ValueError("give either minimise or maximise, the name of a figure")
     if max_runs < 2:
         raise ValueError(f"max_runs must be 2 or more, got {max_runs}")
-    sign, wanted = (1 if minimise else -1), minimise or maximise
+    sign, wanted = (1 if minimise else -1), known_figure(minimise or maximise, UNITS)
     limits = [_limit(text) for text in subject_to]
-    for name in (wanted, *(name for name, _, _ in limits)):
-        known_figure(name, UNITS)
     factors, single = factors_of(keys)
     if not factors:
         raise ValueError("give at least one key a range low:high, or several values")
@@ -277,7 +274,6 @@ def optimise(
             raise RuntimeError(
                 f"the model as given must run and have all these figures: {trials[0].reason}"
             )
-        figure = figure_name(wanted, _figures(trials[0].folder, [wanted]))
         while len(trials) < max_runs:
             asked = [study.ask() for _ in range(min(_AT_A_TIME, max_runs - len(trials)))]
             done = run([_proposed(one, factors) for one in asked], {})
@@ -289,7 +285,7 @@ def optimise(
                 study.tell(one, value, optuna.trial.TrialState.FAIL if failed else None)
             trials += done
         of = tuple(subject_to), tuple(trials)
-        found = Optimum(figure, sign, *of, allow_doubts=allow_doubts)
+        found = Optimum(wanted, sign, *of, allow_doubts=allow_doubts)
         if confirm and found.best:
             found = replace(found, confirmed=tuple(run([{}, found.best.values], confirm)))
         found.write(folder)
@@ -321,14 +317,15 @@ def _proposed(trial: Any, factors: Sequence[Factor]) -> dict[str, object]:
 
 
 def _limit(text: str) -> tuple[str, str, float]:
-    """Return name, sign and bound of a limit."""
+    """Return full name, sign and bound of a limit."""
     try:
         name, sign, bound = _LIMIT.fullmatch(text).groups()  # type: ignore[union-attr]
-        return name, sign, float(bound)
+        limit = float(bound)
     except (AttributeError, ValueError):
         raise ValueError(
             f'a limit must be FIGURE <= NUMBER, or with >= or ==, as "n_loose == 1", got {text!r}'
         ) from None
+    return known_figure(name, UNITS), sign, limit
 
 
 def _trial(
@@ -341,8 +338,11 @@ def _trial(
     folder = str(run.folder(study))
     if outcome.status != "done":
         return Trial(run.values, folder, reason=outcome.reason or outcome.status)
-    names = [wanted, *(name for name, _, _ in limits)]
-    figures = {**_figures(folder, names), **outcome.figures}
+    names, figures = [wanted, *(name for name, _, _ in limits)], outcome.figures
+    if not figures.keys() >= {*names}:  # some are of the quality of the cut at the end
+        results = read(Path(folder))
+        quality = cut_quality(results.frame(-1)).figures() if results.n_frame else {}
+        figures = {**quality, **figures}
     try:
         sought, *keys = (figure_name(name, figures) for name in names)
     except ValueError as problem:
@@ -354,15 +354,3 @@ def _trial(
         beyond = limited[key] - bound
         missed += {"<=": max(beyond, 0.0), ">=": max(-beyond, 0.0), "==": abs(beyond)}[sign]
     return Trial(run.values, folder, float(figures[sought]), missed, "", limited, outcome.doubts)
-
-
-def _figures(folder: str, names: Iterable[str]) -> dict[str, Any]:
-    """Return the summary of a run, and the quality of its cut at the end if a name is of that."""
-    results = read(Path(folder))
-    figures = dict(results.summary)
-    try:
-        for name in names:
-            figure_name(name, figures)
-    except ValueError:
-        figures |= cut_quality(results.frame(-1)).figures() if results.n_frame else {}
-    return figures

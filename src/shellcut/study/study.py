@@ -185,7 +185,7 @@ def run_values(
 
 def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
     """Return the outcomes of the runs that are done in a folder, by their numbers."""
-    each = ((run.number, outcome_in(run.folder(folder), run.key)) for run in planned.runs)
+    each = ((run.number, outcome_in(run.folder(folder))) for run in planned.runs)
     return {number: outcome for number, outcome in each if outcome}
 
 
@@ -204,10 +204,7 @@ def _carried_out(
     found = done_before(planned, folder)
     progress = _Progress(planned, len(found), engine.jobs, say)
     keep(found)
-    alike: dict[str, list[PlannedRun]] = {}  # runs of the same inputs, of which the first is run
-    for run in planned.runs:
-        alike.setdefault(run.key, []).append(run)
-    open_ = [first for first, *_ in alike.values() if first.number not in found]
+    open_ = [run for run in planned.runs if run.number not in found]
     if not open_:
         return found, progress
     if engine.jobs > 1:  # compile together, before many processes wait for one another
@@ -223,7 +220,7 @@ def _carried_out(
     written = time.monotonic()
     with Interruption(stop) as interruption:
         for task, outcome in engine.outcomes(_tasks(planned, open_, folder, engine.jobs)):
-            found |= {run.number: outcome for run in alike[task.key]}
+            found[task.number] = outcome
             progress.ended(task.number, outcome, len(found))
             if time.monotonic() - written > _TABLE_EVERY:
                 keep(found)
@@ -240,7 +237,7 @@ def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> It
         if (folder / STOP).exists():
             return
         text = model_text(planned.model_of(run, jobs))
-        yield Task(run.number, run.key, str(run.folder(folder).resolve()), text)
+        yield Task(run.number, str(run.folder(folder).resolve()), text)
 
 
 class _Progress:

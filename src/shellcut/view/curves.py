@@ -150,11 +150,6 @@ def _draw(axes: Any, diagram: Diagram) -> None:
     for curve in diagram.curves:
         places = x if curve.x is None else np.asarray(curve.x, float)
         values = np.asarray(curve.values, float)
-        if values.shape != places.shape:
-            raise ValueError(
-                f"{curve.name} must have as many rows as the coordinate, {len(places)}, got "
-                f"{values.shape}"
-            )
         look = STYLES[curve.style]
         label: dict[str, Any] = {} if curve.name in named else {"label": curve.name}
         if curve.area:

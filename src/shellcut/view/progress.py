@@ -82,15 +82,6 @@ class Progress:
         self._due = now + self._interval
         self._guard(self._show)
 
-    def note(self, text: str) -> None:
-        """Show a line of text at once, e.g. ``"compiling (first run only)"``."""
-        if self._log is not None:
-            self._log(text)
-        if self._bar:
-            self._guard(lambda: self._bar.console.print(text, markup=False, highlight=False))
-        else:
-            self._guard(lambda: self._write(text))
-
     def status(self, text: str) -> None:
         """Log a line of figures at once; show it only where no bar shows such figures."""
         if self._log is not None:

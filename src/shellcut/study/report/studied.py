@@ -29,8 +29,6 @@ _MAIN = (
 )
 """Figures shown of a study that names none: of each row the first that it has."""
 
-_STEADY = "the steady window"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Studied(Input):
@@ -156,7 +154,7 @@ def read_folder(folder: Path) -> Study:
 
 def _figure(name: str, values: Floats) -> FigureOfRuns:
     unit, factor = shown(unit_of(name))
-    return FigureOfRuns(name, label_of(name, _STEADY), unit, factor * values)
+    return FigureOfRuns(name, label_of(name), unit, factor * values)
 
 
 def of_interest(
