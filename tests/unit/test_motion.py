@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation, RotationSpline
+from scipy.interpolate import PchipInterpolator
+from scipy.spatial.transform import Rotation
 
 from shellcut.formats.errors import FileError
 from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
@@ -125,15 +125,60 @@ class TestStraight:
 
 
 class TestTable:
-    def test_equals_the_splines_of_scipy(self):
+    def test_along_a_line_it_is_the_monotone_cubic_of_scipy(self):
+        times, z = table()[0], np.array([0.0, 1.0, 3.0, 3.0, 2.0, 2.5, 4.0, 7.0, 8.0])
+        way = np.array([2.0, -1.0, 2.0]) / 3.0
+        motion, cubic = TableMotion(times, z[:, None] * way), PchipInterpolator(times, z)
+        for time in np.linspace(0.0, 1.0, 200):
+            if times[1] < time < times[-2]:  # at the ends other rules hold
+                np.testing.assert_allclose(motion.pose(time)[1], cubic(time) * way, atol=1e-12)
+
+    @pytest.mark.parametrize(
+        ("times", "places"),
+        [((0.0, 0.1, 1.0, 3.0), (0, 0, 5, 5)), ((0, 1, 2, 3), (0, 5, 5, 0)), ((0, 1), (0, 5))],
+    )
+    @pytest.mark.parametrize("turns", [False, True])
+    def test_it_stays_between_its_entries(self, times, places, turns):
+        rows = np.array(places)[:, None] * [[0.0, 0.6, 0.8]]
+        moved = (np.zeros_like(rows), 0.4 * rows) if turns else (rows,)
+        motion = TableMotion(times, *moved)
+        path = np.abs(np.diff(places)).sum() * (0.4 if turns else 1.0)
+        assert motion.coordinate(times[-1]) == pytest.approx(path, rel=1e-12)
+        if not turns:
+            far = [motion.pose(time)[1] @ [0.0, 0.6, 0.8] for time in np.linspace(0, times[-1], 99)]
+            assert min(far) > -1e-12
+            assert max(far) < 5.0 + 1e-12
+
+    def test_points_of_a_circle_give_it_to_third_order(self):
+        def off(n):
+            angle = np.linspace(0.0, 2.0, n + 1)
+            motion = TableMotion(angle, np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1))
+            places = np.array([motion.pose(time)[1] for time in np.linspace(0.0, 2.0, 301)])
+            return np.abs(np.linalg.norm(places, axis=1) - 1.0).max()
+
+        assert off(20) < 6e-5
+        assert off(40) < off(20) / 7.0
+
+    def test_turned_entries_give_turned_poses(self):
+        times, translations, vectors = table()
+        Q, turned = Rotation.from_rotvec([0.3, -1.0, 0.5]), Rotation.from_rotvec(vectors)
+        here = TableMotion(times, translations, vectors)
+        there = TableMotion(times, Q.apply(translations), (Q * turned).as_rotvec())
+        for time in np.linspace(0.0, 1.0, 41):
+            (R, r), (S, s) = here.pose(time), there.pose(time)
+            np.testing.assert_allclose(S, Q.as_matrix() @ R, atol=1e-12)
+            np.testing.assert_allclose(s, Q.apply(r), atol=1e-12)
+
+    def test_it_passes_its_entries_without_a_jump_of_velocity(self):
         times, translations, vectors = table()
         motion = TableMotion(times, translations, vectors)
-        cubic = CubicSpline(times, translations)
-        spline = RotationSpline(times, Rotation.from_rotvec(vectors))
-        for time in np.linspace(0.0, 1.0, 41):
+        for i, time in enumerate(times[1:-1].tolist(), 1):
             rotation, origin = motion.pose(time)
-            np.testing.assert_allclose(origin, cubic(time), atol=1e-12)
-            np.testing.assert_allclose(rotation, spline(time).as_matrix(), atol=1e-12)
+            np.testing.assert_allclose(origin, translations[i], atol=1e-12)
+            exact = Rotation.from_rotvec(vectors[i]).as_matrix()
+            np.testing.assert_allclose(rotation, exact, atol=1e-12)
+            for low, high in zip(motion.twist(time - 1e-9), motion.twist(time), strict=True):
+                np.testing.assert_allclose(low, high, atol=1e-5)
 
     def test_a_tabulated_screw_is_the_screw(self):
         screw = ScrewMotion(angular_speed=2.0, pitch=3.0)

@@ -4,7 +4,9 @@ A tip belongs to the segment of an edge that will meet it, near the mid-plane, o
 it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
 edge has passed goes on whatever the force there.
 
-The motion is prescribed, so that this pose is known. On a circle of radius R the present mid-plane
+The motion is prescribed, so that this pose is known. A film that its supports move is met where it
+will be then: all poses are taken as seen from film that goes on as its held nodes do now, rigidly
+(:meth:`.SupportSet.motion`). On a circle of radius R the present mid-plane
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
 the mid-plane at the tip still by L²/2R in a segment of length L. Aimed at a point of the path, a
 segment ends within L²/8R of it.
@@ -20,12 +22,15 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.arrays import Bools, Floats, Ints, Vec3, product
+from shellcut.loads.supports import SupportSet, Twist
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.state import State
 from shellcut.tool.cutting_edge import (
     BACK,
     CUT_DEPTH,
@@ -97,8 +102,11 @@ class Driven(NamedTuple):
 class BladeDrive:
     """Finds the tips that the cutting edges of a tool drive in its motion, and where to."""
 
-    def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
-        self.edges, self._motion = edges, motion
+    def __init__(
+        self, edges: CuttingEdges, motion: Motion, supports: SupportSet | None = None
+    ) -> None:
+        self.edges, self._motion, self._supports = edges, motion, supports
+        self._film: Twist | None = None
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
         self._held_edges, self._hold = Holder()(edges), Holder()
         self._allocate(0)
@@ -119,6 +127,26 @@ class BladeDrive:
         )
         self._held = self._hold(self.driven)
 
+    def follow(self, state: State) -> None:
+        """Take the motion of the film as it is now."""
+        self._film = None if self._supports is None else self._supports.motion(state)
+
+    def _seen_from_film(self, later: float, after: float) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return pose and twist of the tool at a time [s] as seen from the film of now.
+
+        after : now, till then [s].
+        """
+        R, r = pose_at(self._motion, later)
+        spin, velocity = self._motion.twist(later)
+        if self._film is None:
+            return R, r, spin, velocity
+        place, turning, moving = self._film
+        back = Rotation.from_rotvec(-after * turning).as_matrix()
+        arm = r - place - after * moving
+        rate = velocity - moving - np.cross(turning, arm)
+        relative = place + product(back, arm), product(back, spin - turning), product(back, rate)
+        return product(back, R), *relative
+
     def find(
         self,
         x: Floats,
@@ -138,9 +166,10 @@ class BladeDrive:
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
-        found, motion = self.driven, self._motion
-        found.rotation[:], found.translation[:] = pose_at(motion, time)
-        found.spin[:], found.velocity[:] = motion.twist(time)
+        found = self.driven
+        now = found.rotation, found.translation, found.spin, found.velocity
+        for part, value in zip(now, self._seen_from_film(time, 0.0), strict=True):
+            part[:] = value
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
@@ -151,8 +180,10 @@ class BladeDrive:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    found.rotation[i], found.translation[i] = pose_at(motion, later)
-                    found.spin[i], found.velocity[i] = motion.twist(later)
+                    for part, value in zip(
+                        now, self._seen_from_film(later, later - time), strict=True
+                    ):
+                        part[i] = value
             more = k < TURNS - 1
             count = self._try_poses(*tried, False, more)
         return found

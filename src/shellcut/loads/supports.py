@@ -28,19 +28,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product
 from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.state import KnownTopology, State
 
 _AXES = "xyz"
 
 # A director within 30° of an axis counts as along it, see above.
 _ALONG = math.cos(math.radians(30.0))
+# Of the largest eigenvalue: below it the held axes leave a motion open.
+_TOLD = 1e-9
 _NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
 Rate = Callable[[float], float]
 NodeChoice: TypeAlias = Annotated[
@@ -165,6 +168,17 @@ class Support:
         return _AXES.index(self.translation[0]) if set(self.rotation) == rest else None
 
 
+class Twist(NamedTuple):
+    """A rigid motion at one time."""
+
+    place: Floats
+    """A point of the body now [mm], shape (3,)."""
+    spin: Floats
+    """[rad/s], shape (3,)."""
+    velocity: Floats
+    """Of that point [mm/s], shape (3,)."""
+
+
 class SupportSet:
     """All supports of a model, resolved to nodes.
 
@@ -229,6 +243,31 @@ class SupportSet:
         time_half = state.time + 0.5 * pace * dt
         for (_, c, rate), ids in zip(self._moving, self._now, strict=True):
             state.node.support_rate[ids, c] = pace * rate(time_half)
+
+    def motion(self, state: State) -> Twist | None:
+        """Return the rigid motion of the film that is nearest to that of its held nodes.
+
+        None where no support moves. What the held axes leave open rests.
+        """
+        if not self._moving:
+            return None
+        n_mesh = len(self._directors)
+        rates = np.zeros((n_mesh, 3))
+        for ids, c, rate in self._moving:
+            if c < 3:
+                rates[ids, c] = rate(state.time)
+        nodes, axes = np.nonzero(state.node.support[:n_mesh, :3])
+        x = state.node.x[nodes]
+        place = x.mean(axis=0)
+        size = max(float(np.abs(x - place).max()), np.finfo(float).tiny)
+        along = np.eye(3)[axes]
+        # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
+        share = np.hstack([along, np.cross((x - place) / size, along)])
+        squares, modes = symmetric_eigen(product(share.T, share))
+        told = squares > _TOLD * squares[-1]
+        parts = product(modes.T, share.T, rates[nodes, axes])[told] / squares[told]
+        found = product(modes[:, told], parts)
+        return Twist(place, found[3:] / size, found[:3])
 
     def reaction(self, state: State, which: int) -> Floats:
         """Return the resultant reaction of one support [N], shape (3,)."""

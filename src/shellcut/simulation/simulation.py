@@ -186,7 +186,8 @@ class Simulation:
         if self.law is not None:
             film, tool = (self.shell, self.loads), (self.tool, self.motion)
             points = next((one for one in self.terms if isinstance(one, PointContact)), None)
-            self.cracks = Cracks(self.state, self.fracture, self.law, *film, *tool, points)
+            way = self.fracture, self.law
+            self.cracks = Cracks(self.state, *way, *film, *tool, points, self.supports)
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
