@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 import shellcut as sc
 from curved_films import Roll
@@ -244,6 +246,45 @@ def test_a_notch_through_a_point_on_the_rim_begins_there(x):
     assert 2.0 <= end[0] < 2.9
 
 
+CLOSED = {
+    "square on sides of quads": [(3.2, -1.6), (6.4, -1.6), (6.4, 1.6), (3.2, 1.6)],
+    "oblique": [(3.0, -1.5), (6.5, -1.1), (6.3, 1.9), (2.9, 1.45)],
+    "triangle": [(2.7, -2.1), (7.3, -1.3), (4.4, 2.2)],
+    "touches a side": [
+        (5.03 + 2.5 * np.cos(angle), 0.07 + 2.5 * np.sin(angle))
+        for angle in np.linspace(0.0, 2.0 * np.pi, 13)[:-1] + 0.67333
+    ],
+}
+
+
+@pytest.mark.parametrize("corners", CLOSED.values(), ids=CLOSED)
+def test_a_notch_that_ends_where_it_began_cuts_a_piece_out(corners):
+    film = rectangle(10.0, 8.0, size=0.8)
+    sim = sc.Simulation(
+        film,
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("left")],
+        law=sc.CohesiveLaw(),
+        fracture=Fracture(path="free"),
+    )
+    sim.notch(*((x, y, 0.0) for x, y in [*corners, corners[0]]))
+    quads, n = sim.state.quads, sim.state.n_node
+    pairs = np.concatenate([quads[:, [k, (k + 1) % 4]] for k in range(4)])
+    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
+    _, piece = connected_components(graph, directed=False)
+    loose = sim.state.node.mass[:n][piece != piece[film.node_set("left")[0]]].sum()
+    x, y = np.array(corners).T
+    area = 0.5 * abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+    # Corners within quads are cut off.
+    assert loose == pytest.approx(1e-9 * 0.074 * area, rel=0.05)
+
+
+def test_a_notch_that_turns_back_within_a_quad_is_refused():
+    sim = by_hand(fracture=Fracture(path="free"))
+    with pytest.raises(ValueError, match="its line goes on in the film: it turns too sharply"):
+        sim.notch((-0.5, 0.1, 0.0), (2.9, 0.1, 0.0), (0.3, -0.2, 0.0))
+
+
 def test_no_notch_without_film_or_an_edge_that_moves_through_it():
     sim = by_hand(fracture=Fracture(path="free"))
     sim.notch((2.1, 0.1, 0.0), (5.0, 0.1, 0.0))
@@ -310,7 +351,7 @@ def test_a_notch_that_cannot_be_cut_is_refused():
     ):
         with pytest.raises(ValueError, match="two different points in mm"):
             sim.notch(*ends)
-    with pytest.raises(ValueError, match="must begin on the film or at its rim"):
+    with pytest.raises(ValueError, match="must begin within a quad or at the rim"):
         sim.notch((0.0, 0.0, 50.0), (1.0, 0.0, 50.0))
     sim.state.node.x[3] += 1e-3
     with pytest.raises(ValueError, match="before it is stretched"):

@@ -242,26 +242,40 @@ class Cracks:
                 break
         if tip is None:
             raise ValueError(
-                f"a notch must begin on the film or at its rim, but its line from "
-                f"{points[0].tolist()} to {stop.tolist()} mm crosses no side of the rim: move its "
-                "first point"
+                f"a notch must begin within a quad or at the rim, but its line from "
+                f"{points[0].tolist()} to {stop.tolist()} mm begins on a side of quads or crosses "
+                "no side of the rim: move its first point"
             )
-        while tip is not None and (ahead := self._path.rows_ahead(tip)):
+        going: Tip | None = tip
+        while going is not None and (ahead := self._path.rows_ahead(going)):
             at = self._path.place_in(state, *ahead[0])
-            way, lean = line.direction(self._path.at_tip(tip, state.node.X), at)
-            segment = self._path.segment_from(state, tip, way, lean, self.tips)
-            if segment is None and len(state.split_log) == before:
-                raise ValueError(
-                    f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
-                    "leaves it there: move its first point into the film, off the sides of quads"
-                )
+            here = self._path.at_tip(going, state.node.X)
+            quads = state.node.X[state.quads[[row for row, _ in ahead]]]
+            way, lean = line.direction(here, at, quads)
+            segment = self._path.segment_from(state, going, way, lean, self.tips)
             if segment is None:
-                return
+                break
             cut = self._cut(state, segment, NOTCH, 0.0)
-            tip = self._tip_after(state, segment, cut, 1, tip.heading)
-            if tip is not None and line.ends(self._path.at_tip(tip, state.node.X), cut.length):
-                self.tips.append(tip)
+            going = self._tip_after(state, segment, cut, 1, going.heading)
+            if going is None:
+                break
+            there, at_cut = self._path.at_tip(going, state.node.X), going.flank is not None
+            if line.ends(there, cut.length, at_cut=at_cut):
+                self.tips.append(going)
                 return
+        if len(state.split_log) == before:
+            raise ValueError(
+                f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
+                "leaves it there: move its first point into the film, off the sides of quads"
+            )
+        further = line.point_ahead(at.size)
+        if further is not None and row_at(state, further) is not None:
+            raise ValueError(
+                f"a notch must be a line that quads can follow, got one from {points[0].tolist()} "
+                f"mm that ends after {here.tolist()} mm although its line goes on in the film: it "
+                "turns too sharply there, or comes to a hole or a cut; take a finer mesh, round "
+                "the corner, or notch the rest by itself"
+            )
 
     def _slit(self, state: State, line: NotchLine) -> Tip | None:
         """Cut the quad in which a notch within the film begins; return the tip where it goes on."""
@@ -269,7 +283,8 @@ class Cracks:
         if found is None or self.cuts.topology.polygon(found[0]) != WHOLE:
             return None
         row, place = found
-        way, lean = line.direction(line.start, self._path.place_in(state, row, place))
+        at = self._path.place_in(state, row, place)
+        way, lean = line.direction(line.start, at, state.node.X[state.quads[[row]]])
         back, ahead = (self._path.segment(state, row, place, w, lean) for w in (-way, way))
         if back is None or ahead is None:
             return None

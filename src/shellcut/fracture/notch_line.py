@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shellcut.arrays import Floats, norm, product
@@ -26,6 +28,15 @@ _FAR = 10.0
 _INSIDE = 1.0 + 1e-6
 """Largest |xi|, |eta| of a point in a quad."""
 
+_AHEAD = np.arange(1, 61) / 20.0
+"""Of an edge: how far ahead of a tip it is looked where a line leaves a quad."""
+
+_GRAZES = 4
+"""Of these places: a line that is outside a quad for fewer has not left it."""
+
+_MORE = 1.5
+"""Of an edge: a line of which less is left has been followed to its end."""
+
 
 class NotchLine:
     """Where a notch goes on from its tip, and whether it has come to its end.
@@ -44,11 +55,13 @@ class NotchLine:
         self._units = legs / self._lengths[:, None]
         self._way = np.append(0.0, np.cumsum(self._lengths))
         self._across: Floats | None = None
+        self._gone = 0.0
 
-    def direction(self, here: Floats, at: Place) -> tuple[Floats, Floats | None]:
+    def direction(self, here: Floats, at: Place, quads: Floats) -> tuple[Floats, Floats | None]:
         """Return in which direction a notch goes on, and how its plane leans from the director.
 
-        A straight line keeps its plane. Through more points it aims at the line an edge ahead.
+        A straight line keeps its plane. Through more points it aims at where the line leaves the
+        quad ahead in which it stays longest, or else at the line an edge ahead.
 
         Parameters
         ----------
@@ -56,43 +69,72 @@ class NotchLine:
             Its tip in the reference film [mm].
         at : Place
             Of that tip.
+        quads : ndarray, shape (n, 4, 3)
+            Corners of the quads ahead in the reference film [mm].
         """
         if len(self._units) > 1:
-            k, along = self._nearest(here)
-            if (gap := self._way[k] + along + at.size - self._way[-1]) > 0.0:
-                target = self._corners[-1] + gap * self._units[-1]
-            else:
-                target = self._at(self._way[k] + along + at.size)
+            self._follow(here, at.size)
+            places = [self._at(self._gone + part * at.size) for part in _AHEAD]
+            stays = max((_stay(places, corners) for corners in quads), default=0)
+            target = places[stays - 1] if stays else self._at(self._gone + at.size)
             return (target - here) / norm(target - here), None
         across = self._across = (
             np.cross(at.t, self._units[0]) if self._across is None else (self._across)
         )
         return np.cross(across, at.t), product(at.t, across) / product(across, across) * across
 
-    def ends(self, here: Floats, length: float) -> bool:
-        """Return whether a tip has come to the end, after a segment of some length [mm]."""
+    def ends(self, here: Floats, length: float, *, at_cut: bool) -> bool:
+        """Return whether a tip has come to the end, after a segment of some length [mm].
+
+        A line that ends where it began goes on by as much if it is not yet at an earlier cut, its
+        own first segment.
+        """
         if len(self._units) > 1:
-            k, along = self._nearest(here)
-            short = self._way[-1] - self._way[k] - along
+            self._follow(here, length)
+            short = self._way[-1] - self._gone
+            if not at_cut and (self._corners[0] == self._corners[-1]).all():
+                short += length
         else:
             short = product(self._corners[-1] - here, self._units[0])
         return bool(short < _ON_SIDE * length)
 
-    def _nearest(self, here: Floats) -> tuple[int, float]:
-        """Return the leg that is nearest to a point, and how far along it that is [mm].
+    def point_ahead(self, size: float) -> Floats | None:
+        """Return the point a little more than an edge ahead, None if the line ends before.
 
-        On the last leg it may lie beyond the end.
+        None of a straight line, too: it may leave the film.
         """
-        along = ((here - self._corners[:-1]) * self._units).sum(axis=1)
-        on = np.clip(along, 0.0, self._lengths)
-        gaps = np.linalg.norm(self._corners[:-1] + on[:, None] * self._units - here, axis=1)
-        k = int(gaps.argmin())
-        last = k == len(gaps) - 1
-        return k, float(max(along[k], 0.0) if last else on[k])
+        ahead = self._gone + _MORE * size
+        return self._at(ahead) if len(self._units) > 1 and ahead < self._way[-1] else None
+
+    def _follow(self, here: Floats, size: float) -> None:
+        """Go on along the line to the point that is nearest to a tip, a few edges at most.
+
+        A line that comes back to where it began is not followed from there again.
+        """
+        gone = min(self._gone, float(self._way[-1]))
+        near = (self._way[1:] >= gone) & (self._way[:-1] <= gone + _AHEAD[-1] * size)
+        legs = np.flatnonzero(near)
+        along = ((here - self._corners[legs]) * self._units[legs]).sum(axis=1)
+        least, most = np.maximum(self._gone - self._way[legs], 0.0), self._lengths[legs]
+        most = np.where(legs == len(self._lengths) - 1, np.inf, most)
+        on = np.clip(along, least, most)
+        k = int(norm(self._corners[legs] + on[:, None] * self._units[legs] - here).argmin())
+        self._gone = float(self._way[legs[k]] + on[k])
 
     def _at(self, way: float) -> Floats:
-        """Return the point of the line at some way from its start, shape (3,)."""
-        return np.array([np.interp(way, self._way, axis) for axis in self._corners.T])
+        """Return the point of the line at some way from its start, shape (3,); straight on after.
+
+        Ways before the end are those of its legs.
+        """
+        k = min(int(np.searchsorted(self._way, way, side="right")), len(self._units)) - 1
+        return np.asarray(self._corners[k] + (way - self._way[k]) * self._units[k])
+
+
+def _stay(places: Sequence[Floats], corners: Floats) -> int:
+    """Return at which of some places of a line it leaves a quad into which it leads."""
+    inside = [max(map(abs, _place_in(corners, place)[0])) < _INSIDE for place in places]
+    first = inside.index(True) if any(inside) else len(inside)
+    return next((i for i in range(first, len(inside)) if not any(inside[i : i + _GRAZES])), 0)
 
 
 def row_at(state: State, point: Floats) -> tuple[int, Point] | None:
