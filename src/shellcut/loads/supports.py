@@ -187,8 +187,7 @@ class SupportSet:
                         f"two supports prescribe the {_NAMES[c]} of nodes {clash[:5]}: "
                         "keep one of them"
                     )
-                finite = finite_at(f"{_NAMES[c]} of supports[{k}]", rate)
-                self._moving.append((ids, c, finite))
+                self._moving.append((ids, c, finite_at(f"{_NAMES[c]} of supports[{k}]", rate)))
         # Nodes held at rest by one support and moved along the same axis by another.
         for support, ids in zip(supports, self.nodes, strict=True):
             for c in set(support.held()) - set(support.rates()):
