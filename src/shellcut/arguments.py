@@ -242,10 +242,22 @@ def _refuse_unknown(named: Iterable[str], signature: inspect.Signature) -> None:
         raise ArgumentError("\n".join(said))
 
 
+def finite_at(name: str, of_time: Callable[[float], float]) -> Callable[[float], float]:
+    """Return a function of time [s] that raises ValueError, by its name, where it is not finite."""
+
+    def value(time: float) -> float:
+        found = of_time(time)
+        if not math.isfinite(found):
+            raise ValueError(f"{name} must be finite, got {found} at t = {time:.6g} s")
+        return found
+
+    return value
+
+
 def guess(name: str, names: Iterable[str]) -> str:
     """Return "; did you mean x?" for the most similar name in any case, "" if none is similar."""
     by_letters = {one.casefold(): one for one in names}
-    close = difflib.get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.6)
+    close = difflib.get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.65)
     return f"; did you mean {by_letters[close[0]]}?" if close else ""
 
 

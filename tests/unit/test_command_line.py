@@ -232,7 +232,9 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
         (["view", "out", "-o", "a.xyz"], "must end with one of .html, .mp4"),
         (["converge", "opening", "-o", "o", "--figures", "torqe_peak"], "did you mean torque_peak"),
         (["sweep", "opening", "-o", "o", "--design", "lhs"], "such as --n 16"),
-        (["resume", "nowhere"], "holds no used.toml"),
+        (["run", "file", "-o", "out", "--no-pictures"], "refused: file: model must be given"),
+        (["resume", "nowhere"], "nowhere: there is no such folder"),
+        (["resume", "."], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
         (
             ["preview", "opening", "--set", "mesh=quick", "-o", "gone/x.png"],

@@ -113,6 +113,21 @@ def test_a_mesh_that_is_no_film_names_the_file(tmp_path):
         read_film(path)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (QUADS[2][[0, 2, 1, 3]], r"got quad 2 at \(.*\) degenerate or a bow-tie; merge nodes"),
+        (QUADS[7], r"got the same four nodes in quad 2 at \(.*\) and quad 7 at \("),
+    ],
+)
+def test_a_wrong_quad_is_named_before_quads_are_turned(tmp_path, caplog, wrong, said):
+    quads = QUADS.copy()
+    quads[2] = wrong
+    with pytest.raises(MeshError, match=rf"film\.vtu holds no film .*{said}"):
+        read_film(written(tmp_path, {"quad": quads}), unit="mm")
+    assert "turned over" not in caplog.text
+
+
 def test_t_joints_are_refused(tmp_path):
     nodes = np.concatenate([NODES, NODES[:6] + np.array([0.0, 0.0, 1.0])])
     wall = np.array([[0, 1, 19, 18]])

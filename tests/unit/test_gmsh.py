@@ -66,7 +66,10 @@ TEXT_41 = (DATA / "gmsh_4.1.msh").read_text()
         (TEXT_22.replace("14 13 6", "14 13 99").replace("16 13 6", "16 13 99"), "got 99"),
         (TEXT_22.replace("6 3 2 1", "6 77 2 1"), "known ones of Gmsh, got 77"),
         (TEXT_22.replace("3 5 0 0\n", "3 5 0 zero\n"), "there must be numbers, got 'zero'"),
-        (TEXT_22.replace("3 5 0 0\n", "3 5 0 nan\n"), "coordinates must be finite"),
+        (
+            TEXT_22.replace("3 5 0 0\n", "3 5 0 nan\n"),
+            r"must be finite numbers, got node 3 at \(5, 0, nan\)$",
+        ),
         (TEXT_22.replace("$EndElements", "$EndElement"), r"end with \$EndElements"),
         (TEXT_22 + "$PartitionedEntities\n", r"got \$PartitionedEntities"),
         (TEXT_41.replace("$Nodes\n", "$Nodex\n"), r"got \$Nodex"),

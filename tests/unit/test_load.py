@@ -8,7 +8,7 @@ from naive import load as naive
 from shellcut import ShellMaterial, Simulation, Support
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.cuts import Cuts
-from shellcut.loads.loads import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
+from shellcut.loads.loads import EdgeTraction, Gravity, LoadSet, NodalForce, NodalMoment, Pressure
 from shellcut.loads.supports import SupportSet, choose_nodes
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -65,6 +65,30 @@ def test_pressure_acts_along_the_director_and_on_the_volume():
     radial = mesh.directors
     prism = 0.5 * 24 * np.sin(2 * np.pi / 24) * 3.0  # volume / radius²
     assert (force * radial).sum() == pytest.approx(0.1 * prism * 2 * 2.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (lambda f: {"supports": [Support([8], velocity={"x": f})]}, r"along x of supports\[0]"),
+        (
+            lambda f: {"supports": [Support([8]), Support([0], spin={"z": f})]},
+            r"spin along z of supports\[1]",
+        ),
+        (lambda f: {"loads": [Gravity((0, 0, -9.0), f)]}, r"factor of loads\[0] \(Gravity\)"),
+        (lambda f: {"loads": [Pressure(0.1, following=True, factor=f)]}, r"loads\[0] \(Pressure\)"),
+        (lambda f: {"loads": [EdgeTraction("left", (1, 0, 0), f)]}, r"loads\[0] \(EdgeTraction\)"),
+        (lambda f: {"loads": [NodalForce([3], (1, 0, 0), f)]}, r"loads\[0] \(NodalForce\)"),
+        (lambda f: {"loads": [NodalMoment([3], (1, 0, 0), f)]}, r"loads\[0] \(NodalMoment\)"),
+    ],
+)
+def test_a_function_of_time_that_is_not_finite_is_named_with_the_time(given, said, bad):
+    mesh = rectangle(2.0, 2.0, n_x=2, n_y=2)
+    late = given(lambda time: bad if time > 2e-6 else 1.0)
+    sim = Simulation(mesh, ShellMaterial.homogeneous(), **late)
+    with pytest.raises(ValueError, match=rf"{said} must be finite, got {bad} at t = 2\.\S+e-06 s$"):
+        sim.run(1e-5)
 
 
 def test_gravity_nodal_force_and_factor():

@@ -166,6 +166,21 @@ def test_what_is_on_the_way_is_told(options, said):
     assert len(findings) == 1 or options in (ACROSS, SIDEWAYS)
 
 
+def test_doubled_nodes_along_the_path_are_told():
+    whole = rectangle(12.0, 8.0, size=0.8)
+    above = whole.nodes[whole.quads].mean(axis=1)[:, 1:2] > 0.0
+    used, quads = np.unique(whole.quads + whole.n_node * above, return_inverse=True)
+    halves = shellcut.Mesh.from_arrays(
+        whole.nodes[used % whole.n_node],
+        quads.reshape(-1, 4),
+        node_sets={
+            "bottom": np.flatnonzero(np.isin(used, whole.node_set("bottom"))),
+            "top": np.flatnonzero(np.isin(used - whole.n_node, whole.node_set("top"))),
+        },
+    )
+    assert "or between doubled nodes, from end to end" in only(strip_cut(halves))
+
+
 def test_a_second_film_that_nothing_holds_is_told():
     one = rectangle(12.0, 8.0, size=0.8)
     both = shellcut.Mesh.from_arrays(

@@ -120,7 +120,17 @@ def test_files_of_windows_editors_are_read(tmp_path):
     [
         ("model = 3", "model must be one of"),
         ("[tool]\nteeth = 3", "model must be given"),
-        ("model = 'opening'\nmodel = 'free'", "x.toml:2: is not a model file (TOML)"),
+        (
+            "model = 'opening'\nmodel = 'free'",
+            "x.toml:2: is not a model file (TOML): Cannot overwrite a value, model in line 2, "
+            "first in line 1",
+        ),
+        (
+            "model = 'free'\n[tool]\nat = [1,\n\n  2\nkind = 'blade'",
+            "x.toml:6: is not a model file (TOML): Unclosed array, at in line 3",
+        ),
+        ("[tool]\nkind 'blade'", "Expected '=' after a key in a key/value pair"),
+        ("model = 'opening'\n[temperature]", "unknown section [temperature]; there are membrane,"),
         ("model = 'opening'\n[tool\n", "x.toml:2: is not a model file (TOML)"),
         ("model = 'opening'\n[[tool]]\nteeth = 3", "x.toml:2: [tool] can occur only once"),
         (
@@ -248,6 +258,7 @@ k = 2
         ("a",): 1,
         ("b",): 2,
         ("c",): 6,
+        ("one",): 10,
         ("one", "two"): 10,
         ("one", "two", "quoted key"): 11,
         ("one", "two", "d"): 12,

@@ -133,6 +133,12 @@ def test_the_very_double_of_the_decimal(text, unit, value):
         ("43.5 kJ/m^2", "MPa", "must be a number in MPa, got '43.5 kJ/m^2', which is in N/mm"),
         ("3 mm", "", "must be a number without a unit, got '3 mm', which is in mm"),
         ("3 s", "mm/s", "must be a number in mm/s, got '3 s', which is in s"),
+        ("3 m/s^2", "", "must be a number without a unit, got '3 m/s^2', which is in mm/s^2"),
+        (
+            "62 lb/ft3",
+            "t/mm^3",
+            "which is in N/mm^3: lb and kp are forces here, give the mass in t, kg or g",
+        ),
         ("3 furlong", "mm", "must have a unit made of um, mm, cm"),
         ("twelve", "mm", "must be a number in mm, got 'twelve'"),
         ("", "mm", "must be a number in mm, got ''"),

@@ -60,7 +60,11 @@ VALUE_CASES: dict[str, Case] = {
     ),
     "unknown quad set": (
         lambda: _simulate(loads=[Pressure(1.0, quads="half")]),
-        ("quad set must be one of those present (none)", "got 'half'", "with_sets(quad_sets=...)"),
+        (
+            "quad set must be one of those present (none)",
+            "got 'half'",
+            "with_sets(quad_sets=...) in Python, or as a group of quads in the file of a film",
+        ),
     ),
     "node that is not there": (
         lambda: _simulate(supports=[Support.clamped([0, 99])]),

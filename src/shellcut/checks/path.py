@@ -54,8 +54,8 @@ def check_path(
     if rows.open.all():
         yield doubt(
             "there must be film to cut on the path of the cutting edges",
-            "a path that lies in existing cuts from end to end",
-            "take a shorter notch, or move the tool",
+            "a path that lies in existing cuts, or between doubled nodes, from end to end",
+            "take a shorter notch, move the tool, or merge nodes (merge=1e-6 of read_film)",
         )
     if along_edges:
         yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))

@@ -14,7 +14,8 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, norm, off_segments, product, unit
 from shellcut.mesh.mesh import Mesh
-from shellcut.mesh.quad_geometry import corner_normals
+from shellcut.mesh.quad_geometry import coincident, corner_normals
+from shellcut.numerics.connected_parts import connected_parts
 
 from .sweep import Sweep
 
@@ -50,12 +51,14 @@ class Rows:
         """Nodes of the side, shape (n_place, 2)."""
         self.share: Floats = share[at, best]
         """Where the place is along the side, from 0 to 1, shape (n_place,)."""
-        edges = mesh.edges()  # flanks of a cut: two sides that were one
-        single = mesh.origin[edges.nodes[edges.n_quad == 1]]
-        keys, count = np.unique(_keys(mesh, single), return_counts=True)
-        of_cut = np.isin(_keys(mesh, mesh.origin[self.ends]), keys[count > 1])
+        edges = mesh.edges()  # flanks: two sides of the rim at one place, as a cut leaves them
+        single = edges.nodes[edges.n_quad == 1]
+        twins = coincident(mesh.nodes, np.unique(single))
+        spot = connected_parts(twins[:, 0], twins[:, 1], mesh.n_node)
+        keys, count = np.unique(_keys(mesh, spot[single]), return_counts=True)
+        of_cut = np.isin(_keys(mesh, spot[self.ends]), keys[count > 1])
         self.open: Bools = of_cut & (self.off <= AT_ROW)
-        """Whether the side was cut before the run, shape (n_place,)."""
+        """Whether the side was cut before the run, or joins doubled nodes, shape (n_place,)."""
         found = length[at, best][np.isfinite(self.off)]
         self.spacing = float(np.median(found if len(found) else sweep.edge_length))
         """Node spacing along the path [mm]."""

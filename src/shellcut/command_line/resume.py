@@ -29,6 +29,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     folder: Path = arguments.out
     used = folder / USED
+    if not folder.is_dir():
+        return refuse(f"{folder}: there is no such folder")
     if not used.is_file():
         return refuse(f"{folder} holds no {USED}: it is not a folder of shellcut run")
     refuse_if_in_use(folder)

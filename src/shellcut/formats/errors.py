@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
 
@@ -44,6 +46,14 @@ def named(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
 def counted(n: int, one: str, more: str = "") -> str:
     """Return a number with its noun; ``more`` is the plural, by default with an s."""
     return f"{n:,} {one if n == 1 else more or one + 's'}"
+
+
+def check_finite(path: str | Path, points: Floats, name: Callable[[int], str]) -> None:
+    """Refuse coordinates that are no numbers, naming their points."""
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        said = named(wrong.tolist(), lambda k: f"{name(k)} at {point_text(points[k])}")
+        raise FileError(path, f"coordinates must be finite numbers, got {said}")
 
 
 def point_text(point: Floats) -> str:

@@ -13,7 +13,7 @@ from typing import Annotated
 
 import numpy as np
 
-from shellcut.arguments import Option, checked
+from shellcut.arguments import Option, checked, finite_at
 from shellcut.arrays import Floats, Ints, Number, product, three
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
@@ -133,29 +133,30 @@ class LoadSet:
         rule: Rule
         self._nodal: list[tuple[Ints, Floats, Factor]] = []
         self._moment: list[tuple[Ints, Floats, Factor]] = []
-        for one in loads:
+        for k, one in enumerate(loads):
+            factor = finite_at(f"factor of loads[{k}] ({type(one).__name__})", one.factor)
             if isinstance(one, Gravity):
                 g = three("acceleration", one.acceleration)
-                self._dead.append(DeadLoad(one.factor, Weight(g)))
+                self._dead.append(DeadLoad(factor, Weight(g)))
             elif isinstance(one, NodalForce):
                 ids = choose_nodes(mesh, one.nodes)
-                self._nodal.append((ids, three("force", one.force), one.factor))
+                self._nodal.append((ids, three("force", one.force), factor))
             elif isinstance(one, NodalMoment):
                 ids = choose_nodes(mesh, one.nodes)
-                self._moment.append((ids, three("moment", one.moment), one.factor))
+                self._moment.append((ids, three("moment", one.moment), factor))
             elif isinstance(one, Pressure):
                 if not np.isfinite(one.value):
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
                 quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
-                    push = FollowingPressure(mesh, quads, float(one.value), one.factor, self.cut)
+                    push = FollowingPressure(mesh, quads, float(one.value), factor, self.cut)
                     self._following.append(push)
                 else:
                     rule = DeadPressure(mesh, quads, float(one.value), self.cut)
-                    self._dead.append(DeadLoad(one.factor, rule))
+                    self._dead.append(DeadLoad(factor, rule))
             else:
                 rule = EdgeForces(*_loaded_sides(mesh, one), self.cut)
-                self._dead.append(DeadLoad(one.factor, rule))
+                self._dead.append(DeadLoad(factor, rule))
 
     def begin_forces(self, state: State) -> float:
         """Set the nodal forces to the loads at t_n; return their work since t_{n-1} [N·mm]."""

@@ -32,7 +32,7 @@ from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
-from shellcut.arguments import Option, checked
+from shellcut.arguments import Option, checked, finite_at
 from shellcut.arrays import Floats, Ints, product
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.small_matrices import symmetric_eigen
@@ -193,7 +193,7 @@ class SupportSet:
         self.nodes = [choose_nodes(mesh, s.nodes) for s in supports]
         self._supports = tuple(supports)
         moved: dict[tuple[int, int], Rate] = {}
-        for support, ids in zip(supports, self.nodes, strict=True):
+        for k, (support, ids) in enumerate(zip(supports, self.nodes, strict=True)):
             for c, rate in support.rates().items():
                 clash = [n for n in ids.tolist() if moved.setdefault((n, c), rate) is not rate]
                 if clash:
@@ -201,7 +201,7 @@ class SupportSet:
                         f"two supports prescribe the {_NAMES[c]} of nodes {clash[:5]}: "
                         "keep one of them"
                     )
-                self._moving.append((ids, c, rate))
+                self._moving.append((ids, c, finite_at(f"{_NAMES[c]} of supports[{k}]", rate)))
         # Nodes held at rest by one support and moved along the same axis by another.
         for support, ids in zip(supports, self.nodes, strict=True):
             for c in set(support.held()) - set(support.rates()):

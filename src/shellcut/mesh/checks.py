@@ -96,6 +96,14 @@ def checked_arrays(
     return X, Q, T, named_nodes, named_quads, ancestors
 
 
+def check_quads(X: Floats, Q: Ints) -> None:
+    """Refuse quads that are wrong by themselves: twice there, or without four corners in order."""
+    problems: list[str] = []
+    _check_shapes(X, Q, _check_corners(X, Q, problems), problems)
+    if problems:
+        raise error(problems)
+
+
 # --- casting and checks: each adds its problems to the list --------------------------------------
 
 
@@ -397,7 +405,8 @@ def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
     close = get_close_matches(name.casefold(), by_letters, n=len(sets) or 1, cutoff=0.0)
     near = folded or [by_letters[one] for one in close]
     names = ", ".join(dict.fromkeys([*near, *sorted(sets)])) or "none"
-    hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
+    add = f"with_sets({kind}_sets=...) in Python, or as a group of {kind}s in the file of a film"
+    hint = f"; did you mean {near[0]!r}" if near else f"; add it by {add}"
     raise MeshError(f"{kind} set must be one of those present ({names}), got {name!r}{hint}")
 
 

@@ -19,7 +19,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
-from shellcut.formats.errors import FileError, naming, point_text
+from shellcut.formats.errors import FileError, check_finite, naming, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
 from shellcut.numerics.connected_parts import connected_parts
@@ -183,8 +183,7 @@ def _factor(drawing: Drawing, unit: str | float | None) -> tuple[float, float, s
             f"there must be curves, got none; {'; '.join(drawing.notes) or 'is it empty?'}",
         )
     points = np.concatenate([curve.points for curve in drawing.curves])
-    if not np.isfinite(points).all():
-        raise FileError(drawing.path, "coordinates must be finite numbers")
+    check_finite(drawing.path, points, "point {}".format)
     if unit is None and drawing.unit_mm is None and drawing.no_unit:
         raise FileError(drawing.path, f"the unit must be given: {drawing.no_unit}")
     extent = float(np.ptp(points, axis=0).max())

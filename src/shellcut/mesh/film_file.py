@@ -14,12 +14,11 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-import scipy
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, product
 from shellcut.formats.abaqus import read_abaqus
-from shellcut.formats.errors import FileError, named, naming, point_text
+from shellcut.formats.errors import FileError, check_finite, named, naming, point_text
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
@@ -28,9 +27,10 @@ from shellcut.formats.vtk import read_vtk
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
-from .checks import check_film_size
+from .checks import check_film_size, check_quads
 from .film_doubts import film_doubts
 from .mesh import Mesh, MeshError
+from .quad_geometry import coincident
 
 Triangles: TypeAlias = Literal["refuse", "split"]
 Quadratic: TypeAlias = Literal["refuse", "corners"]
@@ -44,8 +44,6 @@ READERS: dict[str, Callable[[str | Path], FileMesh]] = {
     **dict.fromkeys((".vtu", ".vtp", ".vtk"), read_vtk),
 }
 """The reader for each file name suffix."""
-
-_COINCIDENT = 1e-9  # relative to the film's size: nodes closer than this coincide
 
 
 @checked
@@ -128,8 +126,9 @@ def read_film(
     film.scale(unit)
     film.join(merge)
     film.drop_unused()
-    film.turn()
     try:
+        check_quads(film.nodes, film.quads)
+        film.turn()
         mesh = Mesh.from_arrays(
             film.nodes,
             film.quads,
@@ -249,20 +248,18 @@ class _Film:
         )
 
     def scale(self, unit: str | float | None) -> None:
-        used = self.nodes[np.unique(self.quads)]
-        if not np.isfinite(used).all():
-            raise FileError(self.path, "coordinates must be finite numbers")
+        used = np.unique(self.quads)
+        points = self.nodes[used]
+        check_finite(self.path, points, lambda k: f"node {self.node_labels[used[k]]}")
         with naming(self.path):
-            factor, note = unit_in_mm(unit, float(np.ptp(used, axis=0).max()), "the film")
+            factor, note = unit_in_mm(unit, float(np.ptp(points, axis=0).max()), "the film")
         self.nodes = factor * self.nodes
         if note:
             self.say(note)
 
     def join(self, merge: float | None) -> None:
         used = np.unique(self.quads)
-        points = self.nodes[used]
-        reach = _COINCIDENT * float(np.ptp(points, axis=0).max()) if merge is None else merge
-        pairs = used[scipy.spatial.cKDTree(points).query_pairs(reach, output_type="ndarray")]
+        pairs = coincident(self.nodes, used, merge)
         if not len(pairs):
             return
         if merge is None:

@@ -6,10 +6,13 @@ X are positions, quads their corner node ids; corners are numbered as in :mod:`s
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, norm, unit
 
 _FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
+
+_COINCIDENT = 1e-9  # relative to the film's size: nodes closer than this are at one place
 
 
 class QuadSides:
@@ -37,6 +40,14 @@ class QuadSides:
         start = self.start[self.n_quad == 2]
         turning_alike = self._forward[start] != self._forward[start + 1]
         return self.quads[start], self.quads[start + 1], turning_alike
+
+
+def coincident(X: Floats, nodes: Ints, reach: float | None = None) -> Ints:
+    """Return the pairs of some nodes that are at one place, or within ``reach``, shape (n, 2)."""
+    points = X[nodes]
+    reach = reach or _COINCIDENT * float(np.ptp(points if len(points) else X, axis=0).max())
+    pairs = scipy.spatial.cKDTree(points).query_pairs(reach, output_type="ndarray")
+    return np.asarray(nodes[pairs])
 
 
 def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:

@@ -35,6 +35,8 @@ def overridden(
         if beyond := beyond_all({name: value}):
             problems.append(Problem(f"set {name}", f"the value {beyond}"))
             continue
+        if name not in HEAD.keys and str(values.get("model", "")) not in SECTIONS:
+            continue  # the reader refuses the model, which determines the keys
         place = f"set {name}={value}"
         place = place if len(place) <= _LONGEST_PLACE else f"{place[:_LONGEST_PLACE]}..."
         try:

@@ -46,7 +46,11 @@ def quantity(text: str, unit: str) -> float:
     size, dimension = parsed(given) if given else (Fraction(1), parsed(unit)[1])
     target, wanted = parsed(unit) if given else (Fraction(1), dimension)
     if dimension != wanted:
-        raise ValueError(f"must be {wants}, got {text!r}, which is in {_written(dimension)}")
+        more = tuple(given - wanted for given, wanted in zip(dimension, wanted, strict=True))
+        hint = ""
+        if dimension[1] and more == (1, 0, -2, 0):  # force over mass
+            hint = ": lb and kp are forces here, give the mass in t, kg or g; 1 lb is 0.4536 kg"
+        raise ValueError(f"must be {wants}, got {text!r}, which is in {_written(dimension)}{hint}")
     try:
         return float(number * size / target)
     except OverflowError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -80,8 +80,9 @@ def parse(text: str, name: str, folder: Path) -> Source:
         values = loaded(text)
     except ValueError as error:  # from TOML, or from Python for a number of thousands of digits
         found = _ERROR_LINE.fullmatch(str(error))
-        place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
-        said = found[1] if found else str(error)
+        number = int(found[2] or len(text.splitlines())) if found else 0
+        place = f"{name}:{number}" if found else name
+        said = (found[1] if found else str(error)) + _entry_at(text, number)
         raise ModelFileError([Problem(place, f"is not a model file (TOML): {said}")]) from None
     except RecursionError:
         raise ModelFileError([Problem(name, _TOO_DEEP)]) from None
@@ -137,8 +138,28 @@ def beyond_all(values: dict[str, Any]) -> str:
     return _TOO_DEEP if any(isinstance(thing, dict | list) for thing in level) else ""
 
 
+def _entry_at(text: str, line: int) -> str:
+    """Return which heading or key stands at a line, or has a value that goes on there."""
+    starts = [(start, path) for start, path in _starts(text) if start <= line]
+    if not starts or not starts[-1][1]:
+        return ""
+    start, path = starts[-1]
+    entry = text.splitlines()[start - 1].partition("=")[0].strip()
+    first = min(number for number, one in starts if one == path)
+    return f", {entry} in line {start}" + f", first in line {first}" * (first < start)
+
+
 def _lines(text: str) -> dict[KeyPath, int]:
+    """Return the first line of every section, key, and table of a dotted key."""
     found: dict[KeyPath, int] = {}
+    for number, path in _starts(text):
+        for end in range(1, len(path) + 1):
+            found.setdefault(path[:end], number)
+    return found
+
+
+def _starts(text: str) -> Iterator[tuple[int, KeyPath]]:
+    """Yield line and path of each heading and key, and an empty path for what is neither."""
     counts: dict[str, int] = {}
     section: KeyPath = ()
     depth, quote = 0, ""  # open brackets, and the open multi-line string
@@ -150,17 +171,15 @@ def _lines(text: str) -> dict[KeyPath, int]:
                 if heading[1] == "[[":
                     n = counts.get(heading[2], 0)
                     counts[heading[2]] = n + 1
-                    found.setdefault(section, number)
                     section = (*section, n)
-                found.setdefault(section, number)
+                yield number, section
                 continue
             if entry := _KEY.fullmatch(line):
-                path = (*section, *_names(entry[1]))
-                for end in range(len(section) + 1, len(path) + 1):
-                    found.setdefault(path[:end], number)
+                yield number, (*section, *_names(entry[1]))
                 rest = entry[2]
+            elif line.partition("#")[0].strip():
+                yield number, ()
         depth, quote = _still_open(rest, depth, quote)
-    return found
 
 
 def _names(dotted: str) -> list[str]:

@@ -161,7 +161,8 @@ class Surface:
             sharpest = degrees(float(self.turn.max()))
             problems.append(
                 f"no sharp edge found: none turns by sharp_angle_deg = {degrees(least_turn):g} or "
-                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg or give edges"
+                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg or give edges, "
+                "of shape (0, 2) for a blunt tool, which only presses"
             )
         return np.column_stack([self.lo[rows], self.hi[rows]]), problems
 

@@ -16,7 +16,7 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, three, unit
 from shellcut.formats import cad_surface
-from shellcut.formats.errors import FileError, naming, point_text
+from shellcut.formats.errors import FileError, check_finite, naming, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
@@ -177,8 +177,7 @@ def _surface(path: Path, chord_deviation: float | None, unit: str | float | None
 
 
 def _check_coordinates(file: SurfaceFile) -> None:
-    if not np.isfinite(file.vertices).all():
-        raise FileError(file.path, "coordinates must be finite numbers")
+    check_finite(file.path, file.vertices, "vertex {}".format)
     away = np.abs(file.vertices - np.median(file.vertices, axis=0)).max(axis=1)
     if away.max() > _FARTHEST * np.median(away):
         k = int(np.argmax(away))
