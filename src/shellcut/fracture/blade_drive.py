@@ -167,8 +167,8 @@ class BladeDrive:
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
         found = self.driven
-        now = found.rotation, found.translation, found.spin, found.velocity
-        for part, value in zip(now, self._seen_from_film(time, 0.0), strict=True):
+        seen = found.rotation, found.translation, found.spin, found.velocity
+        for part, value in zip(seen, self._seen_from_film(time, 0.0), strict=True):
             part[:] = value
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
@@ -180,9 +180,8 @@ class BladeDrive:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    for part, value in zip(
-                        now, self._seen_from_film(later, later - time), strict=True
-                    ):
+                    there = self._seen_from_film(later, later - time)
+                    for part, value in zip(seen, there, strict=True):
                         part[i] = value
             more = k < TURNS - 1
             count = self._try_poses(*tried, False, more)
