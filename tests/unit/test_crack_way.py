@@ -279,6 +279,13 @@ def test_a_notch_that_ends_where_it_began_cuts_a_piece_out(corners):
     assert loose == pytest.approx(1e-9 * 0.074 * area, rel=0.05)
 
 
+def test_a_notch_may_begin_far_outside_the_rim_with_several_points():
+    sim = by_hand(fracture=Fracture(path="free"))
+    sim.notch((-20.0, 0.1, 0.0), (-10.0, 0.1, 0.0), (2.0, 0.1, 0.0))
+    (end,) = sim.cracks.at_tips(sim.mesh.nodes)
+    np.testing.assert_allclose(end, [2.4, 0.1, 0.0], atol=1e-9)
+
+
 def test_a_notch_that_turns_back_within_a_quad_is_refused():
     sim = by_hand(fracture=Fracture(path="free"))
     with pytest.raises(ValueError, match="its line goes on in the film: it turns too sharply"):

@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from shellcut.formats.errors import FileError
 from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
+from shellcut.tool.screw_axis import Axis, kept_axis
 from shellcut.tool.table_motion import TableMotion
 
 DURATION = 6.0e-3
@@ -158,6 +159,14 @@ class TestTable:
 
         assert off(20) < 6e-5
         assert off(40) < off(20) / 7.0
+
+    def test_poses_ten_degrees_apart_turn_about_their_axis(self):
+        angle, point = np.radians(np.linspace(0.0, 90.0, 10)), np.array([7.0, -3.0, 0.0])
+        vectors = angle[:, None] * [0.0, 0.0, 1.0]
+        turned = Rotation.from_rotvec(vectors)
+        kept = kept_axis(TableMotion(angle, point - turned.apply(point), vectors), angle[-1])
+        assert isinstance(kept, Axis)
+        assert kept.point == pytest.approx(tuple(point), abs=2e-3 * np.hypot(7.0, 3.0))
 
     def test_turned_entries_give_turned_poses(self):
         times, translations, vectors = table()

@@ -211,6 +211,17 @@ class TestWhatIsMissing:
         verdict = json.loads((out / "summary.json").read_text())["verdict"]
         assert {escape(line["text"]) for line in verdict} <= {*told}
 
+    def test_a_broken_summary_or_list_of_splits_costs_no_other_section(self, out, tmp_path):
+        folder = copy_without(out, tmp_path)
+        (folder / "summary.json").write_text("[1, 2]")
+        splits = (folder / "splits.csv").read_text()
+        (folder / "splits.csv").write_text(splits[: len(splits) // 2].rpartition(",")[0])
+        page = report_run(folder).read_text(encoding="utf-8")
+        said = " ".join(text for _, text in sentences(page))
+        assert "The summary cannot be shown" in said
+        assert "The splits cannot be shown" in said
+        assert "Force" in Outline(page).titles
+
     def test_a_section_that_fails_costs_no_other(self, out, tmp_path):
         folder = copy_without(out, tmp_path)
         text = (folder / "history.csv").read_text()

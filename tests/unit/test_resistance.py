@@ -74,7 +74,7 @@ def test_a_table_of_a_screw_is_a_screw_wherever_its_axis_is():
         assert r.columns == [("torque", "N*mm"), ("axial_force", "N")]
         assert r.meaning == "torque about the axis (0, 0, 1) through (0, 0, 0) mm"
         for wrench in WRENCHES:
-            # Round-off: the splines of the table pass through straight and linear data exactly.
+            # Round-off: the cubics of the table pass through straight and linear data exactly.
             found = figures(r, motion, wrench, 0.4)
             assert found == pytest.approx(figures(exact, screw, wrench, 0.4), abs=1e-12)
     motion = screw_table(point=(7.0, -3.0), pitch=0.0)

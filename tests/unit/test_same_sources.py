@@ -44,7 +44,6 @@ BESIDE = {
 EXPECTED = {
     "fracture/tip_force.py": ["@"],  # a sparse matrix, by SciPy's own loops
     "tool/rounded_depth.py": ["@", "@"],  # sparse matrices, by SciPy's own loops
-    "tool/table_motion.py": ["CubicSpline", "RotationSpline"],  # see docs/same-bits.md
     "unit.py": ["one ** power"],  # of fractions
 }
 """What is left in a file."""

@@ -1,5 +1,6 @@
 """The kernels of cracks through quads find what their plain twins find, tip by tip."""
 
+from contextlib import suppress
 from itertools import pairwise
 
 import numpy as np
@@ -106,7 +107,8 @@ def test_same_beside_other_cracks():
         free = sim.cracks
         for x in rng.uniform(1.0, 1.8, 3):
             slant = rng.uniform(-0.4, 0.4)
-            sim.notch((x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))
+            with suppress(ValueError):  # it begins where another has left no film
+                sim.notch((x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))
         rules = Rules(sim)
         for _ in range(60):
             sim.step()

@@ -6,7 +6,9 @@ edge has passed goes on whatever the force there.
 
 The motion is prescribed, so that this pose is known. A film that its supports move is met where it
 will be then: all poses are taken as seen from film that goes on as its held nodes do now, rigidly
-(:meth:`.SupportSet.motion`). On a circle of radius R the present mid-plane
+(:meth:`.SupportSet.motion`).
+
+On a circle of radius R the present mid-plane
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
 the mid-plane at the tip still by L²/2R in a segment of length L. Aimed at a point of the path, a
 segment ends within L²/8R of it.
@@ -22,7 +24,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3, product
 from shellcut.loads.supports import SupportSet, Twist
@@ -132,16 +134,18 @@ class BladeDrive:
         self._film = None if self._supports is None else self._supports.motion(state)
 
     def _seen_from_film(self, later: float, after: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return pose and twist of the tool at a time [s] as seen from the film of now.
+        """Return pose and twist of the tool at a time [s] as seen from the film.
 
-        after : now, till then [s].
+        The film is laid back to where it is now.
+
+        after : time from now till then [s], negative of earlier poses.
         """
         R, r = pose_at(self._motion, later)
         spin, velocity = self._motion.twist(later)
         if self._film is None:
             return R, r, spin, velocity
         place, turning, moving = self._film
-        back = Rotation.from_rotvec(-after * turning).as_matrix()
+        back = scipy.spatial.transform.Rotation.from_rotvec(-after * turning).as_matrix()
         arm = r - place - after * moving
         rate = velocity - moving - np.cross(turning, arm)
         relative = place + product(back, arm), product(back, spin - turning), product(back, rate)
@@ -167,8 +171,8 @@ class BladeDrive:
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
         found = self.driven
-        seen = found.rotation, found.translation, found.spin, found.velocity
-        for part, value in zip(seen, self._seen_from_film(time, 0.0), strict=True):
+        parts = found.rotation, found.translation, found.spin, found.velocity
+        for part, value in zip(parts, self._seen_from_film(time, 0.0), strict=True):
             part[:] = value
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
@@ -181,7 +185,7 @@ class BladeDrive:
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
                     there = self._seen_from_film(later, later - time)
-                    for part, value in zip(seen, there, strict=True):
+                    for part, value in zip(parts, there, strict=True):
                         part[i] = value
             more = k < TURNS - 1
             count = self._try_poses(*tried, False, more)

@@ -109,6 +109,8 @@ class Cracks:
         self.bending_length = bending_length(shell.material, law)
         """Over which the film bends where its tension is the strength [mm]."""
         self._pierce: Pierce | None = None
+        self._drive: BladeDrive
+        self._watch: TipWatch
         # A blunt tool cuts nothing: it only pushes.
         if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
             drive = BladeDrive(CuttingEdges.of(tool), motion, supports)

@@ -28,11 +28,14 @@ _FAR = 10.0
 _INSIDE = 1.0 + 1e-6
 """Largest |xi|, |eta| of a point in a quad."""
 
-_AHEAD = np.arange(1, 61) / 20.0
+_REACH = 3.0
+"""Of an edge: how far ahead of a tip a line is followed."""
+
+_STEPS = _REACH * np.arange(1, 61) / 60.0
 """Of an edge: how far ahead of a tip it is looked where a line leaves a quad."""
 
 _GRAZES = 4
-"""Of these places: a line that is outside a quad for fewer has not left it."""
+"""Of the places at ``_STEPS``: a line that is outside a quad for fewer has not left it."""
 
 _MORE = 1.5
 """Of an edge: a line of which less is left has been followed to its end."""
@@ -74,12 +77,12 @@ class NotchLine:
         """
         if len(self._units) > 1:
             self._follow(here, at.size)
-            places = [self._at(self._gone + part * at.size) for part in _AHEAD]
+            places = [self._at(self._gone + part * at.size) for part in _STEPS]
             stays = max((_stay(places, corners) for corners in quads), default=0)
             target = places[stays - 1] if stays else self._at(self._gone + at.size)
             return (target - here) / norm(target - here), None
         across = self._across = (
-            np.cross(at.t, self._units[0]) if self._across is None else (self._across)
+            np.cross(at.t, self._units[0]) if self._across is None else self._across
         )
         return np.cross(across, at.t), product(at.t, across) / product(across, across) * across
 
@@ -109,10 +112,12 @@ class NotchLine:
     def _follow(self, here: Floats, size: float) -> None:
         """Go on along the line to the point that is nearest to a tip, a few edges at most.
 
-        A line that comes back to where it began is not followed from there again.
+        So a line that comes back to where it began is not followed from there again. The first tip
+        may be on any leg: a line may begin outside the rim.
         """
         gone = min(self._gone, float(self._way[-1]))
-        near = (self._way[1:] >= gone) & (self._way[:-1] <= gone + _AHEAD[-1] * size)
+        reach = _REACH * size if self._gone else np.inf
+        near = (self._way[1:] >= gone) & (self._way[:-1] <= gone + reach)
         legs = np.flatnonzero(near)
         along = ((here - self._corners[legs]) * self._units[legs]).sum(axis=1)
         least, most = np.maximum(self._gone - self._way[legs], 0.0), self._lengths[legs]

@@ -247,9 +247,10 @@ class SupportSet:
     def motion(self, state: State) -> Twist | None:
         """Return the rigid motion of the film that is nearest to that of its held nodes.
 
-        None where no support moves. What the held axes leave open rests.
+        Each held axis of a node counts once, so a clamp with more nodes counts more. None where no
+        support moves positions. What the held axes leave open rests.
         """
-        if not self._moving:
+        if all(c >= 3 for _, c, _ in self._moving):
             return None
         n_mesh = len(self._directors)
         rates = np.zeros((n_mesh, 3))

@@ -12,10 +12,10 @@ edge to spare           length of the edge from a joint to its nearer end, the s
 ======================  ==========================================================================
 
 All lengths are measured in the reference film: the film ahead has hardly moved, the film at the tip
-is bent aside. A cutting edge is a chain of :meth:`shellcut.tool.Tool.chains`. Its tip is the one
-nearest to its process zone among the tips ahead in the direction of the tool's motion. A tool that
-moves through the film without moving along it has no such path; the last edge of the crack then
-gives the direction.
+is bent aside. A cutting edge is a chain of :meth:`.Tool.chains`. Its tip is the one nearest to its
+process zone among the tips ahead in the direction of the tool's motion. A tool that moves through
+the film without moving along it has no such path; the last edge of the crack then gives the
+direction.
 
 These figures tell whether a cut is steady (:mod:`shellcut.results.steady_window`).
 """

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from shellcut.files.regular_file import read_regular
-from shellcut.files.run_folder import HISTORY, SUMMARY, USED
+from shellcut.files.run_folder import HISTORY, SPLITS, SUMMARY, USED
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
 from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_error_bars
+from shellcut.results.history import read_splits
 from shellcut.results.run_figures import run_figures
-from shellcut.results.run_results import Results, history_in, result_in
+from shellcut.results.run_results import Results, history_in, result_in, summary_in
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from shellcut.scene_page.page import spread
 
@@ -94,7 +95,9 @@ def gather(folder: Path) -> Gathered:
         )
         history = {}, {}
     name = frames.path.stem if frames else folder.resolve().name
-    run = Gathered(Results(folder, name, frames, history), problems=problems)
+    summary = or_say(problems, "summary", lambda: summary_in(folder)) or {}
+    splits = or_say(problems, "splits", lambda: read_splits(folder / SPLITS)) or ({}, {})
+    run = Gathered(Results(folder, name, frames, history, summary, splits), problems=problems)
     if (folder / USED).exists():
         run.model = read_regular(folder / USED).decode(errors="replace")
     if not (folder / SUMMARY).exists():

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.card import Figures, card, image
@@ -63,6 +64,8 @@ class Results:
         name: str,
         frames: VtkHdfReader | None,
         history: tuple[dict[str, Floats], dict[str, str]],
+        summary: dict[str, Any],
+        splits: tuple[dict[str, npt.NDArray[Any]], dict[str, str]],
     ) -> None:
         self.folder = folder
         self.name = name
@@ -76,11 +79,9 @@ class Results:
         self.history, self.units = history
         """The columns of ``history.csv`` by name, shape (n_row,), and their units; empty if the
         file is missing."""
-        self.summary: dict[str, Any] = {}
+        self.summary = summary
         """``summary.json``; empty if the run has not ended."""
-        with suppress(FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
-            self.summary = dict(json.loads(read_regular(folder / SUMMARY)))
-        self.splits, self.split_units = read_splits(folder / SPLITS)
+        self.splits, self.split_units = splits
         """The columns of ``splits.csv`` by name, shape (n_split,), and their units; empty if the
         run has not ended."""
 
@@ -264,12 +265,27 @@ def read(path: str | os.PathLike[str]) -> Results:
     (3219, 3)
     """
     file = result_in(Path(path))
-    return Results(file.parent, file.stem, VtkHdfReader(file), history_in(file.parent))
+    folder = file.parent
+    beside = history_in(folder), summary_in(folder), read_splits(folder / SPLITS)
+    return Results(folder, file.stem, VtkHdfReader(file), *beside)
 
 
 def history_in(folder: Path) -> tuple[dict[str, Floats], dict[str, str]]:
     """Return the columns of a run's history and their units; empty if there is none."""
     return read_history(folder / HISTORY) if (folder / HISTORY).exists() else ({}, {})
+
+
+def summary_in(folder: Path) -> dict[str, Any]:
+    """Return the summary of a run; empty if it has not ended."""
+    try:
+        found = json.loads(read_regular(folder / SUMMARY))
+    except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
+        return {}
+    if not isinstance(found, dict):
+        raise ValueError(
+            f"{folder / SUMMARY} must hold figures by name, got {type(found).__name__}"
+        )
+    return found
 
 
 def result_in(path: Path) -> Path:

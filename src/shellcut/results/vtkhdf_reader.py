@@ -96,6 +96,8 @@ class VtkHdfReader:
             if time.time() - self.path.stat().st_mtime >= _HELD_UP_S:
                 break
             time.sleep(_TICK_S)
+        else:
+            raise ResultFileError(f"{self.path} is being written continuously; read it again later")
         if isinstance(failed, ResultFileError):
             raise failed
         raise ResultFileError(

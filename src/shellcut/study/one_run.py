@@ -112,7 +112,10 @@ def run_one(task: Task) -> Outcome:
 
 
 def outcome_in(folder: Path) -> Outcome | None:
-    """Return the outcome of a run that is done, None if it is not; its inputs name the folder."""
+    """Return the outcome of a run whose summary has all of its time done, None without one.
+
+    The folder has the name of the run's inputs.
+    """
     try:
         figures = json.loads(read_regular(folder / SUMMARY))
         return Outcome.done(figures) if figures["share_done"] >= 1.0 else None

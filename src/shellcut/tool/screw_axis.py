@@ -36,7 +36,7 @@ _SAME_RATE = 1e-3
 # Tolerance of directions: far above round-off, far below any intended bend.
 _SAME_DIRECTION = 1e-6
 # Tolerance of the axis' position, relative to the path of the body's origin per radian: in a table
-# (cubic spline) of poses 10 degrees apart on a circle the axis wanders by 2e-4 of the radius.
+# of poses 10 degrees apart on a circle the axis wanders by 1.3e-3 of the radius.
 _SAME_PLACE = 5e-3
 # Tolerance of positions, relative to the distance of the body from the world's origin.
 _ROUND_OFF = 1e-9

@@ -2,19 +2,18 @@
 
 Within an interval the translation is a cubic and the rotation R_i exp(phi), phi a cubic, which pass
 the entries at the velocities of :func:`_rates`. Plain scalar arithmetic evaluates them in a few
-microseconds per call; a scipy spline takes a hundred.
+microseconds per call, where an object of SciPy takes a hundred.
 
-A spline with continuous accelerations swings beyond its entries: through 0, 0, 5, 5 mm at 0, 0.1,
-1, 3 ms it goes to 11.9 mm. Here the velocity at an entry is the weighted harmonic mean of those of
-the intervals beside it ([FritschButland1984]), so that a motion along a line turns back at entries
-only, and rests where two entries are the same.
+The velocity at an entry is the weighted harmonic mean of those of the intervals beside it
+([FritschButland1984]), so that a motion along a line turns back at entries only, and rests where
+two entries are the same; with continuous accelerations it would swing beyond them.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
-from math import degrees, pi, sin, sqrt
+from math import cos, degrees, pi, sin, sqrt
 from pathlib import Path
 from typing import Annotated
 
@@ -23,7 +22,7 @@ import numpy.typing as npt
 import scipy
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Vec3, norm, unit
+from shellcut.arrays import Floats, Vec3, each, norm, unit
 from shellcut.formats.errors import naming
 from shellcut.formats.motion_csv import read_motion_csv
 
@@ -158,7 +157,7 @@ class TableMotion:
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each.
 
-        At the first and last time these are the ends of the splines, beyond them zero.
+        At the first and last time these are the rates at its ends, beyond them zero.
         """
         if time < self._knots[0] or time > self._knots[-1]:
             return np.zeros(3), np.zeros(3)
@@ -262,8 +261,9 @@ def _rates(step: Floats, mean: Floats) -> Floats:
     """Return the velocities at the entries of a table, shape (n_time, 3).
 
     In between the harmonic mean of the means beside it, weighted as [FritschButland1984], in
-    the direction half way between the two; at an end a parabola's, if that leads on, up to twice
-    that of the interval.
+    the direction half way between the two. At an end the speed goes on as it changes between the
+    first two intervals, up to twice that of the interval; the direction is that of the next entry
+    mirrored at the chord, as on a circle.
 
     step : (n_time - 1,).  mean : (n_time - 1, 3), of the intervals.
     """
@@ -282,9 +282,10 @@ def _rates(step: Floats, mean: Floats) -> Floats:
         rates[1:-1] = size[:, None] * unit(way[:-1] + way[1:])
         for end, beside in ((0, 1), (-1, -2)):
             part = step[end] / (step[end] + step[beside])
-            rate = mean[end] + part * (mean[end] - mean[beside])
-            on, most = (rate * mean[end]).sum() > 0.0, 2.0 * speed[end]
-            rates[end] = on * rate * min(1.0, most / max(float(norm(rate)), np.finfo(float).tiny))
+            faster = speed[end] + part * (speed[end] - speed[beside])
+            inner, along = unit(rates[beside]), way[end]
+            mirrored = 2.0 * (inner * along).sum() * along - inner if inner.any() else along
+            rates[end] = min(max(faster, 0.0), 2.0 * speed[end]) * mirrored
     return rates
 
 
@@ -313,7 +314,7 @@ def _rotation_cubics(step: Floats, turns: Floats) -> Floats:
     angle = norm(turns)
     a = np.maximum(angle, SMALL_ANGLE)
     series = 1.0 / 12.0 + angle * angle / 720.0
-    exact = 1.0 / (a * a) - (1.0 + np.cos(a)) / (2.0 * a * np.sin(a))
+    exact = 1.0 / (a * a) - (1.0 + each(cos, a)) / (2.0 * a * each(sin, a))
     second = np.where(angle < SMALL_ANGLE, series, exact)[:, None]
     across = np.cross(turns, rates[1:])
     stops = rates[1:] + 0.5 * across + second * np.cross(turns, across)
