@@ -67,7 +67,7 @@ runs 9 mm. Quads of 1 and 0.7 mm, nodes moved at random by up to 0, 0.1 and 0.2 
     run=run,
     picture=picture,
     said="""At the end of the notch the crack starts about 5° too steep (we do not know why) and
-comes back to the hyperbola over 7 mm. At half the speed it turns away upwards in its last 2 mm,
+comes back to the hyperbola over 7 mm. At half the speed it turns away upwards in its last 3 mm,
 where a tip waits until nothing presses on it: that is the error bar of the chord, which misses.""",
     caption="Paths of the crack about the hyperbola",
 )
