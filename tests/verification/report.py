@@ -64,7 +64,8 @@ def draw(result: dict[str, Any]) -> None:
     axes.grid(color="0.9")
     axes.legend(fontsize=8, frameon=False)
     (DOCS / "img").mkdir(parents=True, exist_ok=True)
-    figure.savefig(DOCS / "img" / f"verification_{result['id']}.png", facecolor="white")
+    path = DOCS / "img" / f"verification_{result['id']}.png"
+    figure.savefig(path, facecolor="white", bbox_inches="tight")
 
 
 def main(path: str) -> None:

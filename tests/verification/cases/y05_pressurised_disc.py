@@ -31,7 +31,7 @@ PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
 ]
 
 CURVES = {}
-AXES = "time, s", "middle"
+AXES = "time, s", "height of the middle, mm"
 
 
 def swing(n_side: int, n_layer: int) -> np.ndarray:
