@@ -45,7 +45,8 @@ class QuadSides:
 def coincident(X: Floats, nodes: Ints, reach: float | None = None) -> Ints:
     """Return the pairs of some nodes that are at one place, or within ``reach``, shape (n, 2)."""
     points = X[nodes]
-    reach = reach or _COINCIDENT * float(np.ptp(points if len(points) else X, axis=0).max())
+    if reach is None:
+        reach = _COINCIDENT * float(np.ptp(points if len(points) else X, axis=0).max())
     pairs = scipy.spatial.cKDTree(points).query_pairs(reach, output_type="ndarray")
     return np.asarray(nodes[pairs])
 

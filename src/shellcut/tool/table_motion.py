@@ -271,14 +271,14 @@ def _rates(step: Floats, mean: Floats) -> Floats:
     rates[[0, -1]] = mean[[0, -1]]
     if len(mean) > 1:
         both = 3.0 * (step[:-1] + step[1:])
-        slow = np.minimum(speed[:-1], speed[1:]) > 0.0
+        both_move = np.minimum(speed[:-1], speed[1:]) > 0.0
         near, far = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
         inverse = np.ones_like(both)
-        np.divide(near, speed[:-1], out=inverse, where=slow)
-        inverse += np.divide(far, speed[1:], out=np.zeros_like(both), where=slow)
+        np.divide(near, speed[:-1], out=inverse, where=both_move)
+        inverse += np.divide(far, speed[1:], out=np.zeros_like(both), where=both_move)
         way = unit(mean)
         cosine = (way[:-1] * way[1:]).sum(axis=1)
-        size = np.where(slow, both / inverse, 0.0) * np.clip(2.0 * cosine, 0.0, 1.0)
+        size = np.where(both_move, both / inverse, 0.0) * np.clip(2.0 * cosine, 0.0, 1.0)
         rates[1:-1] = size[:, None] * unit(way[:-1] + way[1:])
         for end, beside in ((0, 1), (-1, -2)):
             part = step[end] / (step[end] + step[beside])
