@@ -59,8 +59,8 @@ MISSING = """
 and across (m-petfilm.de, Comparative data for plastic films, ISO 527: 2500 and 4500 N/mm², 150
 and 250 N/mm² at 150 and 50 %), but we found no yield stress, no stress at 5 %, no r-values and no
 shear modulus of the same film to go with them. A law through the break alone would be a guess.
-Measure a strip along and one across: [`shellcut tensile`](howto/tensile.md) writes the
-`[material]`.
+Measure a strip along and one across: [`shellcut tensile`](howto/tensile.md) makes a section
+`[material]` of each.
 
 **Rates.** None of the sources gives a second rate, so no preset has a rate factor. At the speed
 of a cut (strain rates of 100 to 10,000 1/s) polymers are stiffer and stronger than in these tests

@@ -16,7 +16,7 @@ NOTES = {
     "study": "many runs: sweeps, fits, what follows from them",
     "model_file": "models as files, pages of results",
     "models": "opening test, guillotine, tears, free cut",
-    "simulation": "the step, equilibrium; files and page of a run; tensile tests",
+    "simulation": "the step, equilibrium; files and page of a run",
     "fracture": "cracks; checks before a run; runs read back",
     "mitc4": "the forces, and the integrator that follows them",
     "state": "fields in time; film, tool and motion; pictures",

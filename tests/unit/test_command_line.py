@@ -37,7 +37,10 @@ from shellcut.tool.shapes import tooth_ring
         # an empty name is not the present folder
         (["run", "guillotine", "-o", ""], "must have a name"),
         (["sweep", "guillotine", "-o", "", "--set", "size=1,2"], "must have a name"),
-        (["tensile", "a.csv", "-o", ""], "must have a name"),
+        (
+            ["tensile", "a.csv", "--columns", "1", "2", "--units", "-", "MPa", "-o", ""],
+            "must have a name",
+        ),
         (["preview", "guillotine", "-o", ""], "must have a name"),
         (["resume", ""], "must have a name"),
     ],
@@ -412,7 +415,7 @@ LONG, NO_TEXT = "x" * 300, os.fsdecode(b"x\xff")
         "view {}",
         "report {}",
         "compare {} {}",
-        "tensile {} -o out",
+        "tensile {} --columns 1 2 --units - MPa -o out",
         "sweep {} -o out",
         "preview {}",
         "fit guillotine {} --free cohesive.plateau -o out",

@@ -13,13 +13,12 @@ from shellcut import Anisotropy, meshing, tool_shapes
 from shellcut.arguments import declared
 from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.recording.run_options import RunOptions
-from shellcut.tensile.specimen import SpecimenSize
 from shellcut.tool.shapes import round_bar
 
 KINDS = {k for of in (SECTIONS, LISTS) for s in of.values() for kinds in s.values() for k in kinds}
 OWNERS = {key.owner for kind in KINDS for key in kind.keys.values()} - {None}
 OWNERS |= {getattr(shellcut, name) for name in shellcut.__all__}
-OWNERS |= {meshing.annulus, meshing.cylinder, tool_shapes.tooth_ring, round_bar, SpecimenSize}
+OWNERS |= {meshing.annulus, meshing.cylinder, tool_shapes.tooth_ring, round_bar}
 OWNERS = sorted(
     (o for o in OWNERS if inspect.isroutine(o) or is_dataclass(o)), key=lambda o: o.__qualname__
 )

@@ -8,7 +8,6 @@ import pytest
 
 from shellcut import (
     TableMotion,
-    evaluate_tensile,
     read,
     read_drawing,
     read_film,
@@ -46,7 +45,6 @@ READERS = {
     "film.dxf": read_drawing,
     "film.svg": read_drawing,
     "curve.csv": read_measured_curve,
-    "specimen.csv": evaluate_tensile,
     "motion.csv": TableMotion.read_csv,
     "model.toml": read_model,
 }

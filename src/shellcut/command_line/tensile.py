@@ -1,11 +1,9 @@
-"""``tensile``: modulus, yield, strength, hardening and a cohesive law from tensile tests.
+"""``tensile``: modulus, yield stress, strength and hardening table of a tensile test.
 
-Evaluate tensile tests: modulus, yield, strength, strain at break, hardening curve, scatter, and a
-proposed cohesive law. With -o write OUT/tensile.json, for each direction hardening_MD.csv,
-material_MD.toml and law_MD.toml (hardening.csv, ... where none is named), and with Matplotlib
-tensile.png.
+Evaluate one specimen of a tensile test. With -o write OUT/material.toml, a section for a model
+file, and with Matplotlib OUT/tensile.png.
 
-example: shellcut tensile MD=md_1.csv MD=md_2.csv CD=cd_1.csv --gauge-length 50 -o film
+example: shellcut tensile md.csv --columns 2 3 --units % MPa -o film
 """
 
 from __future__ import annotations
@@ -14,88 +12,56 @@ import argparse
 import sys
 from pathlib import Path
 
-from shellcut.model_file.key import keys_of
+from shellcut.files.file_list import claim
+from shellcut.files.whole_file import write_text
+from shellcut.formats.errors import naming
+from shellcut.formats.number_table import read_number_table
 from shellcut.tensile import evaluate_tensile
-from shellcut.tensile.evaluation import PICTURE
-from shellcut.tensile.specimen import SpecimenSize
+from shellcut.unit import conversion
 
-from .exit_code import DONE, refuse
+from .exit_code import DONE
 from .shared_arguments import named
-
-_LENGTHS = keys_of(SpecimenSize)
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
+    parser.add_argument("file", metavar="FILE", help="text table of one specimen")
+    for name, what in (("--columns", "heading, or number from 1,"), ("--units", "unit")):
+        text = f"{what} of strain (or extension) and of stress (or force)"
+        parser.add_argument(name, metavar=("X", "Y"), nargs=2, required=True, help=text)
+    for name, what, unit in (
+        ("--gauge-length", "length over which an extension was measured", "MM"),
+        ("--section", "width times thickness of the specimen, for a force", "MM2"),
+    ):
+        parser.add_argument(name, metavar=unit, type=float, help=what)
     parser.add_argument(
-        "files",
-        metavar="[DIRECTION=]FILE",
-        nargs="+",
-        help="text tables of strain and stress, or extension and force",
-    )
-    parser.add_argument(
-        "--columns",
-        metavar="X,Y,...",
-        help="columns of strain and stress in all files, by heading or number from 1, as "
-        "'Strain, Stress' or '2,4'; where a heading has a comma, separated by semicolons; by "
-        "default those whose names and units agree",
-    )
-    parser.add_argument(
-        "--units",
-        help="units of these columns, or of strain and stress, as 'mm, N'; by default those of "
-        "the headings",
-    )
-    for name, key in _LENGTHS.items():
-        flag = f"--{name.replace('_', '-')}"
-        parser.add_argument(
-            flag, metavar="MM", help=f"of the specimens, as 50 or '50 mm': {key.option.text}"
-        )
-    parser.add_argument(
-        "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
+        "--offset", metavar="%", type=float, default=0.2, help="plastic strain at yield [0.2]"
     )
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate, print a table, write the files."""
-    lengths, problems = {}, []
-    for name, key in _LENGTHS.items():
-        given = getattr(arguments, name)
-        try:
-            lengths[name] = None if given is None else key.read(given)
-        except ValueError as problem:
-            problems.append(f"--{name.replace('_', '-')} {problem}")
-    try:
-        offset = 0.01 * float(arguments.offset.removesuffix("%"))
-    except ValueError:
-        problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
-    if problems:
-        return refuse("\n".join(problems))
-    found = evaluate_tensile(
-        _by_direction(arguments.files),
-        offset=offset,
-        columns=arguments.columns,
-        units=arguments.units,
-        **lengths,
-    )
-    print(found)
+    """Evaluate, print the values, write the files."""
+    table = read_number_table(arguments.file)
+    kinds = "mm" if arguments.gauge_length else "-", "N" if arguments.section else "MPa"
+    factors = [conversion(unit, kind) for unit, kind in zip(arguments.units, kinds, strict=True)]
+    with naming(arguments.file):
+        x, y = table.numbers([table.column(one) for one in arguments.columns]).T
+        test = evaluate_tensile(
+            x * factors[0],
+            y * factors[1],
+            gauge_length=arguments.gauge_length,
+            section=arguments.section,
+            offset=0.01 * arguments.offset,
+        )
+    print(test)
     if arguments.out is None:
         return DONE
-    written = found.write(arguments.out)
+    material, picture = (Path(arguments.out) / name for name in ("material.toml", "tensile.png"))
+    claim(arguments.out, [material.name, picture.name], [arguments.file])
+    write_text(material, test.section())
     try:
-        written.append(found.plot(arguments.out / PICTURE))
+        print(f"written: {material}, {test.plot(picture)}")
     except ImportError as missing:
-        print(f"no picture: {missing}", file=sys.stderr)
-    print("written: " + ", ".join(map(str, written)))
+        print(f"written: {material}; no picture: {missing}", file=sys.stderr)
     return DONE
-
-
-def _by_direction(files: list[str]) -> dict[str, list[str]]:
-    # a file may have "=" in its name: the part before it is a direction only if no such file is
-    groups: dict[str, list[str]] = {}
-    for text in files:
-        direction, sign, path = text.partition("=")
-        if not sign or Path(text).exists() or "/" in direction:
-            direction, path = "", text
-        groups.setdefault(direction, []).append(path)
-    return groups

@@ -67,7 +67,7 @@ def read_hardening(
         str | Path,
         Option(
             "",
-            "table of plastic strain and true stress, as shellcut tensile writes it",
+            "table of plastic strain and true stress",
             form="path",
         ),
     ],
@@ -112,7 +112,7 @@ def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[i
         raise FileError(
             path,
             f"a hardening table must have plastic strains and true stresses, got {wrong[0]!r}; "
-            "shellcut tensile makes one of nominal curves",
+            "shellcut tensile makes a section of a nominal curve",
         )
     factors, problems = [], []
     for word, usual in (("strain", "-"), ("stress", "MPa")):
