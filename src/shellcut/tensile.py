@@ -160,8 +160,6 @@ def evaluate_tensile(
     else:
         yield_stress = float(start[1])
         plastic, true = _hardening(rising, loaded, young, float(start[0]))
-        if not len(plastic):
-            notes.append("fewer than 8 points between yield and strength: no hardening table")
     return TensileTest(
         young=young,
         slack=slack,
@@ -216,17 +214,13 @@ def _elastic_line(strain: Floats, stress: Floats, notes: list[str]) -> tuple[flo
         low, high = zero + ELASTIC[0], zero + ELASTIC[1]
         if strain[-1] < low + 0.5 * (high - low):
             raise ValueError(
-                f"the record must span strains of {100 * ELASTIC[0]:g} to {100 * ELASTIC[1]:g} % "
-                f"above {100 * zero:.3g} %, where the line begins, got a largest stress at "
-                f"{100 * strain[-1]:.3g} %; are strains in per cent, or is the test too short?"
+                f"the record must span strains from 0.05 to 0.25 % above {100 * zero:.3g} %, where "
+                f"the line begins, got the largest stress at {100 * strain[-1]:.3g} %"
             )
         slope, level, error, n = _line(strain, stress, low, high)
         if not slope > 0.0:
-            raise ValueError(
-                "the stress must rise with the strain in the elastic range, got a slope of "
-                f"{slope:.3g} MPa from {100 * low:.3g} to {100 * high:.3g} %"
-            )
-        # A record that begins under load has no strain below its first: the range begins there.
+            raise ValueError(f"the stress must rise with the strain, got a slope of {slope:g} MPa")
+        # The range of a record that begins under load begins with it.
         found = max(-level / slope, float(strain[0]) - ELASTIC[0])
         if abs(found - zero) < 1e-12:
             break

@@ -520,27 +520,3 @@ def test_compiling_is_said_when_kernels_are_compiled_only():
     with on_compilation(lambda: said.append("again")):
         once(2.0)
     assert said == ["compiling"]
-
-
-@pytest.mark.parametrize(
-    ("typed", "offered"),
-    [
-        ("run op", ["opening "]),
-        ("run opening --set tool.te", ["tool.teeth="]),
-        ("optimise opening --vary motion.pi", ["motion.pitch="]),
-        ("optimise opening --minimise torque_peak_N", ["torque_peak_Nmm "]),
-        ("fit opening x.csv --free cohesive.pl", ["cohesive.plateau "]),
-        ("view out --field thick", ["thickness "]),
-        ("view out --colormap vi", ["viridis "]),
-        ("preview ca", ["cap.toml "]),
-    ],
-)
-def test_a_shell_is_offered_models_keys_and_figures(tmp_path, typed, offered):
-    pytest.importorskip("argcomplete", reason="needs shellcut[completion]")
-    (tmp_path / "cap.toml").touch()
-    line = f"shellcut {typed}"
-    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line))}
-    asked |= {"_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "said"), "_ARGCOMPLETE_IFS": "\n"}
-    command = [sys.executable, "-m", "shellcut", *typed.split()]
-    subprocess.run(command, env=os.environ | asked, cwd=tmp_path, check=True)
-    assert (tmp_path / "said").read_text().splitlines() == offered

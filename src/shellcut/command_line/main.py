@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from importlib.metadata import version
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
-from shellcut.model_file import ModelFileError, shipped_models
-from shellcut.model_file.key_index import tables
-from shellcut.results.cut_quality import UNITS
-from shellcut.results.summary_figures import LABELS
+from shellcut.model_file import ModelFileError
 from shellcut.unit import showing
-from shellcut.view.fields import FIELDS
 
 from . import (
     compare,
@@ -46,7 +40,6 @@ _COMMANDS = (
 _RUNS = ("run", "resume")
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
 """Commands that show figures, in units of the user's choice."""
-_COLORMAPS = ("viridis", "cividis", "inferno", "turbo", "coolwarm")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -68,9 +61,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     parser = parser_of_all()
-    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
-        with contextlib.suppress(ImportError):
-            _complete(parser)
     arguments = parser.parse_args(argv)
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
@@ -109,34 +99,3 @@ def parser_of_all() -> argparse.ArgumentParser:
         if name in _SHOWING:
             add_shown_in_to(of)
     return parser
-
-
-def _complete(parser: argparse.ArgumentParser) -> None:
-    """Tell a shell what it may offer after an option or in the place of a model, and end.
-
-    ImportError without argcomplete.
-    """
-    import argcomplete
-
-    files = argcomplete.completers.FilesCompleter()
-    sections = [one for one in tables() if not one.title.startswith("[[")]
-    keys = [f"{one.title.strip('[]')}.{n}".lstrip(".") for one in sections for n in one.keys]
-    offered: dict[str, Iterable[str]] = {
-        **dict.fromkeys(("model", "models"), shipped_models()),
-        **dict.fromkeys(("settings", "vary", "confirm"), tuple(f"{key}=" for key in keys)),
-        **dict.fromkeys(("minimise", "maximise", "subject_to", "figures"), (*LABELS, *UNITS)),
-        "free": keys,
-        "Look.field": FIELDS,
-        "Look.colormap": _COLORMAPS,
-    }
-
-    def of(action: Any) -> Any:
-        names, also = offered[action.dest], files if action.dest == "model" else lambda *_, **__: ()
-        return lambda prefix, **more: [*names, *also(prefix, **more)]
-
-    (commands,) = (one.choices for one in parser._actions if one.dest == "command")
-    for command in dict(commands or {}).values():
-        for action in command._actions:
-            if action.dest in offered:
-                vars(action)["completer"] = of(action)
-    argcomplete.autocomplete(parser)
