@@ -44,7 +44,6 @@ _FIRST = (
     "test_command_line.py",
     "test_docs.py",
     "test_opening.py",
-    "test_branching.py",
     "test_two_point_tear.py",
     "test_trouser.py",
     "test_blade_beside_line.py",

@@ -57,7 +57,7 @@ def test_what_exists_along_edges_only_asks_for_them(option):
 
 
 def test_what_exists_through_quads_only_asks_for_them():
-    option = {"branching": True}
+    option = {"anisotropy": sc.Anisotropy(direction=(1.0, 0.0, 0.0))}
     assert Fracture(**option).needed_path == Fracture(**option).decided().path == "free"
     with pytest.raises(ValueError, match="through the quads only: take path='free'"):
         Fracture(path="edges", **option)

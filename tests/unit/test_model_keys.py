@@ -379,7 +379,7 @@ def test_quads_and_divisions_reach_what_is_built(built):
 # What else a constructor takes comes from other sections, or is no value.
 ELSEWHERE = {"self", "folder", "factor", "layers"}
 ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
-ELSEWHERE |= {"anisotropy", "branching"}  # of cracks without a tool, which a model file has
+ELSEWHERE |= {"anisotropy"}  # of cracks without a tool, which a model file has
 ELSEWHERE |= {"material", "direction"}  # of a layer, of a film: [material] has own keys for it
 NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "classes of a user's own"}
 

@@ -88,9 +88,6 @@ def test_what_needs_time_or_inertia_is_refused():
     for share in (0.0, 0.02):
         with pytest.raises(ValueError, match="quasi_static"):
             sc.Simulation(DISC, FILM, quasi_static=share)
-    branching = sc.Fracture(path="free", branching=True)
-    with pytest.raises(ValueError, match="branch"):
-        sc.Simulation(DISC, FILM, law=sc.CohesiveLaw(), fracture=branching, quasi_static=0.004)
 
 
 def test_the_verdict_asks_more_of_it():

@@ -263,12 +263,6 @@ class CrackPath:
         first = [rows[0] for tip in tips if (rows := self.rows_ahead(tip))]
         return np.array([state.quads[row, corner_at(place)] for row, place in first], np.int64)
 
-    def nearest(self, state: State, tip: Tip, others: Sequence[Tip]) -> float:
-        """Return how near the nearest other tip is in the reference film [mm], inf if none is."""
-        here = self.at_tip(tip, state.node.X)
-        gaps = [self.at_tip(one, state.node.X) - here for one in others if one is not tip]
-        return min((float(norm(gap)) for gap in gaps), default=np.inf)
-
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:
         """Return a tip on the rim where a line between two points first crosses it.
 

@@ -28,7 +28,6 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
-from .branching import Branching, ways
 from .crack_path import ONCOMING, CrackPath
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
@@ -40,7 +39,7 @@ from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import Due, LargestStress, SideTears
-from .tip import Pace, Segment, Tip, restored_tips, saved_tips, tips_of_notches
+from .tip import Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut, TrialSums
 
@@ -90,10 +89,6 @@ class Cracks:
         self._check_every = fracture.check_every
         self._shell, self._loads = shell, loads
         self._known = KnownTopology()
-        self._checked = False
-        self._branching: Branching | None = None
-        if fracture.branching:
-            self._branching = Branching(shell.material, law, fracture)
         topology = self.cuts.topology
         self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
         self._exactly = fracture.equilibrium_start
@@ -152,25 +147,21 @@ class Cracks:
 
         A crack then runs no faster than an edge length in ``check_every`` steps.
         """
-        self._require_checks(state)
         for tip in tips:
             if not self._known.is_of(state):
                 self.tips = [one for one in self.tips if self._path.rows_ahead(one)]
                 self._known.take(state)
             if tip not in self.tips:
                 continue  # another crack has just joined it
-            if tip.branch and self._branching is not None:
-                tip.branch = not self._branching.is_alone(*self._apart(state, tip))
             find = self._through_quads if self._sides is None else self._sides.best
             due = find(state, tip, self.tips)
             if due is None or due.measure < 1.0 or self._is_held(state, due.segment):
                 continue
-            if not self._branch(state, tip, due.segment):
-                self._advance(state, tip, due.segment, TEAR, due.measure, due.force)
+            self._advance(state, tip, due.segment, TEAR, due.measure, due.force)
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
         """Return along which segment a crack would run that no blade drives."""
-        ways = self._direction.ways(state, tip, tips, alone=not tip.branch)
+        ways = self._direction.ways(state, tip, tips)
         found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
         if segment is None:
@@ -183,52 +174,6 @@ class Cracks:
         if self._path.sides_only:
             nodes = nodes[[corner_at(segment.entry)]]
         return bool(state.node.support_rate[nodes].any())
-
-    def _require_checks(self, state: State) -> None:
-        """Refuse checks that are too rare for cracks that may branch, when tips are first seen."""
-        if self._branching is None or self._checked or not self.tips:
-            return
-        self._checked = True
-        ahead = [self._path.rows_ahead(tip) for tip in self.tips]
-        sizes = [self._path.size(rows[0][0]) for rows in ahead if rows]
-        if sizes:
-            self._branching.require_checks(state.dt, min(sizes))
-
-    def _apart(self, state: State, tip: Tip) -> tuple[float, float]:
-        """Return the edge length at a tip, and how near the nearest other tip is [mm]."""
-        row, _ = self._path.rows_ahead(tip)[0]
-        return self._path.size(row), self._path.nearest(state, tip, self.tips)
-
-    def _branch(self, state: State, tip: Tip, segment: Segment) -> bool:
-        """Run a crack on along two segments, if it may branch; return whether it did.
-
-        segment : along which it runs if it does not branch.
-        """
-        if self._branching is None:
-            return False
-        if not self._branching.may_branch(tip, state.time, *self._apart(state, tip)):
-            return False
-        place = self._path.place_in(state, segment.row, segment.entry)
-        way = self._path.way_of(state, segment)
-        both = []
-        for one in ways(way, place.t):
-            found = self._path.segment_from(state, tip, one, others=self.tips)
-            if found is None or self._is_held(state, found):
-                return False
-            if (measure := self._sums.of_tear(state, found)) < 1.0:
-                return False
-            both.append((found, measure))
-        (left, measure), (right, other_measure) = both
-        if (left.row, left.exit) == (right.row, right.exit):
-            return False  # a corner or a crossing has drawn both to it
-        # What lies to the right of the first cut keeps its row, where the second one goes.
-        self._advance(state, tip, left, TEAR, measure, branch=True)
-        again = self._path.segment(state, right.row, right.entry, ways(way, place.t)[1])
-        if again is not None:
-            cut = self._cut(state, again, TEAR, other_measure)
-            self._end_at(state, again, cut, 1, tip.heading, branch=True)
-            self.cuts.renew(state)
-        return True
 
     def notch(self, state: State, points: Floats) -> None:
         """Cut the film along a line through points, see :meth:`.Simulation.notch`.
@@ -349,10 +294,8 @@ class Cracks:
         kind: str,
         measure: float,
         force: Floats | None = None,
-        *,
-        branch: bool = False,
     ) -> None:
-        """Run a crack on along a segment, which may be one of two branches.
+        """Run a crack on along a segment.
 
         force : F_c of a crack along a side, which its first cables take over.
         """
@@ -361,30 +304,15 @@ class Cracks:
             forces.append(-self._sums.at_start(state, segment.reversed()))
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
-        pace: Pace = ()
-        if not branch and self._branching is not None:
-            size = self._path.size(segment.row)
-            pace = self._branching.pace_after(tip, state.time, cut.length, size)
-        self._end_at(state, segment, cut, 1, tip.heading, pace, branch=branch or tip.branch)
+        self._end_at(state, segment, cut, 1, tip.heading)
         self.cuts.renew(state)
         if segment.along_side:
             self.cuts.hand_over(state, cut, forces, n_cable, exactly=self._exactly)
 
-    def _end_at(
-        self,
-        state: State,
-        segment: Segment,
-        cut: Cut,
-        end: int,
-        came: Floats,
-        pace: Pace = (),
-        *,
-        branch: bool = False,
-    ) -> None:
+    def _end_at(self, state: State, segment: Segment, cut: Cut, end: int, came: Floats) -> None:
         """Put a tip where the crack goes on from an end of what has been cut."""
         tip = self._tip_after(state, segment, cut, end, came)
         if tip is not None:
-            tip.pace, tip.branch = pace, branch
             self.tips.append(tip)
 
     def _tip_after(

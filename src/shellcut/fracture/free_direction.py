@@ -154,14 +154,7 @@ class FreeDirection:
         self._behind: dict[Tip, tuple[Ints, Floats]] = {}
         self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
-    def ways(
-        self,
-        state: State,
-        tip: Tip,
-        tips: Sequence[Tip] = (),
-        *,
-        alone: bool = True,
-    ) -> Iterator[Floats]:
+    def ways(self, state: State, tip: Tip, tips: Sequence[Tip] = ()) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
         Parameters
@@ -172,9 +165,6 @@ class FreeDirection:
             With film ahead.
         tips : sequence of Tip
             All of them, which end its domain.
-        alone : bool
-            Whether what surrounds the tip is its own; near to another branch it is not, and the
-            heading comes first.
         """
         if not self._known.is_of(state):
             self._ahead.clear()
@@ -188,8 +178,6 @@ class FreeDirection:
         nodes = state.quads[ahead.rows].ravel()
         t = unit(product(ahead.weights.ravel(), state.node.t[nodes]))
         moved = product(ahead.base.reshape(2, -1), state.node.x[nodes])
-        if not alone:
-            yield unit(moved[0])
         ways = product(_WAYS, moved)
         stress = self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)
         phi = stress**2

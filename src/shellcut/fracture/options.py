@@ -33,7 +33,7 @@ Measure: TypeAlias = Literal["force", "stress"]
 Path: TypeAlias = Literal["free", "edges"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "branching"
+_ONLY_THROUGH_QUADS = ("anisotropy",)
 
 
 NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
@@ -54,9 +54,6 @@ class Fracture:
     anisotropy : Anisotropy, optional
         How strength and energy depend on the direction of a crack, for cracks through the quads
         that no blade drives.
-    branching : bool
-        Whether a crack through quads that no blade drives may become two (:mod:`.branching`): once
-        it runs at half of the film's Rayleigh speed. Needs ``check_every`` so small that it can.
 
     Examples
     --------
@@ -115,7 +112,6 @@ class Fracture:
             unset="from thickness, strength and the radius of the edge",
         ),
     ] = None
-    branching: bool = False
 
     def __post_init__(self) -> None:
         if problems := list(self._contradictions()):

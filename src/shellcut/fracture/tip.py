@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,10 +16,6 @@ from .quad_polygon import Point, along_side, corner_at
 
 # Outside the parametric square: written for a tip that lies on no flank.
 _NOWHERE = (2.0, 2.0)
-
-
-Pace: TypeAlias = tuple[tuple[float, float], ...]
-"""When segments of a crack were cut [s], and their lengths [mm]."""
 
 
 @dataclass(eq=False)
@@ -39,10 +35,6 @@ class Tip:
     corner; ``ends`` is then of no meaning."""
     behind: tuple[int, ...] = ()
     """Rows that touch that place from behind, the side from which the crack came."""
-    pace: Pace = ()
-    """Of its latest segments, if it may branch."""
-    branch: bool = False
-    """Whether it has branched off and is still near to the other branch."""
 
     @property
     def at_node(self) -> bool:
@@ -69,15 +61,12 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
-        "branch": np.array([tip.branch for tip in tips], np.bool_),
-        "n_pace": np.array([len(tip.pace) for tip in tips], np.int64),
-        "pace": np.array([one for tip in tips for one in tip.pace], float).reshape(-1, 2),
     }
 
 
 def restored_tips(saved: dict[str, Any]) -> list[Tip]:
     """Return the tips of :func:`saved_tips`."""
-    stop, ran = (np.cumsum(saved[name]).tolist() for name in ("n_behind", "n_pace"))
+    stop = np.cumsum(saved["n_behind"]).tolist()
     rows = {name: column.tolist() for name, column in saved.items()}
     return [
         Tip(
@@ -87,8 +76,6 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             heading=saved["heading"][i].copy(),
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
-            branch=rows["branch"][i],
-            pace=tuple(map(tuple, rows["pace"][ran[i] - rows["n_pace"][i] : ran[i]])),
         )
         for i in range(len(stop))
     ]

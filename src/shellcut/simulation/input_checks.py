@@ -62,11 +62,6 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
             "fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
             "them"
         )
-    if tool is not None and tool.n_edge and fracture.branching:
-        yield (
-            "fracture.branching is of cracks that no blade drives, got a tool with "
-            f"{tool.n_edge} cutting edges: leave out one of them"
-        )
 
 
 def _not_with_edge(law: CohesiveLaw | None, tool: Tool | None) -> Iterator[str]:
@@ -80,9 +75,7 @@ def _not_with_edge(law: CohesiveLaw | None, tool: Tool | None) -> Iterator[str]:
         )
 
 
-def check_quasi_static(
-    material: ShellMaterial, fracture: Fracture | None, velocity: Floats | None
-) -> None:
+def check_quasi_static(material: ShellMaterial, velocity: Floats | None) -> None:
     """Raise ValueError if a film needs time or inertia of its own."""
     problems = []
     if laws := material.timed_laws:
@@ -90,8 +83,6 @@ def check_quasi_static(
             "layers whose stress does not depend on the rate of strain: leave out the rate factor "
             f"of {', '.join(laws)}"
         )
-    if fracture is not None and fracture.branching:
-        problems.append("no cracks that branch at speed: leave out fracture.branching")
     if velocity is not None:
         problems.append("a film at rest: leave out velocity")
     if problems:

@@ -125,7 +125,7 @@ class Simulation:
     ) -> None:
         check_parts(tool, motion, law, contact, fracture)
         if quasi_static is not None:
-            check_quasi_static(material, fracture, velocity)
+            check_quasi_static(material, velocity)
         if imperfection is None:
             imperfection = int(tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
