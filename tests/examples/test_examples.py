@@ -172,6 +172,15 @@ def test_torque_of_teeth(run_example, tmp_path):
     assert (tmp_path / "table.csv").exists()
 
 
+@pytest.mark.slow  # eight cuts
+def test_response_surface(run_example, tmp_path):
+    pytest.importorskip("sklearn", reason="needs scikit-learn")
+    said = run_example("response_surface.py", tmp_path, "--runs", "8", "--jobs", "1")
+    error, spread = map(float, re.findall(r"([\d.]+) N", said)[:2])
+    assert error < 0.3 * spread
+    assert (tmp_path / "surface.png").stat().st_size > 10_000
+
+
 @pytest.mark.slow  # compiles the kernels of a film that yields, and runs four cuts
 def test_yielding_film(run_example, tmp_path):
     # The first split of the opening test leaves 5e-3 N·mm in either film: 0.5 % of the work at 12°.

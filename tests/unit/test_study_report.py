@@ -2,8 +2,6 @@
 
 import csv
 import re
-import shutil
-from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +15,6 @@ from shellcut.command_line import main
 from shellcut.study.factors import factor, factors_of
 from shellcut.study.one_run import Outcome
 from shellcut.study.plan import Definition
-from shellcut.study.report import analysis
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study.table import write_table
@@ -25,8 +22,7 @@ from test_report import LISTEN, Outline, drawn, sentences, without_scripts
 
 ROOT = Path(__file__).resolve().parents[2]
 SECTIONS = [
-    *("Study", "Runs", "Curves", "Main effects", "Pairs of figures", "Response surfaces"),
-    *("Sensitivities", "What was run", "Versions"),
+    *("Study", "Runs", "Curves", "Figures over factors", "What was run", "Versions"),
 ]
 STUDY = """model = "opening"
 {figures}
@@ -38,12 +34,6 @@ STUDY = """model = "opening"
 kind = "sobol"
 n = 24
 """
-
-
-@pytest.fixture(autouse=True)
-def _quick(monkeypatch):
-    """No surfaces, which take seconds, but where a test asks for them."""
-    monkeypatch.setattr(analysis, "is_there", lambda: False)
 
 
 def made(folder, figures, *, n=24, failed=(), chosen="", waiting=0, doubted=()):
@@ -98,11 +88,7 @@ def texts(page):
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """Of a study with two figures that vary, one of them noise, and two runs that failed."""
-    pytest.importorskip("sklearn", reason="needs shellcut[study]")
-    folder = made(tmp_path_factory.mktemp("s") / "a & b", THREE, failed=(3, 7), waiting=1)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(analysis, "is_there", lambda: True)
-        return page_of(folder)
+    return page_of(made(tmp_path_factory.mktemp("s") / "a & b", THREE, failed=(3, 7), waiting=1))
 
 
 class TestPage:
@@ -112,7 +98,9 @@ class TestPage:
         assert "default-src 'none'" in page
         for head in ("edge inclination [°]", "pitch [mm]", "torque, peak [N·mm]"):
             assert f">{head}</th>" in page
-        assert "crack length: no surface, it is 59.04 in all 21 runs" in page
+        assert page.count('"circle-open"') == 0
+        described = re.findall(r"([^\"<>]+ over [^\"<>]+), 21 points", page)
+        assert len(set(described)) == 9  # three figures over three factors
 
     def test_runs_that_failed_have_their_reason_once_for_all(self, page):
         said = [text for kind, text in sentences(page) if kind == "doubt"]
@@ -120,23 +108,6 @@ class TestPage:
         assert "other reasons" not in said[0]
         assert "<script>no row" not in page
         assert page.count('<td class="status bad">') == 2
-
-    def test_a_surface_that_predicts_is_told_from_one_that_does_not(self, page):
-        said = {text.partition(":")[0]: kind for kind, text in sentences(page)}
-        assert said["torque, mean over the steady window"] == "good"
-        assert said["torque, peak"] == "doubt"
-        assert "No sensitivities: the surface predicts unseen runs no better" in page
-        assert page.count('"type":"contour"') == 1  # a map of the two numbers
-
-    def test_sensitivities_say_on_what_they_rest(self, page):
-        said = re.search(r"From a surface through 21 runs, .*? points\.", page)
-        assert "(rms; their mean does to" in said[0]
-        row = re.search(r"<th scope=\"row\">file</th>.*?</tr>", page)[0]
-        first = float(re.search(r">([\d.]+) \(", row)[1])
-        # 20² / 4 of the names; of p cot eta over the box, by quadrature
-        eta, pitch = np.meshgrid(np.linspace(40, 80, 400), np.linspace(8, 24, 400))
-        rest = np.var(pitch / np.tan(np.radians(eta)))
-        assert first == pytest.approx(100.0 / (100.0 + rest), abs=0.06)
 
 
 def test_runs_that_their_verdict_distrusts_are_marked_wherever_they_are(tmp_path):
@@ -158,30 +129,11 @@ class TestWhatIsMissing:
         assert "No run is done, so there are no figures" in page
         assert {"Study", "Runs", "What was run"} <= set(Outline(page).titles)
 
-    def test_a_figure_that_jumps(self, tmp_path):
-        figures = {"crack_length_mm": lambda eta, pitch, other: np.where(pitch < 16, 10.5, 11.28)}
-        page = texts(page_of(made(tmp_path / "s", figures)))
-        assert "it takes two values only, 10.5 and 11.28: it jumps" in page
-
     def test_a_figure_that_no_run_has(self, tmp_path):
         chosen = 'figures = ["torque_peak_Nmm", "force_peak_N"]'
         folder = made(tmp_path / "s", THREE, n=8, chosen=chosen)
         assert [one.key for one in read_folder(folder).figures] == ["torque_peak_Nmm"]
         assert "asks for the figure force_peak_N, which no run has" in page_of(folder)
-
-    def test_without_scikit_learn_there_are_no_surfaces(self, tmp_path):
-        page = texts(page_of(made(tmp_path / "s", THREE)))
-        assert "no surface, it needs scikit-learn, pip install 'shellcut[study]'" in unescape(page)
-
-    def test_a_part_of_the_range_without_runs(self, tmp_path, monkeypatch):
-        pytest.importorskip("sklearn", reason="needs shellcut[study]")
-        monkeypatch.setattr(analysis, "is_there", lambda: True)
-        folder = made(tmp_path / "s", THREE)
-        pitch = {f.name: f for f in read_folder(folder).factors}["pitch"].values
-        shutil.rmtree(folder)
-        high = np.flatnonzero(pitch > 18.0).tolist()
-        page = page_of(made(folder, THREE, failed=high))
-        assert re.search(r"There is no run with pitch from 1[78]\.?\d* to 24 mm", page)
 
     def test_no_table_yet_and_a_measured_curve_which_is_for_runs(self, tmp_path, capsys):
         folder = made(tmp_path / "s", THREE, n=1)
@@ -275,7 +227,6 @@ class TestOfARealStudy:
         assert main(["report", str(real)]) == 0
         assert "report.html (" in capsys.readouterr().out
         page = (real / "report.html").read_text(encoding="utf-8")
-        assert "a surface over 1 factor needs 4 runs or more, and 3 have this" in texts(page)
         links = [link for link in Outline(page).links if link.startswith("runs/")]
         assert len(links) == 3
         assert all((real / link).is_dir() for link in links)

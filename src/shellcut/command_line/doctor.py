@@ -33,7 +33,6 @@ _EXTRAS = {
     "gmsh": ("meshes of outlines, tools from STEP and IGES", "mesh"),
     "ezdxf": ("outlines from DXF", "outline"),
     "svgpathtools": ("outlines from SVG", "outline"),
-    "scikit-learn": ("response surfaces of studies", "study"),
     "optuna": ("search for the best values", "optimise"),
     "distributed": ("studies on Dask", "sweep"),
 }

@@ -2,7 +2,7 @@
 
 Write one self-contained HTML file about a run: verdict, figures, curves, pictures. An interrupted
 run is reported up to its last record. Of a study (the folder of shellcut sweep): table, curves,
-effects of the factors, response surfaces, sensitivities.
+figures over factors.
 """
 
 from __future__ import annotations

@@ -88,40 +88,26 @@ def panel(
     y: Axis,
     said: Sequence[str],
     *,
-    colors: Sequence[str] | Floats | None = None,
+    colors: Sequence[str] | None = None,
     lines: Sequence[tuple[Floats, Floats, str]] = (),
-    ground: Mapping[str, Any] | None = None,
-    crosses: tuple[Floats, Floats] | None = None,
     hollow: Bools | None = None,
 ) -> str:
     """Return a small figure of points that say something when pointed at.
 
-    There may be a colour for each point, or with a ``ground``, a contour trace of plotly.js behind
-    them, a value on its scale; lines behind the points, by their places and style; and crosses
-    where runs have no figure. ``hollow`` says which points are so.
+    There may be a colour for each point, and lines behind the points, by their places and style.
+    ``hollow`` says which points are so.
     """
     every = slice(None, None, -(-len(said) // MOST_POINTS) or 1)
-    marker: dict[str, Any] = {"size": 8, "line": {"width": 1, "color": "#ffffffb0"}}
+    marker: dict[str, Any] = {
+        "size": 8,
+        "line": {"width": 1, "color": "#ffffffb0"},
+        "color": STYLES["contact"]["color"] if colors is None else list(colors)[every],
+    }
     if hollow is not None:
         marker["symbol"] = ["circle-open" if one else "circle" for one in hollow[every]]
-    if colors is None:
-        marker["color"] = STYLES["contact"]["color"]
-    elif ground is None:
-        marker["color"] = list(colors)[every]
-    else:
-        marker |= {
-            "color": _rounded(np.asarray(colors)[every], 5),
-            "colorscale": "Viridis",
-            "cmin": ground["contours"]["start"],
-            "cmax": ground["contours"]["end"],
-        }
-    traces: list[dict[str, Any]] = [dict(ground)] if ground else []
-    for a, b, style in lines:
-        traces.append(_trace("lines", a, b, 5, line=STYLES[style], hoverinfo="skip"))
-    if crosses is not None:
-        color = "#ffffff" if ground else STYLES["joints"]["color"]
-        cross = {"symbol": "x-thin", "size": 8, "line": {"width": 1.6, "color": color}}
-        traces.append(_trace("markers", *crosses, marker=cross, hoverinfo="skip"))
+    traces = [
+        _trace("lines", a, b, 5, line=STYLES[style], hoverinfo="skip") for a, b, style in lines
+    ]
     points = _trace("markers", x.values[every], y.values[every], marker=marker, cliponaxis=False)
     told = [escape(text) for text in said[every]]
     traces.append({**points, "text": told, "hovertemplate": "%{text}<extra></extra>"})

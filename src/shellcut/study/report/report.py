@@ -13,18 +13,18 @@ from shellcut.report.page import page_of, part
 from shellcut.report.words import versions
 from shellcut.results.error_bars import ERROR_BARS, read_error_bars
 
-from . import curves, effects, sensitivities, surfaces, words
-from .analysis import analysed
+from . import words
+from .curves import curves
+from .scatter import scatter
 from .studied import Study, read_folder
 
 
 def report_study(
     folder: str | os.PathLike[str], path: str | os.PathLike[str] | None = None
 ) -> Path:
-    """Write one self-contained HTML file about a study: table, curves, effects, sensitivities.
+    """Write one self-contained HTML file about a study: table, curves, figures over factors.
 
-    It can be written while the study runs; it then shows the runs that are done. Response surfaces
-    and sensitivities need scikit-learn (extra ``study``).
+    It can be written while the study runs; it then shows the runs that are done.
 
     Parameters
     ----------
@@ -76,19 +76,9 @@ def _body(study: Study, out: Path) -> str:
     made = {
         "Study": words.state(study),
         "Runs": words.runs(study, out),
-        "Curves": curves.curves(study),
-        **(converged or _analyses(study)),
+        "Curves": curves(study),
+        **(converged or {"Figures over factors": scatter(study)}),
         "What was run": words.what_was_run(study),
-        "Versions": versions("scikit-learn"),
+        "Versions": versions(),
     }
     return "".join(section(title, body) for title, body in made.items())
-
-
-def _analyses(study: Study) -> dict[str, str]:
-    found = [analysed(study, figure) for figure in study.figures] if study.done.any() else []
-    return {
-        "Main effects": effects.main_effects(study, found),
-        "Pairs of figures": effects.pairs(study, found),
-        "Response surfaces": surfaces.surfaces(study, found),
-        "Sensitivities": sensitivities.sensitivities(found),
-    }

@@ -16,7 +16,6 @@ from shellcut.results.summary_figures import label_of, unit_of
 from shellcut.study.factors import Factor, factors_of
 from shellcut.study.plan import RUNS, Definition
 from shellcut.study.study_file import STUDY, read_study
-from shellcut.study.surrogate import Input
 from shellcut.study.table import TABLE
 from shellcut.unit import shown
 
@@ -31,9 +30,14 @@ _MAIN = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Studied(Input):
-    """A key, or a factor, with its value in each run."""
+class Studied:
+    """A key, or a factor, with its value in each run: a number, or a name out of a list."""
 
+    name: str
+    ends: tuple[float, float]
+    """Least and largest value of the study, run or not; of a list (0, number of names - 1)."""
+    names: tuple[str, ...] = ()
+    """The names, two or more; empty for numbers."""
     key: str
     """As in the study file; of a factor of several keys all of them."""
     unit: str
@@ -194,7 +198,11 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
             names = tuple(dict.fromkeys((*probes, *texts)))
             values = np.array([names.index(text) for text in texts], float)
             ends = 0.0, len(names) - 1.0
-        found.append(Studied(name, ends, names, key=key, unit=unit, values=values, texts=texts))
+        found.append(
+            Studied(
+                name=name, ends=ends, names=names, key=key, unit=unit, values=values, texts=texts
+            )
+        )
     return tuple(found)
 
 
@@ -224,7 +232,7 @@ def _as_one(inputs: Sequence[Studied]) -> Studied:
         return replace(first, key=key, name=name)
     values = np.array([names.index(text) for text in texts], float)
     ends = 0.0, len(names) - 1.0
-    return Studied(name, ends, names, key=key, unit="", values=values, texts=texts)
+    return Studied(name=name, ends=ends, names=names, key=key, unit="", values=values, texts=texts)
 
 
 def _number(text: str, unit: str) -> float | None:

@@ -61,7 +61,7 @@ def _said(study: Study) -> Iterator[tuple[str, str, str]]:
             "doubt",
             "distrust",
             f"{n_doubt} of {n_done} done runs are distrusted by their own verdict, and count in "
-            "all pictures, surfaces and sensitivities below: the table says why, hollow points are "
+            "all pictures below: the table says why, hollow points are "
             f"theirs. The first: {first}.",
         )
     for name in study.lacking:
