@@ -21,7 +21,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+from sklearn.gaussian_process.kernels import Matern
 from sklearn.model_selection import LeaveOneOut, cross_val_predict
 
 from shellcut import CohesiveLaw, Design, sweep
@@ -64,14 +64,14 @@ forces = np.array([float(row[FORCE]) for row in rows])
 # %%
 # The surface
 # -----------
-# Inputs from 0 to 1, a length for each, and a noise. Every run is left out in turn and predicted
+# Inputs from 0 to 1, a length for each, and a little noise. Every run is left out in turn and predicted
 # from the others: that is the error to expect at runs that have not been made.
 
 places = (inputs - LOW) / (HIGH - LOW)
-kernel = ConstantKernel(1.0) * Matern([1.0, 1.0], (0.1, 1e3), nu=2.5) + WhiteKernel(1e-4)
-surface = GaussianProcessRegressor(kernel, normalize_y=True, n_restarts_optimizer=2, random_state=0)
+kernel, noise = Matern([1.0, 1.0], (0.1, 1e5), nu=2.5), 1e-4  # of the variance of the forces
+surface = GaussianProcessRegressor(kernel, alpha=noise, normalize_y=True, random_state=0)
 surface.fit(places, forces)
-again = GaussianProcessRegressor(surface.kernel_, optimizer=None, normalize_y=True)
+again = GaussianProcessRegressor(surface.kernel_, alpha=noise, optimizer=None, normalize_y=True)
 unseen = cross_val_predict(again, places, forces, cv=LeaveOneOut())
 error = float(np.sqrt(np.mean((unseen - forces) ** 2)))
 spread = float(np.std(forces))
