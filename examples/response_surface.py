@@ -21,7 +21,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import Matern
+from sklearn.gaussian_process.kernels import ConstantKernel, Matern
 from sklearn.model_selection import LeaveOneOut, cross_val_predict
 
 from shellcut import CohesiveLaw, Design, sweep
@@ -68,8 +68,11 @@ forces = np.array([float(row[FORCE]) for row in rows])
 # from the others: that is the error to expect at runs that have not been made.
 
 places = (inputs - LOW) / (HIGH - LOW)
-kernel, noise = Matern([1.0, 1.0], (0.1, 1e5), nu=2.5), 1e-4  # of the variance of the forces
-surface = GaussianProcessRegressor(kernel, alpha=noise, normalize_y=True, random_state=0)
+kernel = ConstantKernel(100.0, "fixed") * Matern([2.0, 2.0], (0.5, 1e3), nu=2.5)
+noise = 1e-4  # of the variance of the forces
+surface = GaussianProcessRegressor(
+    kernel, alpha=noise, normalize_y=True, n_restarts_optimizer=4, random_state=0
+)
 surface.fit(places, forces)
 again = GaussianProcessRegressor(surface.kernel_, alpha=noise, optimizer=None, normalize_y=True)
 unseen = cross_val_predict(again, places, forces, cv=LeaveOneOut())
