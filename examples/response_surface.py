@@ -64,8 +64,8 @@ forces = np.array([float(row[FORCE]) for row in rows])
 # %%
 # The surface
 # -----------
-# Inputs from 0 to 1, a length for each, and a little noise. Every run is left out in turn and predicted
-# from the others: that is the error to expect at runs that have not been made.
+# Inputs from 0 to 1, a length for each, and a little noise. Every run is left out in turn and
+# predicted from the others: that is the error to expect at runs that have not been made.
 
 places = (inputs - LOW) / (HIGH - LOW)
 kernel = ConstantKernel(100.0, "fixed") * Matern([2.0, 2.0], (0.5, 1e3), nu=2.5)
