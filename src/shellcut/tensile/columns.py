@@ -17,7 +17,8 @@ from shellcut.unit import dimension
 Choice = str | Sequence[str | int] | None
 
 _STRAIN = (
-    r"strain|dehn|elong|exten|^ext$|deform|^def$|verform|allong|allung|alarg|défor|^ε|^eps|^e$"
+    r"strain|dehn|elong|exten|^ext$|d[eé]form|^def$|verform|allong|allung|alarg|alongam"
+    r"|^ε|^eps|^e$"
 )
 _NAMED = {
     kind: re.compile(words)
@@ -25,10 +26,11 @@ _NAMED = {
         "ratio": _STRAIN,
         "length": _STRAIN + r"|displac|^displ?$|travel|traverse|stroke|hub$|^cross|querhaupt"
         r"|position|deflect|distance|^weg|weg$|verläng|längenänd|verschieb|^way$|^path$|^δl$|^dl$"
-        r"|course|recorrido|corsa",
-        "stress": r"stress|spannung|contrainte|tensi[oó]n|esfuerzo|sforzo|^σ|^sigma|^sig$|^s$|^r$",
-        "force": r"force|kraft|load|^last$|prüflast|belast|^pull|^tension$|fuerza|carga|forza"
-        r"|carico|^f$|^p$",
+        r"|course|recorrido|corsa|d[eé]plac|desplaz|spostam|desloc",
+        "stress": r"stress|spannung|contrainte|tensi[oó]n|tens[aã]o|esfuerzo|sforzo"
+        r"|^σ|^sigma|^sig$|^s$|^r$",
+        "force": r"force|kraft|load|^last$|prüflast|belast|^pull|^tension$|fuerza|carga|forza|for[cç]a"
+        r"|charge|carico|^f$|^p$",
     }.items()
 }
 # These make another quantity of it: across the specimen, a rate, a single figure, a set value.

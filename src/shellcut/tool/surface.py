@@ -14,7 +14,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, product, unit
 from shellcut.formats.errors import counted, named, point_text
-from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
+from shellcut.numerics.connected_parts import by_first_appearance, close_parts, connected_parts
 
 MERGE_TOLERANCE = 1e-7
 """Vertices closer than this fraction of the surface's diagonal are merged: the round-off of a
@@ -161,8 +161,8 @@ class Surface:
             sharpest = degrees(float(self.turn.max()))
             problems.append(
                 f"no sharp edge found: none turns by sharp_angle_deg = {degrees(least_turn):g} or "
-                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg or give edges, "
-                "of shape (0, 2) for a blunt tool, which only presses"
+                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg, or choose "
+                'edges = "none" for a blunt tool, which only presses'
             )
         return np.column_stack([self.lo[rows], self.hi[rows]]), problems
 
@@ -254,9 +254,9 @@ class Surface:
         n = self.vertices.shape[0]
         rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
         rim = rim_of_vertex[self.lo[rows]]
+        ends = np.cumsum(np.bincount(rim)[np.unique(rim)])
         found = []
-        for label in np.unique(rim):
-            members = rows[rim == label]
+        for members in np.split(rows[np.argsort(rim, kind="stable")], ends[:-1]):
             points = self.vertices[np.unique([self.lo[members], self.hi[members]])]
             size = float(norm(np.ptp(points, axis=0)))
             found.append((size, len(members), points.mean(axis=0)))
@@ -289,8 +289,7 @@ def merge_vertices(
     """
     if tolerance is None:
         tolerance = MERGE_TOLERANCE * float(norm(np.ptp(vertices, axis=0)))
-    pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
-    place = by_first_appearance(connected_parts(pairs[:, 0], pairs[:, 1], vertices.shape[0]))
+    place = close_parts(vertices, tolerance)
     _, first = np.unique(place, return_index=True)
     used = np.zeros(first.size, dtype=bool)
     used[place[triangles]] = True
