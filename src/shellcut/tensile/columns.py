@@ -29,8 +29,8 @@ _NAMED = {
         r"|course|recorrido|corsa|d[eé]plac|desplaz|spostam|desloc",
         "stress": r"stress|spannung|contrainte|tensi[oó]n|tens[aã]o|esfuerzo|sforzo"
         r"|^σ|^sigma|^sig$|^s$|^r$",
-        "force": r"force|kraft|load|^last$|prüflast|belast|^pull|^tension$|fuerza|carga|forza|for[cç]a"
-        r"|charge|carico|^f$|^p$",
+        "force": r"force|kraft|load|^last$|prüflast|belast|^pull|^tension$|fuerza|carga|forza"
+        r"|for[cç]a|charge|carico|^f$|^p$",
     }.items()
 }
 # These make another quantity of it: across the specimen, a rate, a single figure, a set value.

@@ -253,19 +253,24 @@ class Surface:
         # connected rims of open edges with middle and size, largest first
         n = self.vertices.shape[0]
         rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
-        rim = rim_of_vertex[self.lo[rows]]
-        ends = np.cumsum(np.bincount(rim)[np.unique(rim)])
-        found = []
-        for members in np.split(rows[np.argsort(rim, kind="stable")], ends[:-1]):
-            points = self.vertices[np.unique([self.lo[members], self.hi[members]])]
-            size = float(norm(np.ptp(points, axis=0)))
-            found.append((size, len(members), points.mean(axis=0)))
-        found.sort(key=lambda hole: -hole[0])
-        told = named(
-            f"around {point_text(middle)}, {size:.4g} mm across, with {n_edge} edges"
-            for size, n_edge, middle in found
+        # vertices in the order of their rims
+        vertices = np.unique([self.lo[rows], self.hi[rows]])
+        vertices = vertices[np.argsort(rim_of_vertex[vertices], kind="stable")]
+        rims, first, n_vertex = np.unique(
+            rim_of_vertex[vertices], return_index=True, return_counts=True
         )
-        return f"{'a hole' if len(found) == 1 else f'{len(found)} holes'} {told}"
+        points = self.vertices[vertices]
+        low, high = (of.reduceat(points, first) for of in (np.minimum, np.maximum))
+        middle = np.add.reduceat(points, first) / n_vertex[:, None]
+        size = norm(high - low)
+        n_edge = np.bincount(rim_of_vertex[self.lo[rows]])[rims]
+        told = named(
+            np.argsort(-size, kind="stable").tolist(),
+            lambda k: (
+                f"around {point_text(middle[k])}, {size[k]:.4g} mm across, with {n_edge[k]} edges"
+            ),
+        )
+        return f"{'a hole' if len(rims) == 1 else f'{len(rims)} holes'} {told}"
 
     def _segments(self, rows: Ints) -> str:
         return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))
