@@ -374,12 +374,23 @@ def chains_of(segments: Ints) -> tuple[Ints, Ints]:
     return np.array(ordered, dtype=np.int64).reshape(-1, 2), np.array(chain, dtype=np.int64)
 
 
+def rows_of(chain: Ints) -> list[Ints]:
+    """Return the rows of each chain, ascending.
+
+    Examples
+    --------
+    >>> [rows.tolist() for rows in rows_of(np.array([0, 1, 1, 0]))]
+    [[0, 3], [1, 2]]
+    """
+    n = np.bincount(chain)
+    return np.split(np.argsort(chain, kind="stable"), np.cumsum(n)[:-1]) if len(n) else []
+
+
 def facing_alike(segments: Ints, chain: Ints, body: Ints, normal: Floats) -> Ints:
     """Return segments with those chains reversed that face opposite to the first of their body."""
     turned = segments.copy()
     facing: dict[int, Floats] = {}
-    for c in range(chain.max() + 1):
-        mine = chain == c
+    for mine in rows_of(chain):
         mean = normal[mine].sum(axis=0)
         first = facing.setdefault(int(body[mine][0]), mean)
         if float(product(mean, first)) < 0.0:

@@ -33,7 +33,7 @@ from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
-from .surface import Surface, chains_of, facing_alike, merge_vertices, six_volumes
+from .surface import Surface, chains_of, facing_alike, merge_vertices, rows_of, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
@@ -280,8 +280,7 @@ class Tool:
         cutting edge 1 (not_cutting = [0]) of body 1: 1 segment, 4 mm, open, (0, 0, 2) to ...
         """
         found = []
-        for chain in range(self.n_chain):
-            rows = np.flatnonzero(self.edge_chain == chain)
+        for chain, rows in enumerate(rows_of(self.edge_chain)):
             first, second = (
                 self.triangle_normals[side[rows]]
                 for side in (self.edge_flank_plus, self.edge_flank_minus)
