@@ -28,9 +28,10 @@ LEAST_TURN = np.radians(10.0)
 SPACING, CLOSEST = 0.5, 0.4
 """Largest and least distance of points along edges, over an edge length of the film."""
 
+_MOST_POINTS = 1_000_000
+
 # Turn of an edge from which on it counts as concave; at the corner of a flank that is hollow, of
 # facets, besides a part of the largest turn there.
-_MOST_POINTS = 1_000_000
 _CONCAVE, _HOLLOW = np.radians(-0.5), 0.05
 
 # Cosine of the angle between the normals of points that may press on the film together.
