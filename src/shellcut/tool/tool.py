@@ -420,11 +420,7 @@ def _cast(
     n_vertex = coordinates.shape[0] if coordinates.ndim else 0
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
     given: Ints | None = None
-    if isinstance(edges, str):
-        if edges != "none":
-            problems.append(f'edges must be "none", or vertex ids, got {edges!r}')
-        given = np.zeros((0, 2), dtype=np.int64)
-    elif edges is not None and np.shape(edges) == (0, 2):
+    if isinstance(edges, str) or (edges is not None and np.shape(edges) == (0, 2)):
         given = np.zeros((0, 2), dtype=np.int64)
     elif edges is not None:
         given = _cast_ids(edges, 2, "edges", "(n_edge, 2)", n_vertex, problems)
