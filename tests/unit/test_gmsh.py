@@ -56,7 +56,8 @@ TEXT_41 = (DATA / "gmsh_4.1.msh").read_text()
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("hello\n", "a section must begin with"),
+        ("hello\n", "must begin with \\$MeshFormat"),
+        ("hello\n$MeshFormat\n", "a section must begin with"),
         (TEXT_22.replace("2.2 0 8", "4.0 0 8"), "version must be 2.2 or 4.1, got 4.0"),
         (TEXT_22.replace("2.2 0 8", "2.2 0 4"), "must read 'version 0|1 8'"),
         (TEXT_22[: TEXT_22.index("$Elements")], r"a section \$Elements: cut short"),

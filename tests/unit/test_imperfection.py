@@ -101,3 +101,22 @@ def test_a_run_tells_its_number(tmp_path):
     case.run(tmp_path, n_snapshot=0, curves=False)
     summary = sc.read(tmp_path).summary
     assert (summary["n_imperfection"], summary["imperfection_mm"]) == (3, 7.4e-5)
+
+
+@pytest.mark.parametrize("radius", [1e7, 1e9])
+@pytest.mark.parametrize("height", [5.0, 50.0])
+def test_a_tool_that_is_small_beside_the_film(radius, height):
+    mesh = disc(radius, n_side=4, n_layer=3)
+    blade = straight_blade(length=4.0).translated((0.0, 0.0, height))
+    motion = sc.StraightMotion([1.0, 0.0, 0.0], speed=1e3)
+    sim = sc.Simulation(mesh, FILM, tool=blade, motion=motion, law=sc.CohesiveLaw())
+    moved = sim.state.node.x[: mesh.n_node] - mesh.nodes
+    assert 0.1 * H / 1000.0 < np.abs(moved[:, 2]).max() <= H / 1000.0
+
+
+def test_a_tool_that_is_huge_beside_the_film():
+    mesh = disc(1e-7, n_side=4, n_layer=3)
+    blade = straight_blade(length=4.0).translated((0.0, 0.0, 3.0))
+    motion = sc.StraightMotion([1.0, 0.0, 0.0], speed=1e3)
+    with pytest.raises(ValueError, match=r"1,000,000 points at most .* is the unit of film"):
+        sc.Simulation(mesh, FILM, tool=blade, motion=motion, law=sc.CohesiveLaw())

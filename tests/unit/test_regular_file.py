@@ -2,6 +2,7 @@
 
 import os
 import re
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,16 @@ def test_a_file_is_read_whole_and_not_beyond_its_limit(tmp_path):
         assert read_regular(told_by_no_system, 10_000).startswith(b"Name:")
         with pytest.raises(OSError, match="at most"):
             read_regular(told_by_no_system, 10)
+
+
+def test_a_small_file_takes_little_memory(tmp_path):
+    (tmp_path / "a").write_bytes(b"0123456789")
+    tracemalloc.start()
+    try:
+        assert read_regular(tmp_path / "a") == b"0123456789"
+        assert tracemalloc.get_traced_memory()[1] < 1_000_000
+    finally:
+        tracemalloc.stop()
 
 
 @of_unix

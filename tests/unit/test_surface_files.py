@@ -78,8 +78,9 @@ class TestStl:
         ("content", "words"),
         [
             (binary_stl()[:-1], "12 declared and room for 11.98; is it cut short"),
-            (binary_stl() + b"x", "12 declared and room for 12.02"),
-            (b"\0" * 84, "0 declared"),
+            (binary_stl() + b"x" * 50, "12 declared and room for 13"),
+            (b"\0" * 84, "empty, or has only zero bytes"),
+            (b"x" * 80 + bytes(4) + b"x", "0 declared"),
             (text_stl()[:-20].encode(), "cut short|must be followed"),
             (
                 text_stl().replace("endfacet", "endfact", 1).encode(),
@@ -165,7 +166,7 @@ class TestPly:
         assert surface.notes == ["6 faces with more than three corners are triangulated"]
         for damaged, words in (
             (body[:-1], "cut short"),
-            (body + b"x", "must end after the content"),
+            (body + bytes(21), "must end after the content"),
         ):
             path.write_bytes(head.encode() + b"end_header\n" + damaged)
             with pytest.raises(FileError, match=words):

@@ -249,7 +249,7 @@ class TestRefusals:
         cube = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
         message = refusal(*cube)
         assert "none turns by sharp_angle_deg = 100 or more, the sharpest turns by 90.0" in message
-        assert "lower sharp_angle_deg or give edges, of shape (0, 2) for a blunt tool" in message
+        assert 'lower sharp_angle_deg, or choose edges = "none" for a blunt tool' in message
 
     def test_all_problems_come_together(self):
         (first, t), second = wedge(), wedge(at=(5.0, 0.0, 0.0))

@@ -1,13 +1,18 @@
 """Tools from files: the default tooth out and back, in every disguise; chains; refusals."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
+import scipy
 
-from shellcut import read_tool
+from shellcut import read_model, read_tool
 from shellcut.formats.errors import FileError
 from shellcut.formats.stl import write_stl
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.tool import ToolError
+from shellcut.tool.tool import Tool, ToolError
 
 RING = tooth_ring()
 V = RING.vertices
@@ -119,6 +124,82 @@ class TestTheDefaultToothOutAndBack:
         write_stl(cap, V, np.delete(RING.triangles, [40, 41, far], axis=0), header="two holes")
         with pytest.raises(ToolError, match=r"the surface has 2 holes around .* 4 edges, around"):
             read_tool(cap, unit="mm")
+
+
+def block(path):
+    """A box of 2 x 3 x 4 mm: its edges turn by 90 degrees, so none cuts."""
+    corners = np.array(np.meshgrid([0, 2], [0, 3], [0, 4])).reshape(3, -1).T.astype(float)
+    hull = scipy.spatial.ConvexHull(corners)
+    write_stl(path, corners, hull.simplices.astype(np.int64), header="box")
+    return path
+
+
+class TestBluntTools:
+    def test_no_edge_cuts_when_none_is_chosen(self, tmp_path, cap, caplog):
+        with pytest.raises(ToolError, match='choose edges = "none" for a blunt tool'):
+            read_tool(block(tmp_path / "box.stl"), unit="mm")
+        tool = read_tool(tmp_path / "box.stl", unit="mm", edges="none")
+        assert (tool.n_edge, tool.n_chain, tool.volume().tolist()) == (0, 0, [pytest.approx(24.0)])
+        caplog.clear()
+        assert read_tool(cap, unit="mm", edges="none").n_edge == 0
+        assert "cutting edges found" not in caplog.text
+        assert Tool.from_triangles(tool.vertices, tool.triangles, edges="none").n_edge == 0
+        with pytest.raises(ValueError, match="or 'none', got 'all'"):
+            Tool.from_triangles(tool.vertices, tool.triangles, edges="all")
+
+    def test_the_key_of_the_message_is_one_of_model_files(self, tmp_path):
+        block(tmp_path / "box.stl")
+        keys = {"tool.kind": "file", "tool.file": str(tmp_path / "box.stl"), "tool.unit": "mm"}
+        with pytest.raises(ValueError, match='choose edges = "none"'):
+            read_model("free", keys).sections["tool"].made()
+        tool = read_model("free", keys | {"tool.edges": "none"}).sections["tool"].made()
+        assert tool.n_edge == 0
+
+
+class TestSize:
+    """Memory and time grow as the file, whatever meets in a place."""
+
+    @pytest.mark.skipif(sys.platform != "linux", reason="limits memory")
+    def test_a_fan_on_one_edge_under_a_limit_of_memory(self, tmp_path):
+        # the pairs of 20,000 vertices at one place would take 6 GB, twice
+        n = 20_000
+        turn = np.linspace(0.0, 2.0 * np.pi, n, endpoint=False)
+        rim = np.stack([5.0 * np.cos(turn), 5.0 * np.sin(turn), 0.0 * turn + 2.0], axis=1)
+        vertices = np.concatenate([[[0.0, 0.0, 0.0], [0.0, 0.0, 5.0]], rim])
+        triangles = np.stack([np.zeros(n), np.ones(n), 2 + np.arange(n)], axis=1).astype(int)
+        write_stl(tmp_path / "fan.stl", vertices, triangles, header="fan")
+        script = (
+            "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (4 * 10**9,) * 2); "
+            "from shellcut import read_tool; read_tool(sys.argv[1], unit='mm')"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", script, str(tmp_path / "fan.stl")],
+            capture_output=True,
+            text=True,
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"},
+        )
+        assert "1 non-manifold edge" in done.stderr
+        assert "MemoryError" not in done.stderr
+
+    def test_vertices_that_are_close_to_too_many_others(self, tmp_path):
+        rng = np.random.default_rng(1)
+        vertices = rng.uniform(0.0, 1.0, (9000, 3))
+        write_stl(tmp_path / "soup.stl", vertices, np.arange(9000).reshape(-1, 3), header="soup")
+        with pytest.raises(FileError, match=r"got 40,495,500 of 9,000 points: lower the distance"):
+            read_tool(tmp_path / "soup.stl", unit="mm", merge=2.0)
+
+    def test_holes_of_a_soup_are_told_the_largest_first(self, tmp_path):
+        rng = np.random.default_rng(2)
+        size = rng.permutation(np.arange(1.0, 301.0))
+        corner = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]) / 1000.0
+        places = 2.0 * np.arange(300.0)[:, None, None] * [1.0, 0.0, 0.0]
+        vertices = (places + size[:, None, None] * corner).reshape(-1, 3)
+        write_stl(tmp_path / "soup.stl", vertices, np.arange(900).reshape(-1, 3), header="soup")
+        with pytest.raises(ToolError) as caught:
+            read_tool(tmp_path / "soup.stl", unit="mm")
+        k = int(size.argmax())
+        first = f"has 300 holes around ({2 * k + 0.3:.6g}, 0.4, 0), 1.5 mm across, with 3 edges, "
+        assert first in str(caught.value)
 
 
 class TestChains:

@@ -28,6 +28,8 @@ LEAST_TURN = np.radians(10.0)
 SPACING, CLOSEST = 0.5, 0.4
 """Largest and least distance of points along edges, over an edge length of the film."""
 
+_MOST_POINTS = 1_000_000
+
 # Turn of an edge from which on it counts as concave; at the corner of a flank that is hollow, of
 # facets, besides a part of the largest turn there.
 _CONCAVE, _HOLLOW = np.radians(-0.5), 0.05
@@ -109,7 +111,15 @@ def _along_edges(
     on_cut = np.zeros(tool.n_vertex, np.bool_)
     on_cut[tool.edges] = True
     start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
-    pieces = np.maximum(np.ceil(np.linalg.norm(end - start, axis=1) / spacing), 1).astype(int)
+    lengths = np.linalg.norm(end - start, axis=1)
+    if not lengths.sum() / spacing <= _MOST_POINTS:
+        raise ValueError(
+            f"the edges of the tool must take {_MOST_POINTS:,} points at most that touch the film, "
+            f"got {lengths.sum():.4g} mm of edges with a point every {spacing:.3g} mm, as the "
+            "film's quads ask: is the unit of film or tool wrong? Enlarge the quads, or shorten "
+            "the tool"
+        )
+    pieces = np.maximum(np.ceil(lengths / spacing), 1).astype(int)
     of = np.repeat(np.arange(len(rows)), pieces + 1)
     first = np.cumsum(pieces + 1) - (pieces + 1)
     share = (np.arange(len(of)) - first[of]) / pieces[of]

@@ -37,17 +37,27 @@ def read_regular(path: str | os.PathLike[str], most: int = _LARGEST) -> bytes:
     with open(os.open(path, os.O_RDONLY | _FLAGS), "rb") as file:
         found = os.fstat(file.fileno())
         _check_kind(path, found.st_mode)
-        # One byte too many shows the excess, even where the system reports no size (/proc).
-        content = b"" if found.st_size > most else file.read(most + 1)
-        size = max(found.st_size, len(content))
+        size, parts = found.st_size, list[bytes]()
+        if size <= most:
+            # One byte too many shows the excess, even where the system reports no size (/proc).
+            # Memory is taken for what is asked, so no more is asked than the file is said to hold.
+            left = most + 1
+            while left:
+                ask = min(left, max(size + 1, _LEAST_READ))
+                parts.append(file.read(ask))
+                left -= len(parts[-1])
+                if len(parts[-1]) < ask:
+                    break
+            size = max(size, most + 1 - left)
     if size > most:
         raise OSError(
             f"must hold {most / 1e6:,.0f} MB at most, got {size / 1e6:,.0f} MB or more; is it "
             "the right file?"
         )
-    return content
+    return parts[0] if len(parts) == 1 else b"".join(parts)
 
 
+_LEAST_READ = 1 << 16  # bytes
 _FLAGS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 

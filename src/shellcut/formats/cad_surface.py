@@ -15,7 +15,7 @@ from math import inf, isfinite
 from pathlib import Path
 
 from . import cad_process
-from .errors import FileError, read_bytes
+from .errors import FileError, as_file, read_bytes
 from .own_process import gmsh
 from .surface_file import SurfaceFile
 
@@ -85,7 +85,8 @@ def read_cad(
         )
     of_file = units[0] if len(units) == 1 else 1.0
     scale = (unit_mm or of_file) / of_file
-    answer = _GMSH.answer(path, repr(float(chord_deviation or 0.0)), repr(float(scale)))
+    with as_file(path, content) as file:
+        answer = _GMSH.answer(file, repr(float(chord_deviation or 0.0)), repr(float(scale)))
     if len(answer["problems"]):
         raise FileError(path, "; ".join(map(str, answer["problems"])))
     notes = [str(note) for note in answer["notes"]]

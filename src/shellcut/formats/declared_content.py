@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import numerals
-from .errors import FileError, read_bytes
+from .errors import FileError, counted, read_bytes
 
 
 class Content:
@@ -27,6 +27,8 @@ class Content:
         self.tokens: list[bytes] = []
         """Numbers as text."""
         self.next_token = 0
+        self.notes: list[str] = []
+        """What is there and not read."""
 
     def error(self, problem: str) -> FileError:
         """Return the error that names the file."""
@@ -45,6 +47,12 @@ class Content:
             raise self.error("the file ends before its declared content: it is cut short")
         self.at += n
         return self.content[self.at - n : self.at]
+
+    def rest(self) -> None:
+        """Pass over what follows the declared content."""
+        if n := len(self.content[self.at :].strip()):
+            self.notes.append(f"{counted(n, 'byte')} after its declared content: not read")
+        self.at = len(self.content)
 
     def texts(self, n: int) -> list[bytes]:
         """Take numbers as text."""

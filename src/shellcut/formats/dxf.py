@@ -16,7 +16,7 @@ from shellcut.unit import LENGTH
 
 from .budget import LIMITS, Budget
 from .drawing import DEVIATION, FEWER_POINTS, LARGEST_FILE, Curve, Drawing, extent_of
-from .errors import FileError, named, read_bytes
+from .errors import FileError, as_file, named, read_bytes
 
 # $INSUNITS; 0 is without a unit, others (miles, light years) are no films
 _UNITS = {
@@ -30,6 +30,7 @@ _UNITS = {
     13: float(LENGTH["um"]),
     14: 100.0,
 }
+_BINARY, _BINARY_END = b"AutoCAD Binary DXF", b"EOF\0"
 _CURVES = {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "HELIX"}
 _ARC = 45.0  # degrees of an arc that become a cubic, which is then 4e-6 of the radius off
 _FEWEST = 8  # sides of each cubic: a turn of 6 degrees
@@ -45,7 +46,8 @@ def read_dxf(
     deviation is in the file's unit, by default :data:`drawing.DEVIATION` of the diagonal.
     """
     path = Path(path)
-    document = _document(path, read_bytes(path, LARGEST_FILE))
+    content = read_bytes(path, LARGEST_FILE)
+    document = _document(path, content)
     chosen = _layers(path, document, layers)
     kinds: Counter[str] = Counter()
     budget = Budget(path)
@@ -69,7 +71,9 @@ def read_dxf(
                 f"the drawing must be flat, got heights z of {min(heights[1:]):g} to "
                 f"{max(heights[1:]):g}; project it in the CAD program, or choose layers",
             )
-    drawing = Drawing(path, curves, _UNITS.get(document.header.get("$INSUNITS", 0)))
+    # ezdxf takes metres where the file has no header, or no unit in it
+    stated = document.header.get("$INSUNITS", 0) if b"$INSUNITS" in content else 0
+    drawing = Drawing(path, curves, _UNITS.get(stated))
     drawing.left_out(kinds)
     return drawing
 
@@ -83,12 +87,24 @@ def _document(path: Path, content: bytes) -> Any:
         ) from None
     if content.startswith(b"AC10"):
         raise FileError(path, "this is a DWG file under another name; save it as DXF")
+    if content.startswith(_BINARY) and (end := content.rfind(_BINARY_END)) > 0:
+        content = content[: end + len(_BINARY_END)]  # ezdxf stumbles over what follows
     try:
-        document = readfile(path)
+        with as_file(path, content) as file:
+            # the encoding that a file states is not that of its copy in UTF-8
+            document = readfile(file, encoding=None if file == path else _encoding(content))
         document.modelspace()  # not there in some damaged files
         return document
     except Exception as reason:  # a damaged file makes ezdxf raise errors of all kinds
         raise FileError(path, f"ezdxf cannot read it: {_told(reason)}") from None
+
+
+def _encoding(content: bytes) -> str | None:
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return None  # that of $DWGCODEPAGE
+    return "utf-8"
 
 
 def _told(reason: Exception) -> str:
@@ -161,6 +177,8 @@ def _decomposed(
         budget.take("elements drawn", remedy="choose layers, or draw without blocks of blocks")
         inner: Iterable[Any] = ()
         if isinstance(entity, Insert):
+            if not entity.dxf.zscale:  # flattens a flat block, but has no inverse
+                entity.dxf.zscale = abs(entity.dxf.xscale)
             rows, columns = max(entity.dxf.row_count, 1), max(entity.dxf.column_count, 1)
             if rows * columns > 1:
                 budget.take("elements drawn", rows * columns, "choose layers, or fewer copies")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
+from shellcut.files.text_content import decoded, in_one_form
 
 LARGEST_FILE = 1_000_000_000
 """Largest size of a mesh, surface or table file [bytes]: about ten million quads as text."""
@@ -62,22 +64,41 @@ def point_text(point: Floats) -> str:
 
 
 def read_bytes(path: str | Path, most: int | None = None) -> bytes:
-    """Return the content of a regular file that is not empty.
+    """Return the content of a regular file that is not empty, text as :func:`in_one_form`.
 
     It has ``most`` bytes, :data:`LARGEST_FILE` by default.
     """
     try:
-        content = read_regular(path, LARGEST_FILE if most is None else most)
+        content = in_one_form(read_regular(path, LARGEST_FILE if most is None else most))
     except OSError as reason:
         raise FileError(path, f"cannot be read: {reason.strerror or reason}") from None
     if not content:
-        raise FileError(path, "the file is empty")
+        raise FileError(path, "the file is empty, or has only zero bytes")
     return content
 
 
 def read_lines(path: str | Path) -> list[str]:
-    """Return the lines of a text file, without line ends; invalid bytes become U+FFFD."""
+    """Return the lines of a text file, without line ends."""
     content = read_bytes(path)
     if b"\0" in content:
         raise FileError(path, "a text file must hold no zero bytes; is this another format?")
-    return content.decode("utf-8", errors="replace").splitlines()
+    return decoded(content).splitlines()
+
+
+@contextmanager
+def as_file(path: str | Path, content: bytes) -> Iterator[Path]:
+    """Give the path of a file with this content to a library that opens files itself.
+
+    It is ``path`` if that file holds the content, otherwise a copy with the same ending.
+    """
+    path = Path(path)
+    if read_regular(path) == content:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / f"file{path.suffix}"
+        copy.write_bytes(content)
+        try:
+            yield copy
+        except FileError as reason:
+            raise FileError(path, reason.problem) from None

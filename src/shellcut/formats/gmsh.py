@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.files.text_content import decoded
 
 from .declared_content import Content
 from .errors import named
@@ -153,7 +154,7 @@ class _Reader(Content):
                 key = int(numbers[0]), int(numbers[1])
             except ValueError:
                 raise self.error("$PhysicalNames must hold whole numbers") from None
-            self.names[key] = name.decode("utf-8", errors="replace")
+            self.names[key] = decoded(name)
         self.next_token = len(self.tokens) if not rest.strip() else 0
 
     def _entities(self) -> None:
@@ -287,7 +288,7 @@ class _Reader(Content):
                 n_cell += len(keep)
         named_cells = {name: np.unique(np.concatenate(parts)) for name, parts in groups.items()}
         mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=named_cells)
-        mesh.notes += unused_note(+self.unused)
+        mesh.notes += [*unused_note(+self.unused), *self.notes]
         if self.unnamed:
             mesh.notes.append(
                 "groups without a name, though others have one, are called "
@@ -302,6 +303,9 @@ class _Reader(Content):
     def _section(self) -> str | None:
         # the name of the next section, None at the end of the file
         while self.at < len(self.content):
+            if self.content.find(b"$", self.at) < 0:
+                self.rest()
+                return None
             line = self.line()
             if not line:
                 continue

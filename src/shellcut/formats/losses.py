@@ -5,14 +5,13 @@ None of these is an error; each becomes a note that is logged.
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from .errors import named
+from .errors import named, read_bytes
 
 _FEW = 3
 """Up to this many of a kind look like slips; more look intended."""
@@ -107,10 +106,8 @@ def comment_note(lines: Sequence[int]) -> list[str]:
 
 def end_note(path: Path) -> list[str]:
     """Return a note on a text file without a final line break."""
-    with path.open("rb") as file:
-        file.seek(-1, os.SEEK_END)
-        last = file.read(1)
-    return [] if last in b"\r\n" else ["the last line does not end: is the file cut short?"]
+    last = read_bytes(path)[-1:]
+    return [] if last == b"\n" else ["the last line does not end: is the file cut short?"]
 
 
 def blank_note(what: str, counts: Sequence[int], labels: Sequence[int]) -> list[str]:

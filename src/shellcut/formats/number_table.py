@@ -16,9 +16,9 @@ other line holds the headings, the last such comment above the numbers does.
 
 from __future__ import annotations
 
-import codecs
 import csv
 import re
+import unicodedata
 from collections import Counter
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -29,7 +29,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.unit import dimension
 
-from .errors import FileError, read_bytes
+from .errors import FileError, read_lines
 
 _SEPARATORS = (";", "\t", ",", " ")
 _MOST_PROBLEMS = 6  # problems listed in a message
@@ -136,7 +136,7 @@ class NumberTable:
 
     def headed(self, name: str) -> list[int]:
         """Return the columns with a heading, in any case, with its unit or without."""
-        wanted = name.strip().casefold()
+        wanted = unicodedata.normalize("NFC", name).strip().casefold()
         whole = [k for k, h in enumerate(self.headings) if h.text.strip().casefold() == wanted]
         return whole or [k for k, h in enumerate(self.headings) if h.name.casefold() == wanted]
 
@@ -159,7 +159,8 @@ class NumberTable:
 def read_number_table(path: str | Path) -> NumberTable:
     """Read a table of numbers; its cells are converted only when columns are requested."""
     path = Path(path)
-    every = enumerate(_decode(read_bytes(path)).splitlines(), start=1)
+    # An accent may be a character of its own; headings are compared with those that a user types.
+    every = enumerate((unicodedata.normalize("NFC", line) for line in read_lines(path)), start=1)
     written = [(number, text.rstrip()) for number, text in every if text.strip()]
     lines = [(number, text) for number, text in written if not _is_comment(text)]
     if not lines:
@@ -240,19 +241,6 @@ def _is_unit(text: str) -> bool:
 def _ends_in_unit(name: str) -> bool:
     _, blank, last = name.rpartition(" ")
     return bool(blank) and _is_unit(last)
-
-
-def _decode(content: bytes) -> str:
-    # Spreadsheets write UTF-8 and UTF-16 with or without BOM, or the Western code page.
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return content.decode("utf-16", errors="replace")
-    if b"\0" in content:
-        order = "le" if content.index(b"\0") % 2 else "be"
-        return content.decode(f"utf-16-{order}", errors="replace")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
 
 
 def _is_comment(text: str) -> bool:

@@ -60,10 +60,12 @@ class _Reader(Content):
                 ends = [(number, n) for (number, _), n in zip(held, n_value, strict=True)]
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
-        n_row = 0
+        n_row = row_size = 0
         for element in self.elements:
             for _ in range(element.count):
+                start = self.at
                 row = self._row(element)
+                row_size = self.at - start
                 if ends and self.next_token != ends[n_row][1]:
                     more = "more" if self.next_token < ends[n_row][1] else "fewer"
                     raise self.error(
@@ -78,9 +80,13 @@ class _Reader(Content):
                     if len(corners) < 3:
                         raise self.error(f"a face must have three vertices, got {corners}")
                     faces.append(corners)
+        if self.order and len(self.content) - self.at < row_size:
+            self.rest()  # less than the last row has, so no row is lost
         if self.at < len(self.content) if self.order else self.next_token < len(self.tokens):
             raise self.error("the file must end after the content declared in the header")
-        return surface_of_polygons(self.path, vertices, faces)
+        surface = surface_of_polygons(self.path, vertices, faces)
+        surface.notes += self.notes
+        return surface
 
     def _header(self) -> None:
         end = self.content.find(b"end_header")

@@ -1,7 +1,7 @@
 """STL files, binary and text, with one or several solids.
 
 A binary file may begin with the word ``solid`` like a text file; its length identifies it: 84 bytes
-and 50 per triangle.
+and 50 per triangle, and less than a triangle more, which some programs write.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, unit
 
 from . import numerals
-from .errors import FileError, read_bytes, read_lines
+from .errors import FileError, counted, read_bytes, read_lines
 from .surface_file import SurfaceFile
 
 _HEADER = 80  # bytes of free content before the number of triangles
@@ -26,10 +26,13 @@ def read_stl(path: str | Path) -> SurfaceFile:
     content = read_bytes(path)
     start = _HEADER + 4
     declared = int.from_bytes(content[_HEADER:start], "little") if len(content) >= start else -1
-    if declared > 0 and len(content) == start + declared * _RECORD.itemsize:
+    over = len(content) - start - declared * _RECORD.itemsize
+    if declared > 0 and 0 <= over < _RECORD.itemsize:
         with np.errstate(invalid="ignore"):  # the caller reports NaNs
-            corners = np.frombuffer(content, _RECORD, offset=start)["corners"].astype(np.float64)
-        return SurfaceFile(path, corners.reshape(-1, 3), _in_order(declared))
+            records = np.frombuffer(content, _RECORD, declared, offset=start)
+            corners = records["corners"].astype(np.float64)
+        notes = [f"{counted(over, 'byte')} after its last triangle: not read"] if over else []
+        return SurfaceFile(path, corners.reshape(-1, 3), _in_order(declared), notes)
     if content.lstrip()[:5].lower() != b"solid" or b"\0" in content:
         held = (len(content) - start) / _RECORD.itemsize
         raise FileError(

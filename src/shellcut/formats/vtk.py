@@ -23,7 +23,7 @@ from shellcut.arrays import Ints
 
 from . import vtk_process
 from .budget import Budget
-from .errors import FileError, named, read_bytes
+from .errors import FileError, as_file, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from .losses import unused_note
 from .own_process import OwnProcess
@@ -48,11 +48,18 @@ def read_vtk(path: str | Path) -> FileMesh:
     Raises FileError if neither meshio nor VTK can read it, or they find other counts than declared.
     """
     path = Path(path)
-    declared = _declared(path, read_bytes(path))
+    content = read_bytes(path)
+    declared = _declared(path, content)
     Budget(path).take("nodes and elements with those of all instances", sum(declared.values()))
+    with as_file(path, content) as file:
+        return _read(path, file, declared)
+
+
+def _read(path: Path, file: Path, declared: dict[str, int]) -> FileMesh:
+    # `file` is what the libraries open, `path` what messages name
     unused: Counter[str] = Counter()
     try:
-        return _mesh_of(path, _by_meshio(path, declared), unused)
+        return _mesh_of(path, _by_meshio(file, declared), unused)
     except _Unread as reason:
         if not _VTK.installed:
             raise FileError(
@@ -62,7 +69,7 @@ def read_vtk(path: str | Path) -> FileMesh:
     with tempfile.TemporaryDirectory() as folder:
         rewritten = Path(folder) / "grid.vtu"
         try:
-            unused.update(_VTK.run(path, str(rewritten)).splitlines())
+            unused.update(_VTK.run(file, str(rewritten)).splitlines())
             return _mesh_of(path, _by_meshio(rewritten, declared), unused)
         except FileError as reason:
             raise FileError(path, f"{problem}; {reason.problem}") from None

@@ -6,6 +6,7 @@ X are positions, Q quads, T directors; corners of a quad are numbered as in :mod
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Mapping
 from difflib import get_close_matches
@@ -28,8 +29,13 @@ from .quad_geometry import (
 MAX_VALENCE = 12
 """Largest number of quads at a node: the split kernels keep a node's fan in an array this long."""
 
+_log = logging.getLogger("shellcut.mesh")
+
 MOST_QUADS = 10_000_000
 """Quads of the largest film allowed: 9 GB, and half a second per step."""
+
+_MANY_QUADS = 1_000_000
+"""From so many on a film is announced: the checks of its mesh alone take some 15 s."""
 
 BYTES_A_QUAD = 902.0
 """Memory of a run, measured between 1e5 and 1e6 quads (docs/performance.md)."""
@@ -68,6 +74,12 @@ def checked_arrays(
     if X is None or Q is None:
         raise error(problems)
     n_node, n_quad = len(X), len(Q)
+    if n_quad >= _MANY_QUADS:
+        _log.warning(
+            "a film of %s quads takes %.3g GB, and minutes to check and to prepare",
+            f"{n_quad:,}",
+            n_quad * BYTES_A_QUAD / 1e9,
+        )
     named_nodes = cast_sets("node", node_sets, n_node, problems)
     named_quads = cast_sets("quad", quad_sets, n_quad, problems)
     ancestors = _cast_origin(origin, n_node, problems)

@@ -19,10 +19,10 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm
 from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
 from shellcut.formats.dxf import read_dxf
-from shellcut.formats.errors import FileError, check_finite, naming, point_text
+from shellcut.formats.errors import FileError, check_finite, named, naming, point_text
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.svg import read_svg
-from shellcut.numerics.connected_parts import connected_parts
+from shellcut.numerics.connected_parts import close_parts
 
 from .loops import area_of, not_one_film
 from .mesh import Mesh
@@ -211,8 +211,8 @@ def _chained(
     path: Path, open_ones: list[tuple[int, Curve]], reach: float
 ) -> list[tuple[int, Floats]]:
     ends = np.array([curve.points[k] for _, curve in open_ones for k in (0, -1)])
-    pairs = scipy.spatial.cKDTree(ends).query_pairs(reach, output_type="ndarray")
-    spot = connected_parts(pairs[:, 0], pairs[:, 1], len(ends))
+    with naming(path):
+        spot = close_parts(ends, reach)
     at: dict[int, list[int]] = {}
     for end, label in enumerate(spot.tolist()):
         at.setdefault(label, []).append(end)
@@ -284,21 +284,27 @@ def _cleaned(points: Floats, reach: float) -> Floats:
 
 def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
     # `apart`: least distance of two loops by which their curves are sure not to touch
-    whole = [loop for loop in loops if len(loop) > 2]
-    if not whole:
+    if not loops:
         raise FileError(path, "curves must form closed loops with an area, got none")
-    name = [f"the loop of {area_of(p):.4g} mm² around {point_text(p.mean(axis=0))}" for p in whole]
-    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
+    if flat := [loop for loop in loops if len(loop) < 3]:
+        told = named(flat, lambda loop: " to ".join(map(point_text, loop)))
+        raise FileError(
+            path,
+            f"closed loops must have an area, got a line there and back at {told}: is it drawn "
+            "twice? Remove it; a slit is cut in the mesh, by Mesh.cut",
+        )
+    name = [f"the loop of {area_of(p):.4g} mm² around {point_text(p.mean(axis=0))}" for p in loops]
+    largest = max(range(len(loops)), key=lambda k: area_of(loops[k]))
     with naming(path):
-        problems = not_one_film(whole, name, outer=largest, apart=apart)
+        problems = not_one_film(loops, name, outer=largest, apart=apart)
     if problems:
         raise FileError(
             path,
-            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm², apart, and "
+            f"all loops must lie in the largest, of {area_of(loops[largest]):.4g} mm², apart, and "
             f"not in each other: {'; '.join(problems[:_NAMED])}; choose the layers of one film, or "
             "mend the drawing",
         )
-    return FilmOutline(whole[largest], tuple(p for k, p in enumerate(whole) if k != largest))
+    return FilmOutline(loops[largest], tuple(p for k, p in enumerate(loops) if k != largest))
 
 
 def _of(open_ones: list[tuple[int, Curve]], end: int) -> str:

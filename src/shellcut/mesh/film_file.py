@@ -259,7 +259,8 @@ class _Film:
 
     def join(self, merge: float | None) -> None:
         used = np.unique(self.quads)
-        pairs = coincident(self.nodes, used, merge)
+        with naming(self.path):
+            pairs = coincident(self.nodes, used, merge)
         if not len(pairs):
             return
         if merge is None:

@@ -6,9 +6,9 @@ X are positions, quads their corner node ids; corners are numbered as in :mod:`s
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, norm, unit
+from shellcut.numerics.connected_parts import close_parts
 
 _FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
 
@@ -43,12 +43,17 @@ class QuadSides:
 
 
 def coincident(X: Floats, nodes: Ints, reach: float | None = None) -> Ints:
-    """Return the pairs of some nodes that are at one place, or within ``reach``, shape (n, 2)."""
+    """Return some nodes that are at one place, or within ``reach``, shape (n, 2).
+
+    Each row is the first of some nodes that are together and one of its others.
+    """
     points = X[nodes]
     if reach is None:
         reach = _COINCIDENT * float(np.ptp(points if len(points) else X, axis=0).max())
-    pairs = scipy.spatial.cKDTree(points).query_pairs(reach, output_type="ndarray")
-    return np.asarray(nodes[pairs])
+    spot = close_parts(points, reach)
+    _, first = np.unique(spot, return_index=True)
+    others = np.delete(np.arange(len(points)), first)
+    return np.stack([nodes[first[spot[others]]], nodes[others]], axis=1)
 
 
 def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from shellcut.arguments import guess, listed
 from shellcut.files.regular_file import read_regular
+from shellcut.files.text_content import in_one_form
 from shellcut.material.shell_material import ShellMaterial
 
 from .errors import ModelFileError, Problem, is_refusal
@@ -151,7 +152,7 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
     path = Path(name_or_path)
     if _is_there(path):
         try:
-            text = read_regular(path, _LARGEST).decode("utf-8-sig")  # some editors add a BOM
+            text = in_one_form(read_regular(path, _LARGEST)).decode()
         except OSError as error:
             said = error.strerror or error
             raise ModelFileError([Problem(str(path), f"cannot be read: {said}")]) from None

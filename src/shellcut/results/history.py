@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.files.regular_file import read_regular
+from shellcut.files.text_content import in_one_form
 from shellcut.files.whole_file import atomic_write, opened, write_all
 
 if TYPE_CHECKING:
@@ -193,7 +194,7 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
         If the header is not ``name [unit],...`` or a line has another number of cells.
     """
     path = Path(path)
-    lines = read_regular(path).decode().split("\n")
+    lines = in_one_form(read_regular(path)).decode().split("\n")
     # After the last line break there is nothing, or an unfinished line.
     header, rows = lines[0].rstrip("\r"), lines[1:-1]
     columns = _parse_header(header, path)
@@ -223,7 +224,7 @@ def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]
     """Return the columns, each of shape (n_split,), and their units; empty without a file."""
     if not path.exists():
         return {}, {}
-    header, *rows = csv.reader(read_regular(path).decode().splitlines())
+    header, *rows = csv.reader(in_one_form(read_regular(path)).decode().splitlines())
     columns: dict[str, npt.NDArray[Any]] = {}
     units: dict[str, str] = {}
     cells = zip(*rows, strict=True) if rows else [()] * len(header)

@@ -17,7 +17,8 @@ shape that a wavy rim gives it is not.
 O is the centroid of the film, and the components of u_k are along axes that move with the model:
 the mean director, across it the direction to the centroid of the tool's surface at t = 0, and the
 normal to both. Where one of these says nothing, as for a ring of teeth over the middle of a disc,
-the first vertex of the tool that lies across takes its place, without a tool the first node. Axes
+the first vertex of the tool that lies across takes its place, or the first node of the film where
+the tool is too small beside the film to show a direction, and without a tool. Axes
 of the film alone, of its inertia say, are free where it is square or round, and round-off would
 choose them. So a shift or turn of the whole model and other numbers of film and tool change w by
 round-off, and w has none of the symmetries of film, tool and motion.
@@ -112,8 +113,9 @@ def _frame(mesh: Mesh, tool: Tool | None, pose: Pose) -> tuple[Floats, Floats]:
     origin = product(areas, mesh.nodes[mesh.quads].mean(axis=1)) / areas.sum()
     places, centre = mesh.nodes, origin
     if tool is not None:
-        places = pose.to_space(tool.vertices)
-        a, b, c = np.moveaxis(places[tool.triangles], 1, 0)
+        corners = pose.to_space(tool.vertices)
+        places = np.vstack([corners, places])
+        a, b, c = np.moveaxis(corners[tool.triangles], 1, 0)
         areas_of_tool = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         centre = product(areas_of_tool, a + b + c) / (3.0 * areas_of_tool.sum())
     size, axes = float(np.sqrt(areas.sum())), np.zeros((0, 3))

@@ -11,6 +11,7 @@ from typing import Any
 
 from shellcut.arguments import guess
 from shellcut.files.regular_file import read_regular
+from shellcut.files.text_content import in_one_form
 from shellcut.files.whole_file import write_text
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.forms import written
@@ -33,7 +34,7 @@ _DESIGN = Kind("Which values go together.", keys_of(Design), Design)
 def is_study(path: str | os.PathLike[str]) -> bool:
     """Whether a file is a study rather than a model: it has factors."""
     try:
-        text = read_regular(Path(path), _LARGEST).decode("utf-8-sig")
+        text = in_one_form(read_regular(Path(path), _LARGEST)).decode()
         return "factors" in parse(text, str(path), Path()).values
     except (OSError, ValueError):
         return False
@@ -41,7 +42,7 @@ def is_study(path: str | os.PathLike[str]) -> bool:
 
 def read_study(path: str | os.PathLike[str]) -> Definition:
     """Read a study file; ModelFileError tells all that is wrong with the file itself."""
-    text = read_regular(Path(path), _LARGEST).decode("utf-8-sig")
+    text = in_one_form(read_regular(Path(path), _LARGEST)).decode()
     source = parse(text, str(path), Path(path).resolve().parent)
     values, problems = source.values, []
     for name, value in values.items():

@@ -14,7 +14,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, product, unit
 from shellcut.formats.errors import counted, named, point_text
-from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
+from shellcut.numerics.connected_parts import by_first_appearance, close_parts, connected_parts
 
 MERGE_TOLERANCE = 1e-7
 """Vertices closer than this fraction of the surface's diagonal are merged: the round-off of a
@@ -161,8 +161,8 @@ class Surface:
             sharpest = degrees(float(self.turn.max()))
             problems.append(
                 f"no sharp edge found: none turns by sharp_angle_deg = {degrees(least_turn):g} or "
-                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg or give edges, "
-                "of shape (0, 2) for a blunt tool, which only presses"
+                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg, or choose "
+                'edges = "none" for a blunt tool, which only presses'
             )
         return np.column_stack([self.lo[rows], self.hi[rows]]), problems
 
@@ -253,19 +253,24 @@ class Surface:
         # connected rims of open edges with middle and size, largest first
         n = self.vertices.shape[0]
         rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
-        rim = rim_of_vertex[self.lo[rows]]
-        found = []
-        for label in np.unique(rim):
-            members = rows[rim == label]
-            points = self.vertices[np.unique([self.lo[members], self.hi[members]])]
-            size = float(norm(np.ptp(points, axis=0)))
-            found.append((size, len(members), points.mean(axis=0)))
-        found.sort(key=lambda hole: -hole[0])
-        told = named(
-            f"around {point_text(middle)}, {size:.4g} mm across, with {n_edge} edges"
-            for size, n_edge, middle in found
+        # vertices in the order of their rims
+        vertices = np.unique([self.lo[rows], self.hi[rows]])
+        vertices = vertices[np.argsort(rim_of_vertex[vertices], kind="stable")]
+        rims, first, n_vertex = np.unique(
+            rim_of_vertex[vertices], return_index=True, return_counts=True
         )
-        return f"{'a hole' if len(found) == 1 else f'{len(found)} holes'} {told}"
+        points = self.vertices[vertices]
+        low, high = (of.reduceat(points, first) for of in (np.minimum, np.maximum))
+        middle = np.add.reduceat(points, first) / n_vertex[:, None]
+        size = norm(high - low)
+        n_edge = np.bincount(rim_of_vertex[self.lo[rows]])[rims]
+        told = named(
+            np.argsort(-size, kind="stable").tolist(),
+            lambda k: (
+                f"around {point_text(middle[k])}, {size[k]:.4g} mm across, with {n_edge[k]} edges"
+            ),
+        )
+        return f"{'a hole' if len(rims) == 1 else f'{len(rims)} holes'} {told}"
 
     def _segments(self, rows: Ints) -> str:
         return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))
@@ -289,8 +294,7 @@ def merge_vertices(
     """
     if tolerance is None:
         tolerance = MERGE_TOLERANCE * float(norm(np.ptp(vertices, axis=0)))
-    pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
-    place = by_first_appearance(connected_parts(pairs[:, 0], pairs[:, 1], vertices.shape[0]))
+    place = close_parts(vertices, tolerance)
     _, first = np.unique(place, return_index=True)
     used = np.zeros(first.size, dtype=bool)
     used[place[triangles]] = True
@@ -370,12 +374,23 @@ def chains_of(segments: Ints) -> tuple[Ints, Ints]:
     return np.array(ordered, dtype=np.int64).reshape(-1, 2), np.array(chain, dtype=np.int64)
 
 
+def rows_of(chain: Ints) -> list[Ints]:
+    """Return the rows of each chain, ascending.
+
+    Examples
+    --------
+    >>> [rows.tolist() for rows in rows_of(np.array([0, 1, 1, 0]))]
+    [[0, 3], [1, 2]]
+    """
+    n = np.bincount(chain)
+    return np.split(np.argsort(chain, kind="stable"), np.cumsum(n)[:-1]) if len(n) else []
+
+
 def facing_alike(segments: Ints, chain: Ints, body: Ints, normal: Floats) -> Ints:
     """Return segments with those chains reversed that face opposite to the first of their body."""
     turned = segments.copy()
     facing: dict[int, Floats] = {}
-    for c in range(chain.max() + 1):
-        mine = chain == c
+    for mine in rows_of(chain):
         mean = normal[mine].sum(axis=0)
         first = facing.setdefault(int(body[mine][0]), mean)
         if float(product(mean, first)) < 0.0:

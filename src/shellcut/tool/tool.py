@@ -22,6 +22,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from math import radians
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +33,7 @@ from shellcut.card import TOOL, Figures, card, drawing, extent
 from shellcut.formats.errors import counted, point_text
 from shellcut.formats.stl import write_stl
 
-from .surface import Surface, chains_of, facing_alike, merge_vertices, six_volumes
+from .surface import Surface, chains_of, facing_alike, merge_vertices, rows_of, six_volumes
 
 FARTHEST_SHIFT = 1e6
 """Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
@@ -191,7 +192,7 @@ class Tool:
         vertices: npt.ArrayLike,
         triangles: npt.ArrayLike,
         *,
-        edges: npt.ArrayLike | None = None,
+        edges: npt.ArrayLike | Literal["none"] | None = None,
         sharp_angle_deg: float = 100.0,
         flank_angle_deg: float = 40.0,
         name: str = "tool",
@@ -206,8 +207,8 @@ class Tool:
             Counter-clockwise seen from outside.
         edges : array_like of int, shape (n_edge, 2), optional
             The cutting segments, as ids into ``vertices``; each chain keeps the direction of its
-            first segment, which decides the plus side; none, shape (0, 2), for a blunt tool, which
-            only pushes. By default they are found by angle.
+            first segment, which decides the plus side; ``"none"``, or none of shape (0, 2), for a
+            blunt tool, which only pushes. By default they are found by angle.
         sharp_angle_deg : float, [deg]
             If no edges are given: the least angle between the two outward normals at a convex
             edge that cuts. A wedge of half-angle a turns by 180 - 2a. A chain found in this way
@@ -279,8 +280,7 @@ class Tool:
         cutting edge 1 (not_cutting = [0]) of body 1: 1 segment, 4 mm, open, (0, 0, 2) to ...
         """
         found = []
-        for chain in range(self.n_chain):
-            rows = np.flatnonzero(self.edge_chain == chain)
+        for chain, rows in enumerate(rows_of(self.edge_chain)):
             first, second = (
                 self.triangle_normals[side[rows]]
                 for side in (self.edge_flank_plus, self.edge_flank_minus)
@@ -406,7 +406,7 @@ class Tool:
 def _cast(
     vertices: npt.ArrayLike,
     triangles: npt.ArrayLike,
-    edges: npt.ArrayLike | None,
+    edges: npt.ArrayLike | Literal["none"] | None,
     sharp_angle_deg: float,
     flank_angle_deg: float,
 ) -> tuple[Floats, Ints, Ints | None]:
@@ -420,7 +420,7 @@ def _cast(
     n_vertex = coordinates.shape[0] if coordinates.ndim else 0
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
     given: Ints | None = None
-    if edges is not None and np.shape(edges) == (0, 2):
+    if isinstance(edges, str) or (edges is not None and np.shape(edges) == (0, 2)):
         given = np.zeros((0, 2), dtype=np.int64)
     elif edges is not None:
         given = _cast_ids(edges, 2, "edges", "(n_edge, 2)", n_vertex, problems)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
@@ -40,6 +40,8 @@ lie on its own surface, beside the common edge by the file's tolerance."""
 _FARTHEST = 1e5
 """A vertex this many times farther from the middle than most is an error in the file."""
 
+CuttingEdges: TypeAlias = Literal["by angle", "none"]
+
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -60,6 +62,14 @@ def read_tool(
         Option("deg", "smallest exterior angle of a cutting edge, 180 less that of the wedge"),
     ] = 100.0,
     flank_angle_deg: Annotated[float, Option("deg", "largest turn of a flank")] = 40.0,
+    edges: Annotated[
+        CuttingEdges,
+        Option(
+            "",
+            "which edges cut: those that are sharp by their angle, or none; a tool without cutting "
+            "edges is blunt, it only pushes",
+        ),
+    ] = "by angle",
     not_cutting: Annotated[
         Collection[int],
         Option(
@@ -127,11 +137,12 @@ def read_tool(
     with naming(path):
         factor, note = unit_in_mm(unit, extent, "the tool", stated=file.unit_mm)
     vertices, triangles = product(factor * file.vertices, turn.T) + move, file.triangles
-    if file.chord_deviation is not None:
-        reach = factor * file.chord_deviation
-        merge = _WELD * reach if merge is None else merge
-        vertices, triangles, _ = closed_seams(vertices, triangles, merge=merge, reach=reach)
-    done = repaired(vertices, triangles, tolerance=merge)
+    with naming(path):
+        if file.chord_deviation is not None:
+            reach = factor * file.chord_deviation
+            merge = _WELD * reach if merge is None else merge
+            vertices, triangles, _ = closed_seams(vertices, triangles, merge=merge, reach=reach)
+        done = repaired(vertices, triangles, tolerance=merge)
     for said in [*file.notes, *([note] if note else []), *done.notes]:
         _log.warning("%s: %s", path, said)
     try:
@@ -140,6 +151,7 @@ def read_tool(
         tool = Tool.from_triangles(
             done.vertices,
             done.triangles,
+            edges="none" if edges == "none" else None,
             sharp_angle_deg=sharp_angle_deg,
             flank_angle_deg=flank_angle_deg,
             name=path.name if name is None else name,
@@ -149,16 +161,16 @@ def read_tool(
         tool = with_edge_radius(tool, edge_radius)
     except ToolError as refusal:
         raise ToolError(list(refusal.problems), what=f"surface in {path}") from None
-    chains = tool.chains()
-    _log.warning(
-        "%s: %d cutting edges found by angle, %.4g mm in all, of %d bodies; not_cutting "
-        "leaves out some of:\n%s",
-        path,
-        len(chains),
-        sum(chain.length for chain in chains),
-        tool.n_body,
-        "\n".join(f"  {chain}" for chain in chains),
-    )
+    if chains := tool.chains():
+        _log.warning(
+            "%s: %d cutting edges found by angle, %.4g mm in all, of %d bodies; not_cutting "
+            "leaves out some of:\n%s",
+            path,
+            len(chains),
+            sum(chain.length for chain in chains),
+            tool.n_body,
+            "\n".join(f"  {chain}" for chain in chains),
+        )
     return tool
 
 
