@@ -119,7 +119,7 @@ def preview(
         mesh=mesh,
         held=held,
         tool=sim.tool,
-        motion=sim.motion,
+        motion=sim.motion_in_film(time or 0.0),
         duration=time,
         pulls=list(_pulls(sim, time)) if time else (),
         notch=film_now.reference[film_now.crack_edges[:, 0]],
