@@ -299,4 +299,4 @@ def _dot(a: _Triple, b: _Triple) -> float:
 
 
 def _shown(v: _Triple) -> str:
-    return f"({', '.join(f'{c + 0.0:.4g}' for c in v)})"
+    return f"({', '.join(f'{round(c, 12) + 0.0:.4g}' for c in v)})"
