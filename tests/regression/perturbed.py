@@ -2,9 +2,10 @@
 
 Runs a model again and again, each time with all nodes of its film moved in its plane at random by
 up to 1e-9 mm. Nobody would call that another model, but round-off differs as on another processor,
-and once a node touches or a crack advances a step sooner, the runs part. Prints mean, standard
-deviation and range of each figure, as in docs/limits.md. The bound of a regression test should lie
-four standard deviations beyond the mean or farther.
+and once a node touches or a crack advances a step sooner, the runs part. The figures of all runs go
+to ``perturbed.json`` beside this file, and the table of their means, standard deviations and ranges
+to docs/limits.md. The bound of a regression test should lie four standard deviations beyond the
+mean or farther.
 """
 
 import argparse
@@ -35,21 +36,31 @@ MODELS = {
 of a raw disc."""
 
 FIGURES = {
-    "window_from": "steady window, from",
-    "window_to": "steady window, to",
-    "torque_plateau": "torque, mean",
-    "axial_force_plateau": "axial force, mean",
-    "force_plateau": "force, mean",
-    "dWcoh": "cables' work per radian or mm",
-    "dW_": "tool's work per radian or mm",
-    "torque_peak_N": "torque, peak",
-    "force_peak_N": "force, peak",
-    "broken_ratio": "work of a broken cable over G A, largest difference from 1",
-    "imbalance_rel": "largest imbalance over the tool's work",
-    "kinetic_rel": "largest kinetic energy over it",
-    "unfelt_film_edge": "unfelt penetration of film edges",
+    "window_from": "steady window, from [°, mm]",
+    "window_to": "steady window, to [°, mm]",
+    "torque_plateau": "mean torque [N·mm], force [N]",
+    "force_plateau": "mean torque [N·mm], force [N]",
+    "axial_force_plateau": "mean axial force [N]",
+    "dWcoh": "cables' work a radian [N·mm], a mm [N]",
+    "dW_": "tool's work a radian [N·mm], a mm [N]",
+    "torque_peak_N": "peak torque [N·mm], force [N]",
+    "force_peak_N": "peak torque [N·mm], force [N]",
+    "broken_ratio": "work of a broken cable over G A, largest difference from 1 [%]",
+    "imbalance_rel": "imbalance, at most [%]",
+    "kinetic_rel": "kinetic energy, at most [%]",
+    "unfelt_film_edge": "film edges in the tool, unfelt [mm]",
 }
-"""How names of figures begin, and what they are called; units are in the names."""
+"""How names of figures begin, and their rows in the table; of shares in per cent."""
+
+HEADS = {
+    "quick": "quick",
+    "guillotine": "guillotine, 0.8 mm",
+    "free": "raw disc, cracks through quads",
+}
+FIGURES_FILE = Path(__file__).with_suffix(".json")
+PAGE = Path(__file__).parents[2] / "docs" / "limits.md"
+HEAD = "| figure |"
+"""How the table on the page begins."""
 
 
 def moved(film, number):
@@ -71,35 +82,63 @@ def figures(model, number):
     return {name: summary[name] for name in names}
 
 
-def table(rows):
-    """Yield the lines of a table of figures."""
-    yield "| figure | mean | standard deviation | smallest | largest |"
-    yield "|---|---:|---:|---:|---:|"
-    for name in rows[0]:
-        values = np.array([row[name] for row in rows])
-        told = next(words for begin, words in FIGURES.items() if name.startswith(begin))
-        spread, size = float(values.std(ddof=1)), float(abs(values).max())
-        digits = min(6, 2 + int(np.log10(size / spread)) if spread > 0.0 else 6)
-        mean, low, high = (f"{v:.{digits}g}" for v in (values.mean(), values.min(), values.max()))
-        yield f"| {told} (`{name}`) | {mean} | {spread:.2g} | {low} | {high} |"
+def spread(values):
+    """Return mean and standard deviation of a figure over the runs."""
+    return float(np.mean(values)), float(np.std(values, ddof=1))
+
+
+def entry(values):
+    """Return a figure of some runs as the table shows it."""
+    mean, deviation = spread(values)
+    if len(values) < 5:
+        return ", ".join(f"{value:.7g}" for value in values)
+    # two digits of the standard deviation, at most nine of the mean
+    digits = 9
+    if deviation > 0.0 and mean:
+        digits = int(np.clip(2 + np.log10(abs(mean) / deviation), 3, 9))
+    low, high = (f"{value:.{digits}g}" for value in (min(values), max(values)))
+    return f"{mean:.{digits}g} ± {deviation:.2g}" + f" ({low} to {high})" * (low != high)
+
+
+def table(found):
+    """Yield the lines of the table of the figures of all runs, by model and name."""
+    heads = (f"{HEADS[model]}, {len(runs)} runs" for model, runs in found.items())
+    yield f"{HEAD} {' | '.join(heads)} |"
+    yield "|---" * (len(found) + 1) + "|"
+    for row in dict.fromkeys(FIGURES.values()):
+        cells = []
+        for runs in found.values():
+            begins = [begin for begin, words in FIGURES.items() if words == row]
+            names = [name for name in runs[0] if name.startswith(tuple(begins))]
+            times = 100.0 if "%" in row else 1.0
+            values = [times * run[name] for name in names for run in runs]
+            cells.append(entry(values) if values else "-")
+        yield f"| {row} | {' | '.join(cells)} |"
+
+
+def page(text, found):
+    """Return the page with the table of these figures in place of its own."""
+    before, _, rest = text.partition(f"\n{HEAD}")
+    lines = rest.split("\n")
+    end = next(k for k, line in enumerate(lines) if k and not line.startswith("|"))
+    return "\n".join([before, *table(found), *lines[end:]])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("models", nargs="*", metavar="MODEL", help=f"of {', '.join(MODELS)}")
-    parser.add_argument("--runs", type=int, default=20, help="of each model")
-    parser.add_argument("--json", type=Path, help="also write the figures of every run")
+    parser.add_argument("--runs", type=int, help="of each model, 20, of the raw disc 2")
     options = parser.parse_args()
-    found = {}
+    kept = json.loads(FIGURES_FILE.read_text()) if FIGURES_FILE.exists() else {}
     for model in options.models or MODELS:
-        rows = found[model] = []
-        for number in range(1, options.runs + 1):
+        rows = []
+        for number in range(1, (options.runs or (2 if model == "free" else 20)) + 1):
             rows.append(figures(model, number))
-            print(f"{model} {number}: {rows[-1]}", file=sys.stderr, flush=True)
-            if options.json is not None:
-                options.json.write_text(json.dumps(found, indent=1) + "\n")
-        print(f"\n{model}, {len(rows)} runs\n")
-        print(*table(rows), sep="\n", flush=True)
+            print(f"{model} {number}: {rows[-1]}", flush=True)
+        kept[model] = rows
+        ordered = {name: kept[name] for name in MODELS if name in kept}
+        FIGURES_FILE.write_text(json.dumps(ordered, indent=1) + "\n")
+        PAGE.write_text(page(PAGE.read_text(), ordered))
 
 
 if __name__ == "__main__":

@@ -22,9 +22,13 @@ def cutting(
     strength=18.0,
     pressure=1e-3,
     set_name="sides",
+    pulled=True,
     **options,
 ):
-    """A blade that cuts a notched strip whose long sides move, under loads of every kind."""
+    """A blade that cuts a notched strip whose long sides move, under loads of every kind.
+
+    pulled : whether they move, so that the film goes aside by a hundredth of the blade's way.
+    """
     mesh = rectangle(8 * size, 4 * size, n_x=8, n_y=4)
     mesh = mesh.cut([18, 19])
     sides = {name: mesh.node_set(name) for name in ("bottom", "top")}
@@ -37,6 +41,8 @@ def cutting(
             Support(sides["bottom"], velocity={"y": lambda t: -200.0 * np.sin(3e4 * t)}),
             Support(sides["top"], velocity={"y": lambda t: 300.0}),
         ]
+        if set_name == "sides" and pulled
+        else [Support.clamped(nodes) for nodes in sides.values()]
         if set_name == "sides"
         else [Support.clamped(sides["bottom"])],
         loads=[

@@ -1,6 +1,8 @@
 """Where the work went, of entries and columns made up by hand."""
 
+import re
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,20 @@ from shellcut.simulation.ledger import Ledger
 NAMES = [name for part in (*PUT_IN, *TAKEN_UP) for name in part.entries]
 # Each entry a power of two: every sum tells which it is made of.
 ENTRIES = {name: 2.0**k for k, name in enumerate(NAMES)}
+
+
+ENERGY = Path(__file__).parents[2] / "docs" / "theory" / "energy.md"
+
+
+def test_the_page_has_every_entry_in_its_part():
+    page = ENERGY.read_text()
+    account_of = page.partition("## The account")[2]
+    rows = [set(re.findall(r"`(\w+)`", row)) for row in re.findall(r"^\|.*\|$", account_of, re.M)]
+    assert sorted(name for row in rows for name in row) == sorted(NAMES)
+    for part in (*PUT_IN, *TAKEN_UP):
+        assert any(row >= set(part.entries) for row in rows), part.name
+    told = set(re.findall(r"`(\w+)`", page))
+    assert {field.name for field in fields(Ledger)} - told == set()
 
 
 def sum_of(*names):

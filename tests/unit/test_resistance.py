@@ -147,6 +147,7 @@ def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion
     sim = SimpleNamespace(
         terms=terms, tooth_wrenches=terms.wrench, ledger=ledger, pose=pose, state=state
     )
+    sim.work_in_film = ledger.tool_work
     row = {name: value for name, _, value in r.row(sim)}
     for (name, _), values in zip(r.columns, np.array(figure).T, strict=True):
         # Of the same steps: arc and chord.
@@ -226,7 +227,7 @@ def turned(tmp_path_factory):
     way = np.stack([radius * np.sin(a), radius - radius * np.cos(a), 0.0 * a], axis=1)
     motion = TableMotion(times, way, np.stack([0.0 * a, 0.0 * a, a], axis=1))
     folder = tmp_path_factory.mktemp("turned")
-    sim = cutting(motion=motion)
+    sim = cutting(motion=motion, pulled=False)
     Case("turned", sim, 8e-5).run(
         folder, n_row=400, n_frame=2, n_snapshot=0, curves=False, progress=False
     )

@@ -207,3 +207,35 @@ def test_between_two_films_nothing_is_crossed():
 def test_places_lie_no_farther_apart_than_the_quads_are_long(size):
     sweep = Sweep.of(rectangle(10.0, 4.0, size=size), blade(x=-1.0), along(), 8e-3)
     assert np.diff(sweep.place[:, 0]).max() <= 0.5 * size
+
+
+@pytest.mark.parametrize("n_teeth", [2, 3, 4, 6])
+def test_a_crack_is_led_from_the_teeth_that_have_been_in_it(n_teeth):
+    """Teeth on one circle: a gap is ahead of one tooth and behind the next."""
+    motion = ScrewMotion.over(angle_deg=20.0, duration=6e-3, pitch=12.0)
+    sweep = Sweep.of(opening_disc("quick"), tooth_ring(n_teeth=n_teeth), motion, 6e-3)
+    on = [sweep.place[(sweep.chain == k) & sweep.along_edge] for k in range(n_teeth)]
+    angles = [np.unwrap(np.arctan2(places[:, 1], places[:, 0])) for places in on]
+    radius = np.hypot(*on[0][0, :2])
+    gap = 2.0 * np.pi / n_teeth - np.ptp(angles[0])
+
+    def at(angle):
+        angle = np.asarray(angle)
+        return radius * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+
+    middle = [0.5 * (one.min() + one.max()) for one in angles]
+    end, start = (np.array([f(one) for one in angles]) for f in (np.max, np.min))
+    for share in (0.1, 0.3, 0.45, 0.55, 0.7, 0.9):
+        ahead, behind = (
+            at([middle[0], end[0] + share * gap]),
+            at([middle[0], start[0] - share * gap]),
+        )
+        # A crack that this tooth has driven ahead, or which has torn on behind it.
+        for points in (ahead, behind):
+            lead = sweep.lead(points, np.zeros(2, int))
+            assert lead == pytest.approx(
+                [0.0, share * gap * radius], abs=0.05 * radius * gap + 0.05
+            )
+        # Of a crack of which nothing is known the nearer tooth counts.
+        nearer = min(share, 1.0 - share) * gap * radius
+        assert sweep.lead(ahead[1:]) == pytest.approx([nearer], abs=0.05 * radius * gap + 0.05)

@@ -95,8 +95,9 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
     """
     sim = simulation
     sweep = None
-    if sim.tool is not None and sim.tool.n_edge and sim.motion is not None:
-        sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until)
+    motion = sim.motion_in_film(until)
+    if sim.tool is not None and sim.tool.n_edge and motion is not None:
+        sweep = Sweep.of(sim.mesh, sim.tool, motion, until)
     order = {REFUSE: 0, DOUBT: 1, NOTE: 2}
     found = sorted(_findings(sim, sweep, until), key=lambda finding: order[finding.severity])
     return ModelCheck(tuple(found), sweep)

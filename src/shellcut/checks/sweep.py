@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import scipy
@@ -42,6 +42,7 @@ _AT_REST = 1e-6  # of that: an edge that moves by less stands still
 _STRAIGHT = 1e-6  # sine of the turn below which a path is straight
 _BORDER = 1e-3  # edge lengths by which a place may miss its quad: chords of the rim
 _PASSED = 0.25  # edge lengths: an end of the path is none if the path goes on so near to it
+_SAME_WAY = 0.2  # edge lengths by which ways that lead over one place may part there
 _BEND = 2.0  # edge lengths between the places that the circle goes through
 _OFF_QUAD = 0.25  # edge lengths; a change of sign farther off is between two sheets
 
@@ -64,6 +65,20 @@ class Fate:
     def meets(self) -> bool:
         """Whether it ever passes through the film."""
         return self.first is not None
+
+
+class _Path(NamedTuple):
+    """Closely spaced points of the path and of the ways ahead of its ends."""
+
+    tree: scipy.spatial.cKDTree
+    ahead: Floats
+    """How far ahead of its end each point lies, 0 on the path itself, shape (n_point,), [mm]."""
+    end: Ints
+    """Whose way ahead each lies on, -1 on the path itself, shape (n_point,)."""
+    chain: Ints
+    """Of the points on the path itself, shape (n_swept,)."""
+    owner: Ints
+    """Chain of each end, shape (n_end,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,35 +139,68 @@ class Sweep:
         The path is straight between two sampled times, and goes on beyond its ends. Infinite if no
         edge passes through the film.
         """
-        return np.asarray(self._path[0].query(points)[0])
+        return np.asarray(self._path.tree.query(points)[0])
 
-    def lead(self, points: Floats) -> Floats:
-        """Return how far points lie ahead of an end of the path, 0 beside it, shape (n,), [mm]."""
-        tree, ahead = self._path
-        if not tree.n:
+    def lead(self, points: Floats, crack: Ints | None = None) -> Floats:
+        """Return how far points lie ahead of an end of the path, 0 beside it, shape (n,), [mm].
+
+        Where the ways ahead of several ends pass a point, it is the end of an edge that has been in
+        its crack, of these the nearest along its way: the gap between two teeth that go round one
+        circle is ahead of the one and behind the other.
+
+        crack : (n,), of each point, by number; by default nothing is known of them.
+        """
+        tree, ahead, end, chain, owner = self._path
+        if not tree.n or not len(points):
             return np.zeros(len(points))
-        return np.asarray(ahead[tree.query(points)[1]])
+        gap, nearest = tree.query(points)
+        lead = np.asarray(ahead[nearest])
+        off, way = np.full((2, len(owner), len(points)), np.inf)
+        for k in range(len(owner)):
+            mine = np.flatnonzero(end == k)
+            if len(mine):
+                off[k], at = scipy.spatial.cKDTree(tree.data[mine]).query(points)
+                way[k] = ahead[mine[at]]
+        cracks = np.zeros(len(points), np.int64) if crack is None else crack
+        for one in np.unique(cracks) if len(owner) else ():
+            within = np.flatnonzero(cracks == one)
+            on_path = nearest[within][end[nearest[within]] < 0]
+            theirs = np.isin(owner, chain[on_path])
+            among = within[end[nearest[within]] >= 0]
+            passed = off[:, among] <= gap[among] + _SAME_WAY * float(np.median(self.edge_length))
+            own = passed & theirs[:, None]
+            passed = np.where(own.any(axis=0), own, passed)
+            lead[among] = np.where(passed, way[:, among], np.inf).min(axis=0)
+        return lead
 
     @cached_property
-    def _path(self) -> tuple[scipy.spatial.cKDTree, Floats]:
-        """Closely spaced points of the path, and how far ahead of its end each lies [mm]."""
-        lines = [line for k in range(len(self.fates)) for line in self._lines(k)]
-        swept = [self.place, *(_filled(*line) for line in lines)]
-        tree = scipy.spatial.cKDTree(np.concatenate(swept))
-        found, ahead = [tree.data], [np.zeros(tree.n)]
+    def _path(self) -> _Path:
+        """The path with its ways ahead."""
+        lines = [(k, *line) for k in range(len(self.fates)) for line in self._lines(k)]
+        chains, places = [self.chain], [self.place]
+        for k, line, fine in lines:
+            places.append(_filled(line, fine))
+            chains.append(np.full(len(places[-1]), k))
+        swept = scipy.spatial.cKDTree(np.concatenate(places))
+        found, ahead = [swept.data], [np.zeros(swept.n)]
+        ends, owner = [np.full(swept.n, -1)], list[int]()
         reach = float(norm(np.ptp(self.mesh.nodes, axis=0)))
-        for line, fine in lines:
+        for k, line, fine in lines:
             edge = fine / _FINE
             for end in _ends(line):
                 for s, way in _continued(end, edge, np.arange(fine, reach, fine)):
-                    at, gap = int(np.searchsorted(s, edge)), tree.query(way)[0]
+                    at, gap = int(np.searchsorted(s, edge)), swept.query(way)[0]
                     if at < len(s) and gap[at] > _PASSED * edge:
                         # As far as another edge has come, or this one on its way round.
                         met = np.flatnonzero(gap[at:] <= fine)
                         stop = at + int(met[0]) if len(met) else len(s)
                         found.append(way[:stop])
                         ahead.append(s[:stop])
-        return scipy.spatial.cKDTree(np.concatenate(found)), np.concatenate(ahead)
+                        ends.append(np.full(stop, len(owner)))
+                owner.append(k)
+        tree = scipy.spatial.cKDTree(np.concatenate(found))
+        of_points = np.concatenate(ahead), np.concatenate(ends)
+        return _Path(tree, *of_points, np.concatenate(chains), np.array(owner, np.int64))
 
     def _lines(self, k: int) -> Iterator[tuple[Floats, float]]:
         """Yield the lines that one edge draws, shape (n, 3), and the spacing of points on them."""

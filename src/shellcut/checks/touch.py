@@ -1,4 +1,4 @@
-"""Whether the tool ever comes near a film that stays where it is.
+"""Whether the tool ever comes near a film that keeps its shape, wherever its supports move it.
 
 Points on both surfaces tell how far they are apart at some times of the motion.
 """
@@ -22,19 +22,18 @@ if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
 
 _POINTS = 4000  # on a surface, besides its corners: 0.3 mm apart on the opening's film
+_WHOLE = 1e-3  # of the largest velocity by which nodes of a film that moves as a whole may differ
 _TIMES = 60  # of the motion; a step of it is also as near as can be told
 
 
 def check_touch(sim: Simulation, until: float) -> Iterator[Finding]:
-    """Yield a doubt if the tool stays away from the film, which nothing else moves.
+    """Yield a doubt if the tool stays away from the film, which nothing else deforms.
 
     Where it comes nearer than the points can tell, or than it goes on in a step of the motion, it
     may touch.
     """
-    supports, loads = sim.inputs["supports"], sim.inputs["loads"]
-    tool, motion = sim.tool, sim.motion
-    moves = any(one.velocity for one in supports) or sim.inputs["velocity"] is not None  # type: ignore[attr-defined]
-    if tool is None or motion is None or loads or moves:
+    tool, motion = sim.tool, sim.motion_in_film(until)
+    if tool is None or motion is None or sim.inputs["loads"] or _changes_shape(sim, until):
         return
     film, film_apart = _points(sim.mesh.nodes[sim.mesh.quads])
     solid, solid_apart = _points(tool.vertices[tool.triangles[:, [0, 1, 2, 2]]])
@@ -58,6 +57,17 @@ def check_touch(sim: Simulation, until: float) -> Iterator[Finding]:
         f"move it by {point_text(shift)} mm ([tool] shift), or change its motion (direction, axis, "
         "pitch, duration)",
     )
+
+
+def _changes_shape(sim: Simulation, until: float) -> bool:
+    """Whether supports or velocities at the start move the film other than as a whole."""
+    film, velocity = sim.film_motion, sim.inputs["velocity"]
+    if film is None:
+        return velocity is not None
+    whole = film.velocity_at(sim.mesh.nodes, 0.0)
+    starts = np.zeros_like(whole) if velocity is None else np.asarray(velocity)
+    most = float(norm(whole).max())
+    return not film.is_rigid(until) or bool(norm(starts - whole).max() > _WHOLE * most)
 
 
 def _points(faces: Floats) -> tuple[Floats, float]:

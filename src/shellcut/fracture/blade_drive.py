@@ -5,8 +5,7 @@ it. It runs to where the edge will be when it has come an edge length beyond the
 edge has passed goes on whatever the force there.
 
 The motion is prescribed, so that this pose is known. A film that its supports move is met where it
-will be then: all poses are taken as seen from film that goes on as its held nodes do now, rigidly
-(:meth:`.SupportSet.motion`).
+will be then: all poses are as seen from the film (:class:`.SeenFromFilm`), put to where it is now.
 
 On a circle of radius R the present mid-plane
 would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
@@ -24,15 +23,13 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 import numpy as np
-import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3, product
-from shellcut.loads.supports import SupportSet, Twist
+from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
-from shellcut.state import State
 from shellcut.tool.cutting_edge import (
     BACK,
     CUT_DEPTH,
@@ -104,11 +101,9 @@ class Driven(NamedTuple):
 class BladeDrive:
     """Finds the tips that the cutting edges of a tool drive in its motion, and where to."""
 
-    def __init__(
-        self, edges: CuttingEdges, motion: Motion, supports: SupportSet | None = None
-    ) -> None:
-        self.edges, self._motion, self._supports = edges, motion, supports
-        self._film: Twist | None = None
+    def __init__(self, edges: CuttingEdges, motion: Motion, film: FilmMotion | None = None) -> None:
+        self.edges, self._film = edges, film
+        self._seen = motion if film is None else SeenFromFilm(film, motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
         self._held_edges, self._hold = Holder()(edges), Holder()
         self._allocate(0)
@@ -129,27 +124,17 @@ class BladeDrive:
         )
         self._held = self._hold(self.driven)
 
-    def follow(self, state: State) -> None:
-        """Take the motion of the film as it is now."""
-        self._film = None if self._supports is None else self._supports.motion(state)
+    def _seen_from_film(self, later: float, now: float) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return pose and twist of the tool at a time [s] as seen from the film, where it is now.
 
-    def _seen_from_film(self, later: float, after: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return pose and twist of the tool at a time [s] as seen from the film.
-
-        The film is laid back to where it is now.
-
-        after : time from now till then [s], negative of earlier poses.
+        now : [s].
         """
-        R, r = pose_at(self._motion, later)
-        spin, velocity = self._motion.twist(later)
+        R, r = pose_at(self._seen, later)
+        spin, velocity = self._seen.twist(later)
         if self._film is None:
             return R, r, spin, velocity
-        place, turning, moving = self._film
-        back = scipy.spatial.transform.Rotation.from_rotvec(-after * turning).as_matrix()
-        arm = r - place - after * moving
-        rate = velocity - moving - np.cross(turning, arm)
-        relative = place + product(back, arm), product(back, spin - turning), product(back, rate)
-        return product(back, R), *relative
+        Q, q = self._film.pose(now)
+        return product(Q, R), product(Q, r) + q, product(Q, spin), product(Q, velocity)
 
     def find(
         self,
@@ -172,7 +157,7 @@ class BladeDrive:
             self._allocate(len(x))
         found = self.driven
         parts = found.rotation, found.translation, found.spin, found.velocity
-        for part, value in zip(parts, self._seen_from_film(time, 0.0), strict=True):
+        for part, value in zip(parts, self._seen_from_film(time, time), strict=True):
             part[:] = value
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
@@ -184,7 +169,7 @@ class BladeDrive:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
-                    there = self._seen_from_film(later, later - time)
+                    there = self._seen_from_film(later, time)
                     for part, value in zip(parts, there, strict=True):
                         part[i] = value
             more = k < TURNS - 1

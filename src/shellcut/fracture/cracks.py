@@ -18,8 +18,8 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.sheet_contact import PointContact
+from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.loads import LoadSet
-from shellcut.loads.supports import SupportSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
@@ -64,8 +64,8 @@ class Cracks:
         Whose edges cut, and how they move.
     points : PointContact, optional
         By which the tool presses on the sheet.
-    supports : SupportSet, optional
-        That may move the film.
+    moved : FilmMotion, optional
+        Of a film that its supports move.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Cracks:
         tool: Tool | None = None,
         motion: Motion | None = None,
         points: PointContact | None = None,
-        supports: SupportSet | None = None,
+        moved: FilmMotion | None = None,
     ) -> None:
         film, fibres = fracture.anisotropy, fracture.fibres
         if fibres is None:
@@ -108,7 +108,7 @@ class Cracks:
         self._watch: TipWatch
         # A blunt tool cuts nothing: it only pushes.
         if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
-            drive = BladeDrive(CuttingEdges.of(tool), motion, supports)
+            drive = BladeDrive(CuttingEdges.of(tool), motion, moved)
             self._drive = drive
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
             force = fracture.puncture_force
@@ -136,7 +136,6 @@ class Cracks:
         if self._pierce is None:
             self._advance_free(state, list(self.tips))
             return
-        self._drive.follow(state)
         while self._advance_driven(state):
             pass
         self._advance_free(state, self._watch.may_tear(state.step // self._check_every))

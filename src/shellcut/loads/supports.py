@@ -28,22 +28,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, NamedTuple, TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
 from shellcut.arguments import Option, checked, finite_at
-from shellcut.arrays import Floats, Ints, product
+from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.state import KnownTopology, State
 
 _AXES = "xyz"
 
 # A director within 30° of an axis counts as along it, see above.
 _ALONG = math.cos(math.radians(30.0))
-# Of the largest eigenvalue: below it the held axes leave a motion open.
-_TOLD = 1e-9
 _NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
 Rate = Callable[[float], float]
 NodeChoice: TypeAlias = Annotated[
@@ -168,17 +165,6 @@ class Support:
         return _AXES.index(self.translation[0]) if set(self.rotation) == rest else None
 
 
-class Twist(NamedTuple):
-    """A rigid motion at one time."""
-
-    place: Floats
-    """A point of the body now [mm], shape (3,)."""
-    spin: Floats
-    """[rad/s], shape (3,)."""
-    velocity: Floats
-    """Of that point [mm/s], shape (3,)."""
-
-
 class SupportSet:
     """All supports of a model, resolved to nodes.
 
@@ -186,7 +172,7 @@ class SupportSet:
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
-        self._directors, self._quads = mesh.directors, mesh.quads
+        self.directors, self._quads = mesh.directors, mesh.quads
         self._known = KnownTopology()
         self._now: list[Ints] = []
         self._moving: list[tuple[Ints, int, Rate]] = []
@@ -212,6 +198,11 @@ class SupportSet:
                         f"{clash[:5]}: take these nodes or this axis out of one of them"
                     )
 
+    @property
+    def moved(self) -> list[tuple[Ints, int, Rate]]:
+        """Nodes, axis 0-2 and velocity [mm/s] over time of all positions that supports move."""
+        return [one for one in self._moving if one[1] < 3]
+
     def initialise(self, state: State) -> None:
         """Write the masks of held components, which no longer follow the forces."""
         for support, ids in zip(self._supports, self.nodes, strict=True):
@@ -223,9 +214,9 @@ class SupportSet:
 
     def _settle_spins(self, state: State) -> None:
         """Hold all spins, or none, where the held ones amount to that for the director."""
-        held = state.node.support[: len(self._directors), 3:]
+        held = state.node.support[: len(self.directors), 3:]
         n_held = held.sum(axis=1)
-        along = np.abs(self._directors) > _ALONG
+        along = np.abs(self.directors) > _ALONG
         held[(n_held == 2) & (along & ~held).any(axis=1)] = True
         idle = (n_held == 1) & (along & held).any(axis=1)
         for ids, c, _ in self._moving:
@@ -244,32 +235,6 @@ class SupportSet:
         for (_, c, rate), ids in zip(self._moving, self._now, strict=True):
             state.node.support_rate[ids, c] = pace * rate(time_half)
 
-    def motion(self, state: State) -> Twist | None:
-        """Return the rigid motion of the film that is nearest to that of its held nodes.
-
-        Each held axis of a node counts once, so a clamp with more nodes counts more. None where no
-        support moves positions. What the held axes leave open rests.
-        """
-        if all(c >= 3 for _, c, _ in self._moving):
-            return None
-        n_mesh = len(self._directors)
-        rates = np.zeros((n_mesh, 3))
-        for ids, c, rate in self._moving:
-            if c < 3:
-                rates[ids, c] = rate(state.time)
-        nodes, axes = np.nonzero(state.node.support[:n_mesh, :3])
-        x = state.node.x[nodes]
-        place = x.mean(axis=0)
-        size = max(float(np.abs(x - place).max()), np.finfo(float).tiny)
-        along = np.eye(3)[axes]
-        # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
-        share = np.hstack([along, np.cross((x - place) / size, along)])
-        squares, modes = symmetric_eigen(product(share.T, share))
-        told = squares > _TOLD * squares[-1]
-        parts = product(modes.T, share.T, rates[nodes, axes])[told] / squares[told]
-        found = product(modes[:, told], parts)
-        return Twist(place, found[3:] / size, found[:3])
-
     def reaction(self, state: State, which: int) -> Floats:
         """Return the resultant reaction of one support [N], shape (3,)."""
         ids = self._held_copies(state, self.nodes[which])
@@ -281,7 +246,7 @@ class SupportSet:
         A cut across a held edge gives both flanks nodes with film there, which the support holds as
         before; virtual nodes it does not hold.
         """
-        n_mesh, n, quad = len(self._directors), state.node, state.quad
+        n_mesh, n, quad = len(self.directors), state.node, state.quad
         held = n.supported[n_mesh : n.count] & n.real[n_mesh : n.count]
         copies = n_mesh + np.flatnonzero(held)
         rows = n.quads[copies, 0]

@@ -13,6 +13,7 @@ from shellcut.arrays import Floats, Ints, norm
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.checks.finding import Finding
 from shellcut.formats.errors import counted
+from shellcut.loads.film_motion import SeenFromFilm
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
@@ -119,7 +120,7 @@ def preview(
         mesh=mesh,
         held=held,
         tool=sim.tool,
-        motion=sim.motion,
+        motion=sim.motion_in_film(time or 0.0),
         duration=time,
         pulls=list(_pulls(sim, time)) if time else (),
         notch=film_now.reference[film_now.crack_edges[:, 0]],
@@ -206,7 +207,8 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
         poses.append(pose_at(motion, at).to_space(tool.vertices))
         place, unit = motion.coordinate(at), motion.coordinate_unit
         where = f"{np.degrees(place):.4g}°" if unit == "rad" else with_unit(place, unit)
-        titles.append(f"t = {1e3 * at:.4g} ms, {where}")
+        seen = " as seen from the film" * isinstance(motion, SeenFromFilm)
+        titles.append(f"t = {1e3 * at:.4g} ms, {where}{seen}")
     return poses, titles
 
 

@@ -129,6 +129,7 @@ class CutFront:
         self._rim = sim.mesh.boundary_nodes()
         self._extent = float(norm(np.ptp(sim.mesh.nodes, axis=0)))
         self._look = _LOOK_AHEAD * until
+        self._motion = sim.motion_in_film(until)
         self._seen = (-1, -1, -1)
         self._rows = np.zeros((self._n_chain, 4))
         self._edge = None if tool is None else _EdgeLength(tool)
@@ -188,9 +189,10 @@ class CutFront:
 
     def _velocity(self, sim: Simulation, place: Floats, t: Floats) -> Floats:
         """Return the tool's velocity along the film at places with directors t, 0 if through it."""
-        assert sim.motion is not None
-        spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
-        whole = velocity + np.cross(spin, place - sim.pose.translation)
+        assert self._motion is not None
+        now = sim.state.time
+        spin, velocity = (np.asarray(part, float) for part in self._motion.twist(now))
+        whole = velocity + np.cross(spin, place - pose_at(self._motion, now).translation)
         along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
         along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
         return np.asarray(along)
@@ -216,10 +218,11 @@ class CutFront:
 
     def _course(self, sim: Simulation, tip: int, ends: CrackEnds) -> tuple[Floats, Floats, float]:
         """Return in-film unit vectors ahead and to the left, and the curvature to the left."""
-        motion = sim.motion
+        motion = self._motion
         assert motion is not None
         director, here = ends.director[tip], ends.place[tip]
-        local = product(sim.pose.rotation.T, here - sim.pose.translation)
+        now = pose_at(motion, sim.state.time)
+        local = product(now.rotation.T, here - now.translation)
         places = []
         for k in (1, 2):
             then = pose_at(motion, sim.state.time + k * self._look)

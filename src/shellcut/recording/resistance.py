@@ -24,6 +24,9 @@ the motion has an invariant axis without sliding along it, or an invariant line.
 coordinate rests, dW/dq is undefined: the wrench is then projected on the motion at the nearest
 instant at which the coordinate moves.
 
+Of a film that its supports move, motion, axis and line are those of the tool as seen from the film
+(:mod:`shellcut.loads.film_motion`), and so are forces and works.
+
 The whole wrench is also given in world axes, with its moment about the world's origin.
 
 Of a film without a tool, the way s is that of the support that moves fastest: ds/dt is the largest
@@ -42,9 +45,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, product
+from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.supports import Support
-from shellcut.results.steady_window import INTEGRAL
+from shellcut.results.steady_window import INTEGRAL, WAY
 from shellcut.tool.motion import Motion
 from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
 
@@ -54,6 +58,9 @@ if TYPE_CHECKING:
 COMPONENTS = [(f"force_{c}", "N") for c in "xyz"] + [(f"moment_{c}", "N*mm") for c in "xyz"]
 """Names and units of the wrench; the moment is about the world's origin."""
 
+# How far an axis may stray in a film that moves, over the film's extent: above what the integration
+# of its motion leaves.
+_STRAY = 1e-4
 _N_SAMPLE = 20_000  # times at which the way is integrated; it then grows linearly
 
 _Triple = Sequence[float]
@@ -65,14 +72,14 @@ class Resistance:
     Axis or line of the motion is searched up to ``until`` [s].
     """
 
-    def __init__(self, motion: Motion, until: float) -> None:
-        self._motion = motion
+    def __init__(self, motion: Motion, until: float, film: FilmMotion | None = None) -> None:
+        self._motion, self._film = motion, film
         turns = motion.coordinate_unit == "rad"
         self.coordinate_name, self.coordinate_unit = ("angle", "deg") if turns else ("path", "mm")
         """Abscissa of the figures, in the unit shown to users."""
         self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
         """Factor from the motion's own coordinate to that unit."""
-        kept = kept_axis(motion, until)
+        kept = kept_axis(motion, until, 0.0 if film is None else _STRAY * film.extent)
         self._reading: _AboutAxis | _AlongLine | _OfCoordinate
         if isinstance(kept, Axis):
             self._reading = _AboutAxis(kept, motion)
@@ -82,6 +89,8 @@ class Resistance:
             self._reading = _OfCoordinate(motion, until)
         self.columns, self.meaning = self._reading.columns, self._reading.meaning
         """Names and units of the figures, and what the first is, which does the work."""
+        if film is not None:
+            self.meaning += ", as seen from the film, which its supports move"
 
     def coordinate(self, time: float) -> float:
         """Return the coordinate at a time in the unit shown to users."""
@@ -99,30 +108,37 @@ class Resistance:
 
     def felt(self, sim: Simulation) -> list[float]:
         """Return the figures from contact and joints of all teeth together."""
-        wrench = sim.tooth_wrenches.sum(axis=0)
-        return self.of(wrench, sim.pose.translation, sim.state.time)
+        return self._now(sim, sim.tooth_wrenches.sum(axis=0))
+
+    def _now(self, sim: Simulation, wrench: Floats) -> list[float]:
+        """Return the figures at t_n for one wrench on the tool, in the world's axes."""
+        time, origin = sim.state.time, sim.pose.translation
+        if self._film is not None:
+            Q, q = self._film.pose(time)
+            wrench, origin = product(wrench.reshape(2, 3), Q).ravel(), product(origin - q, Q)
+        return self.of(wrench, origin, time)
 
     def row(self, sim: Simulation) -> Iterator[tuple[str, str, float]]:
         """Yield name, unit and value of its columns of the history."""
-        time, origin = sim.state.time, sim.pose.translation
         of_terms = [
-            (term.name, self.of(term.touch.wrench.sum(axis=0), origin, time))
-            for term in sim.terms.on_tool
+            (term.name, self._now(sim, term.touch.wrench.sum(axis=0))) for term in sim.terms.on_tool
         ]
         for k, (figure, unit) in enumerate(self.columns):
             yield figure, unit, float(np.add.reduce([values[k] for _, values in of_terms]))
             for name, values in of_terms:
                 yield f"{figure}_{name}", unit, values[k]
         if isinstance(self._reading, _AboutAxis):
-            sums = self._reading.integrals(sim.terms.wrench_over_turn, sim.ledger.tool_work)
+            sums = self._reading.integrals(sim.terms.wrench_over_turn, sim.work_in_film)
             for (figure, unit), value in zip(self.columns, sums, strict=True):
                 yield figure + INTEGRAL, unit, value
+        elif self._film is not None:
+            yield self.columns[0][0] + INTEGRAL, "N*mm", sim.work_in_film
         first, unit = self.columns[0]
         for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
-            yield f"{first}_tooth_{tooth}", unit, self.of(wrench, origin, time)[0]
+            yield f"{first}_tooth_{tooth}", unit, self._now(sim, wrench)[0]
         whole = sum(term.touch.wrench.sum(axis=0) for term in sim.terms.on_tool)
         for (component, unit), value in zip(
-            COMPONENTS, self.components(whole, origin), strict=True
+            COMPONENTS, self.components(whole, sim.pose.translation), strict=True
         ):
             yield component, unit, value
 
@@ -151,7 +167,7 @@ class SupportPull:
                 "a Recorder needs a simulation with a tool and its motion, or with a support that "
                 "moves"
             )
-        self.coordinate_name, self.coordinate_unit = "way", "mm"
+        self.coordinate_name, self.coordinate_unit = WAY, "mm"
         self.columns = [("force", "N")]
         self.meaning = (
             "sum of the forces on the supports that move, each times its speed over that of the "
@@ -189,8 +205,9 @@ AnyResistance: TypeAlias = Resistance | SupportPull
 
 def resistance_of(sim: Simulation, until: float) -> AnyResistance:
     """Return the resistance that a run up to ``until`` [s] measures; something must move."""
-    if sim.motion is not None:
-        return Resistance(sim.motion, until)
+    motion = sim.motion_in_film(until)
+    if motion is not None:
+        return Resistance(motion, until, sim.film_motion)
     return SupportPull(sim, until)
 
 
@@ -282,4 +299,4 @@ def _dot(a: _Triple, b: _Triple) -> float:
 
 
 def _shown(v: _Triple) -> str:
-    return f"({', '.join(f'{c + 0.0:.4g}' for c in v)})"
+    return f"({', '.join(f'{round(c, 12) + 0.0:.4g}' for c in v)})"

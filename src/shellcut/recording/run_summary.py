@@ -8,13 +8,15 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 
-from shellcut.arrays import Floats, Numbers, norm, off_segments
+from shellcut.arrays import Floats, Ints, Numbers, norm, off_segments
 from shellcut.checks import Sweep
 from shellcut.checks.hold import check_hold
 from shellcut.contact.edge_contact import EdgeContact
+from shellcut.numerics.connected_parts import connected_parts
 from shellcut.results.run_figures import run_figures
-from shellcut.state import TEAR, SplitRecord
+from shellcut.state import NOTCH, TEAR, SplitRecord
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
@@ -22,6 +24,8 @@ from .unfelt_penetration import Unfelt
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
+
+_COMMON = 1e-6  # edge lengths by which ends of cuts that go on from each other may lie apart
 
 OFF_PATH = 0.2
 """In edge lengths: a row of nodes under the path lies within 0.03, including chord error."""
@@ -177,12 +181,24 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
             "off_path_mm": float(off.max()),
             "path_edge_mm": float(np.median(sweep.edge_length)),
             "bending_length_mm": np.nan if sim.cracks is None else sim.cracks.bending_length,
-            "crack_lead_mm": float(sweep.lead(places[on_it]).max(initial=0.0)),
+            "crack_lead_mm": float(sweep.lead(places[on_it], _cracks(sim)[on_it]).max(initial=0.0)),
         }
     if sim.cables.n_joint_made:
         missed = float(s.cable.overshoot[: s.n_cable].sum()) / sim.cables.n_joint_made
         figures["overshoot_rel"] = missed / (0.5 * sim.cables.at_edge.opening_u)
     return {name: value for name, value in figures.items() if isfinite(value)}
+
+
+def _cracks(sim: Simulation) -> Ints:
+    """Return which crack each split other than tears belongs to: cuts with one end in common."""
+    log = sim.state.split_log
+    ends = np.array([place for record in log for place in (record.reference, record.end)])
+    same = scipy.spatial.cKDTree(ends).query_pairs(
+        _COMMON * float(np.median(sim.mesh.edge_lengths()))
+    )
+    one, two = np.array([*same], np.int64).reshape(-1, 2).T
+    cut = connected_parts(one // 2, two // 2, len(log))
+    return cut[[k for k, record in enumerate(log) if record.kind not in (TEAR, NOTCH)]]
 
 
 def _quad_at(sim: Simulation, record: SplitRecord) -> int:

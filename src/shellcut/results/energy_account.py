@@ -64,7 +64,11 @@ TAKEN_UP = (
 )
 """What the work becomes."""
 
-_DRIVERS = ("tool", "support")
+DRIVERS = ("tool_work", "support_work")
+"""Works of tool and supports, which together move tool and film to each other."""
+
+KINETIC_IN_FILM = "kinetic_in_film"
+"""Column of the kinetic energy as seen from a film that its supports move [N·mm]."""
 
 IMBALANCE = Part("imbalance", "imbalance", ("imbalance",))
 
@@ -160,22 +164,13 @@ def dissipated(figures: Mapping[str, Any]) -> tuple[list[Share], float]:
     return shares, sum(share.share for share in shares)
 
 
-def driver(entries: Mapping[str, Any], ending: str = "") -> str:
-    """Return whose work drives the run, ``tool_work`` or ``support_work``.
-
-    It is that of the tool, or that of the supports where no tool works.
-    """
-    tool, supports = (np.any(entries.get(f"{name}_work{ending}", 0.0)) for name in _DRIVERS)
-    return "support_work" if supports and not tool else "tool_work"
-
-
 def driving_work(history: Mapping[str, Floats]) -> Floats:
-    """Return the work of the tool, or that of the supports where no tool works, shape (n_row,)."""
-    return history[driver(history)]
+    """Return the work of tool and supports together, shape (n_row,)."""
+    return history[DRIVERS[0]] + history.get(DRIVERS[1], 0.0)
 
 
 def trusted_rows(history: Mapping[str, Floats]) -> Bools:
-    """Return the rows with enough work of tool or supports to compare with, shape (n_row,).
+    """Return the rows with enough work of tool and supports to compare with, shape (n_row,).
 
     These are the rows with at least a tenth of the largest work of the run; none if there was no
     work.
@@ -189,12 +184,15 @@ def trusted_rows(history: Mapping[str, Floats]) -> Bools:
 def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
     """Return the largest imbalance and kinetic energy relative to the driving work, [-].
 
+    Of a film that its supports move the kinetic energy is that which is seen from the film.
     Empty if no row can be trusted: without work there is no balance to close.
     """
     if not trusted.any():
         return {}
     work = np.maximum(np.abs(driving_work(history)[trusted]), np.finfo(float).tiny)
-    kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
+    kinetic = history.get(KINETIC_IN_FILM)
+    if kinetic is None:
+        kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
     return {
         "imbalance_rel": float((np.abs(history["imbalance"][trusted]) / work).max()),
         "kinetic_rel": float((np.abs(kinetic[trusted]) / work).max()),

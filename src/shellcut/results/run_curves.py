@@ -9,7 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.view.curves import Curve, Diagram
 
-from .energy_account import PUT_IN, driver, energy_shares, total, trusted_rows
+from .energy_account import PUT_IN, energy_shares, total, trusted_rows
 
 # A negative share up to this part of the largest is still drawn as an area: round-off and the half
 # step between work and energy cause it.
@@ -31,8 +31,8 @@ def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) 
         Curve(said, numbers, f"tooth{k % 8}", group="teeth")
         for k, (said, numbers) in enumerate(each.items())
     ]
-    if driver(history) == "tool_work":
-        joints = history[f"{name}_joints"]
+    joints = history.get(f"{name}_joints")
+    if joints is not None:
         curves += [
             Curve("from contact", history[name] - joints, "contact"),  # friction, too
             Curve("from cables at the edge", joints, "joints"),

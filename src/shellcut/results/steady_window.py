@@ -30,14 +30,18 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.formats.errors import counted
 
-from .energy_account import CABLES, STORED, driver, driving_work
+from .energy_account import CABLES, STORED, driving_work
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
 """Start of the column names, before the number of the edge; all in mm."""
 
 INTEGRAL = "_integral"
-"""End of the column of a figure's integral over the angle in rad, the sum over every step."""
+"""End of the column of a figure's integral over the angle in rad or way in mm, the sum over every
+step."""
+
+WAY = "way"
+"""Name of the coordinate of a film that is torn without a tool."""
 
 _RENEWED = 2.0  # cut length over Z
 _JUDGED = 4.0  # cut over which the film ahead is judged, over Z
@@ -96,7 +100,7 @@ def steady_figures(
     work = driving_work(history)
     units = {name: unit.replace("*", ""), "axial_force": "N"}
     sums = {figure: history[figure + INTEGRAL] for figure in units if figure + INTEGRAL in history}
-    if "axial_force" not in history:  # all work is that of the one figure
+    if "axial_force" not in history and name not in sums:  # all work is that of the one figure
         sums = {name: work}
     way = np.radians(history[x_name]) if turns else history[x_name]
     columns = way, work, CABLES.of(history), STORED.of(history)
@@ -119,7 +123,7 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
 
     It follows from the columns of the history, and name and unit of the coordinate.
     """
-    if driver(history) == "support_work":
+    if coordinate[0] == WAY:
         return _torn(history, coordinate)
     cuts = _cuts(history)
     if isinstance(cuts, str):
@@ -141,6 +145,8 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
             f"cutting edge {cut.edge} cuts {done:.3g} mm; its process zone is {cut.zone:.3g} mm"
         )
     low, high = int(joints[0]), int(joints[-1])
+    if not x[high] > x[low]:
+        return SteadyWindow(reason="the tool does not move along the film")
     return SteadyWindow(float(x[low]), float(x[high]), low, high)
 
 

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from .energy_account import account, dissipated, driver, never_touched
+from .energy_account import DRIVERS, account, dissipated, never_touched
 
 LOGGER = logging.getLogger("shellcut.verdict")
 """Logs the lines at the end of a run: doubts as warnings, the others as information."""
@@ -157,13 +157,16 @@ def _percent(share: float, limit: float = float("nan")) -> str:
 
 
 def _of_work(figures: Figures, share: float, limit: float) -> str:
-    who = "tool's" if driver(figures, "_Nmm") == "tool_work" else "supports'"
-    return f"{_percent(share, limit)} of the {who} work"
+    tool, supports = (f"{name}_Nmm" in figures for name in DRIVERS)
+    who = "supports' work" if supports else "tool's work"
+    if supports and (tool or _is_of_a_tool(figures)):
+        who = "work of tool and supports"
+    return f"{_percent(share, limit)} of the {who}"
 
 
 def _share_of_work(figures: Figures, name: str) -> float | None:
     """Return an energy over the driving work, None without; an energy that is not there is zero."""
-    work = abs(figures.get(f"{driver(figures, '_Nmm')}_Nmm", 0.0))
+    work = abs(sum(figures.get(f"{name}_Nmm", 0.0) for name in DRIVERS))
     return figures.get(name, 0.0) / work if work > 0.0 else None
 
 

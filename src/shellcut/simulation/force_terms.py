@@ -12,7 +12,8 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, norm, product
+from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -34,10 +35,15 @@ class ForceTerms:
         Later ones see the nodal forces of those before.
     motion : Motion, optional
         Of the tool, if there is one.
+    film : FilmMotion, optional
+        Of a film that its supports move.
     """
 
-    def __init__(self, terms: Sequence[ForceTerm], motion: Motion | None) -> None:
-        self._terms, self._motion = tuple(terms), motion
+    def __init__(
+        self, terms: Sequence[ForceTerm], motion: Motion | None, film: FilmMotion | None = None
+    ) -> None:
+        self._terms, self._motion, self._film = tuple(terms), motion, film
+        self._seen = None if motion is None or film is None else SeenFromFilm(film, motion)
         names = [term.name for term in self._terms]
         if len(set(names)) < len(names):
             raise ValueError(f"force terms must have names of their own, got {', '.join(names)}")
@@ -47,8 +53,9 @@ class ForceTerms:
             if not ON_TOOL <= column < touches[k].sums.size:
                 raise IndexError(f"{self._terms[k].name} books column {column} as {entry}")
         self._entries = sorted({entry for _, entry, *_ in booked})
-        # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that.
-        self._last = np.zeros((len(self._terms) + 2, 6))
+        # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that. Of
+        # a film that moves also that integral, and the work on the tool, as seen from the film.
+        self._last = np.zeros((len(self._terms) + 2 + 2 * (self._seen is not None), 6))
         self._amounts = np.zeros(len(self._entries))
         self._book = Holder()(
             WorkBook(
@@ -89,8 +96,16 @@ class ForceTerms:
 
     @property
     def wrench_over_turn(self) -> Floats:
-        """Integral over the angle of the wrench in the world's axes and origin, (6,), [N, N·mm]."""
-        return np.asarray(self._last[-1])
+        """Integral over the angle of the wrench in the world's axes and origin, (6,), [N, N·mm].
+
+        As seen from a film that its supports move: over the angle there, in its axes and origin.
+        """
+        return np.asarray(self._last[len(self._terms) + 1 + (self._seen is not None)])
+
+    @property
+    def work_in_film(self) -> float:
+        """Work of the tool as seen from a film that its supports move [N·mm]."""
+        return -float(self._last[-1, 0])
 
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
@@ -99,10 +114,33 @@ class ForceTerms:
         tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
+        before = self._last[len(self._terms)].copy() if self._seen is not None else None
         ledger.tool_work -= self._work_on_tool.code(twist, pose.translation, tick, self._book)
+        if before is not None and tick > 0.0:
+            mean = 0.5 * (before + self._last[len(self._terms)])
+            self._sum_in_film(mean, state.time, tick)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
+
+    def _sum_in_film(self, wrench: Floats, time: float, tick: float) -> None:
+        """Add the last step to the sums as seen from the film.
+
+        wrench : (6,), on the tool, mean over the step, in the world's axes about the body's origin.
+        """
+        assert self._film is not None
+        assert self._seen is not None
+        Q = self._film.pose(time - 0.5 * tick).rotation
+        force, moment = product(Q.T, wrench[:3]), product(Q.T, wrench[3:])
+        (R0, r0), (R1, r1) = self._seen.pose(time - tick), self._seen.pose(time)
+        turn = product(R1, R0.T)  # its vector to second order, as the sums are
+        vector = 0.5 * np.array(
+            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+        )
+        angle, (over_turn, work) = float(norm(vector)), self._last[-2:]
+        over_turn[:3] += angle * force
+        over_turn[3:] += angle * (moment + np.cross(0.5 * (r0 + r1), force))
+        work[0] += float(product(force, r1 - r0) + product(moment, vector))
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""
@@ -120,7 +158,7 @@ class WorkBook(NamedTuple):
 
     last: Annotated[Floats, "(n_sum, 6)"]
     """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n. The
-    last row is the integral over the angle of that of all, its moment about the world's origin."""
+    row after is the integral over the angle of that of all, its moment about the world's origin."""
     works: Annotated[Floats, "(n_term,)"]
     """Of each term on the tool over the step [N·mm], written."""
     wrenches: tuple[Floats, ...]

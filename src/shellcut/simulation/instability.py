@@ -136,7 +136,7 @@ class StabilityGuard:
 
     def imbalance(self, book: Ledger) -> float | None:
         """Return what the ledger misses over the work, None while that is too little."""
-        is_enough = (abs(book.tool_work) or abs(book.put_in)) >= self._balance.least
+        is_enough = (abs(book.driving) or abs(book.put_in)) >= self._balance.least
         return book.relative(book.imbalance) if is_enough else None
 
     def check_strain(self, state: State, book: Ledger) -> None:

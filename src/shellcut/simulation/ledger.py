@@ -93,7 +93,12 @@ class Ledger:
         """Work put in minus energy taken up."""
         return self.put_in - self.taken_up
 
+    @property
+    def driving(self) -> float:
+        """Work of tool and supports, which together move tool and film to each other."""
+        return self.tool_work + self.support_work
+
     def relative(self, energy: float) -> float:
-        """Return an energy relative to the work of the tool, or to all that was put in."""
-        scale = abs(self.tool_work) or abs(self.put_in)
+        """Return an energy relative to the driving work, or to all that was put in."""
+        scale = abs(self.driving) or abs(self.put_in)
         return energy / scale if scale > 0 else 0.0

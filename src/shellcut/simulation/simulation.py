@@ -21,6 +21,7 @@ from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.options import Fracture
+from shellcut.loads.film_motion import FilmMotion, in_film
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -158,6 +159,10 @@ class Simulation:
         self.loads = LoadSet(self.mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.state = self._state_at_start(velocity)
+        self.film_motion: FilmMotion | None = None
+        """Of a film with a tool that its supports move."""
+        if tool is not None:
+            self.film_motion = FilmMotion.of(self.supports, self.state)
         self._add_terms(contact, directional, terms)
         self._let_crack()
         self.time_step = StableStep(stepping, self.shell, [*self.terms])
@@ -174,7 +179,9 @@ class Simulation:
         own = self_contact_terms(contact, *film, part_of)
         self.self_contact = next((one for one in own if isinstance(one, SelfContact)), None)
         """Of the film with itself, if it is switched on."""
-        self.terms = ForceTerms([*touching, self.cables, *own, *others], self.motion)
+        self.terms = ForceTerms(
+            [*touching, self.cables, *own, *others], self.motion, self.film_motion
+        )
         """All that puts forces on the nodes but shells and loads."""
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
@@ -187,7 +194,7 @@ class Simulation:
             film, tool = (self.shell, self.loads), (self.tool, self.motion)
             points = next((one for one in self.terms if isinstance(one, PointContact)), None)
             way = self.fracture, self.law
-            self.cracks = Cracks(self.state, *way, *film, *tool, points, self.supports)
+            self.cracks = Cracks(self.state, *way, *film, *tool, points, self.film_motion)
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
@@ -267,7 +274,7 @@ class Simulation:
         s.time += s.tick
         self._place_tool()
         if self.cracks is not None:
-            self.cracks.cut_due(s, self.pose, self.ledger.tool_work)  # 3 topology
+            self.cracks.cut_due(s, self.pose, self.work_in_film)  # 3 topology
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
@@ -287,15 +294,19 @@ class Simulation:
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
-        s, book, pace = self.state, self.ledger, self.pace
+        s, book, pace, film = self.state, self.ledger, self.pace, self.film_motion
         if is_slowed := pace.share is not None:
-            pace.adapt(book.kinetic, self._guard.scale)
+            before = self.kinetic_in_film
+            pace.adapt(before, self._guard.scale)
         self.supports.prescribe(s, dt_next, pace.now)
         kick = self.integrator.kick(s, dt_last, dt_next)
         book.support_work += kick.support_work
-        if is_slowed and pace.stops(kick.kinetic, book.kinetic, self._guard.scale):
-            moved, kick = kick.kinetic, self.integrator.restart(s, dt_next)
-            book.damping_kinetic += moved - kick.kinetic
+        if is_slowed:
+            now = kick.kinetic if film is None else film.kinetic(s, kick.kinetic)
+            if pace.stops(now, before, self._guard.scale):
+                s.node.stop(None if film is None else film.velocities(s))
+                moved, kick = kick.kinetic, self.integrator.kick(s, 0.0, dt_next)
+                book.damping_kinetic += moved - kick.kinetic
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation
         # The mass damping of a kick belongs half to the step before and half to the step after.
@@ -308,6 +319,8 @@ class Simulation:
         with np.errstate(all="ignore"):  # of nonsense numbers, which the next line refuses
             self._dt = self.time_step.next(self.state)
         self.time_step.check(self._dt)
+        if self.film_motion is not None:
+            self.film_motion.begin(self.state, self._dt)
         self._kick(0.0, self._dt)
         self.ledger.initial = self.ledger.kinetic + self.ledger.strain
 
@@ -414,6 +427,24 @@ class Simulation:
         """
         return self.terms.wrench
 
+    def motion_in_film(self, until: float) -> Motion | None:
+        """Return the motion of the tool as seen from the film, up to ``until`` [s].
+
+        It is ``motion`` itself where no support moves the film; None without a tool.
+        """
+        return None if self.motion is None else in_film(self.film_motion, self.motion, until)
+
+    @property
+    def work_in_film(self) -> float:
+        """Work of the tool up to t_n, as seen from the film [N·mm]."""
+        return self.ledger.tool_work if self.film_motion is None else self.terms.work_in_film
+
+    @property
+    def kinetic_in_film(self) -> float:
+        """Kinetic energy at t_n, as seen from the film [N·mm]."""
+        film, kinetic = self.film_motion, self.ledger.kinetic
+        return kinetic if film is None else film.kinetic(self.state, kinetic)
+
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
         vars(self.ledger).update(self.terms.stored(self.state))
@@ -442,6 +473,8 @@ class Simulation:
         }
         if self.cracks is not None:
             saved["cracks"] = self.cracks.saved()
+        if self.film_motion is not None:
+            saved["film_motion"] = self.film_motion.saved()
         return saved
 
     def __reduce_ex__(self, protocol: object) -> NoReturn:
@@ -462,6 +495,8 @@ class Simulation:
         self._guard.restore(saved["balance"])
         self.pace.restore(saved["pace"])
         self.pose = Pose(**saved["pose"]).copied()
+        if self.film_motion is not None:
+            self.film_motion.restore(saved["film_motion"])
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])
         self.terms.restore(s, self.pose, saved["terms"])  # they ask the cracks which film is left

@@ -90,8 +90,12 @@ class Instants:
     """Position of the body's origin, shape (n, 3), [mm]."""
 
 
-def kept_axis(motion: Motion, until: float) -> Axis | Line | None:
-    """Return the fixed axis or line of a motion from t = 0 to ``until`` [s], None if neither."""
+def kept_axis(motion: Motion, until: float, stray: float = 0.0) -> Axis | Line | None:
+    """Return the fixed axis or line of a motion from t = 0 to ``until`` [s], None if neither.
+
+    stray : how far an axis may stray [mm], of a motion as seen from a film that moves. Such an axis
+    may also drift at a steady rate, as that of a screw over a film that goes aside.
+    """
     # Not isinstance: a derived class may move differently.
     if type(motion) is ScrewMotion:
         return _of_screw(motion)
@@ -100,7 +104,10 @@ def kept_axis(motion: Motion, until: float) -> Axis | Line | None:
     seen = instants(motion, until)
     if not seen.time.size:
         return None
-    return _axis(seen) if motion.coordinate_unit == "rad" else _line(seen)
+    if motion.coordinate_unit != "rad":
+        return _line(seen)
+    travel = np.array([motion.coordinate(t) for t in seen.time.tolist()])
+    return _axis(seen, stray, travel)
 
 
 def instants(motion: Motion, until: float) -> Instants:
@@ -135,7 +142,7 @@ def _of_screw(motion: ScrewMotion) -> Axis:
     return Axis(direction, (x, y, z), advance, _triple(drift))
 
 
-def _axis(seen: Instants) -> Axis | None:
+def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
     direction = _kept_direction(seen.spin)
     if direction is None:
         return None
@@ -146,15 +153,28 @@ def _axis(seen: Instants) -> Axis | None:
     middle = place.mean(axis=0)
     wander = np.linalg.norm(place - middle, axis=1).max()
     way = np.linalg.norm(seen.shift, axis=1).max()
-    round_off = _ROUND_OFF * np.linalg.norm(seen.origin, axis=1).max()
+    round_off = _ROUND_OFF * np.linalg.norm(seen.origin, axis=1).max() + stray
     if wander > _SAME_PLACE * way + round_off:
-        return None
+        return _drifting(direction, place, seen, travel, stray) if stray > 0.0 else None
     if norm(middle) <= _SAME_DIRECTION * way + round_off:
         middle = np.zeros(3)
     ahead = float(product(seen.shift, direction).sum())
-    return Axis(
-        _triple(direction), _triple(middle), _triple(direction if ahead > 0.0 else -direction)
-    )
+    onward = ahead > stray * len(place)
+    return Axis(_triple(direction), _triple(middle), _triple(direction if onward else -direction))
+
+
+def _drifting(
+    direction: Floats, place: Floats, seen: Instants, travel: Floats, stray: float
+) -> Axis | None:
+    """Return an axis that goes aside with the angle, None if its places (n, 3) do not lie so."""
+    after, aside = travel - travel.mean(), place - place.mean(axis=0)
+    drift = product(after, aside) / max(float(product(after, after)), np.finfo(float).tiny)
+    if norm(aside - after[:, None] * drift).max() > stray:
+        return None
+    start = place.mean(axis=0) - travel.mean() * drift
+    ahead = float(product(seen.shift, direction).mean())
+    advance = unit(ahead * direction + drift)
+    return Axis(_triple(direction), _triple(start), _triple(advance), _triple(drift))
 
 
 def _line(seen: Instants) -> Line | None:

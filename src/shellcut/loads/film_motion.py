@@ -1,0 +1,261 @@
+"""The motion of a film that its supports move, and the tool's motion as seen from it.
+
+A cut knows only how tool and film move to each other. So whatever is per length, per angle or along
+the motion asks :class:`SeenFromFilm`: it is the tool's motion in a frame in which the film rests
+where its mesh lies. Where no support moves the film, the tool's own motion serves as it is.
+
+The film moves as the rigid body that is nearest to its held nodes: each held axis of a node counts
+once, so a clamp with more nodes counts more, and what the held axes leave open rests. With Q and q
+its pose, x = Q X + q, the least squares of the prescribed velocities at the places Q X + q give its
+twist at any time, and this twist moves the pose on. It is integrated in ticks of many steps by the
+midpoint rule, each tick with a twist of its own: exact for a constant one.
+
+With R, r, w, v pose and twist of the tool and w_f, v_f the twist of the film, v_f that of q,
+
+    R' = Q^T R,  r' = Q^T (r - q),  w' = Q^T (w - w_f),  v' = Q^T (v - v_f - w_f x (r - q)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sin
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, norm, product
+from shellcut.numerics.small_matrices import symmetric_eigen
+from shellcut.state import State
+from shellcut.tool.motion import Motion
+from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
+
+from .supports import Rate, SupportSet
+
+# Of the largest eigenvalue: below it the held axes leave a motion open.
+_TOLD = 1e-9
+# Steps of the run at its start in a tick.
+_STEPS = 32
+# Below this [rad] a turn uses series, whose next term is below 1e-17.
+_SMALL_ANGLE = 1e-4
+# Parts of the largest prescribed velocity that held nodes may differ by from those of a rigid film:
+# far above what a tick leaves, far below any stretch that moves a film to a tool.
+_RIGID = 1e-3
+# Instants at which that is asked, and whether the tool turns as seen from the film.
+_N_INSTANT = 64
+# A tool that turns by less [rad] in the film, all told, does not.
+_TURNS = 1e-6
+# Turn of a film [rad] below which a tool that itself goes straight still has a path: that of a film
+# which supports shear while it is cut.
+_SHEARED = 0.1
+
+
+class FilmMotion:
+    """The rigid motion of a film by its supports, from the start of a run on.
+
+    Parameters
+    ----------
+    supports : SupportSet
+        Some of which move positions.
+    state : State
+        After :meth:`SupportSet.initialise`.
+    """
+
+    def __init__(self, supports: SupportSet, state: State) -> None:
+        self._rates: Sequence[tuple[Ints, int, Rate]] = supports.moved
+        n = len(supports.directors)
+        self._nodes, axes = np.nonzero(state.node.support[:n, :3])
+        self._along, self._axes = np.eye(3)[axes], axes
+        self._prescribed = np.zeros((n, 3))
+        self._start(state.node.x[:n][self._nodes], 1.0)
+
+    @classmethod
+    def of(cls, supports: SupportSet, state: State) -> FilmMotion | None:
+        """Return the motion of a film, None where no support moves positions."""
+        return cls(supports, state) if supports.moved else None
+
+    def begin(self, state: State, dt: float) -> None:
+        """Start from where the held nodes are; ``dt`` [s] is the length of the first step."""
+        self._start(state.node.x[self._nodes].copy(), _STEPS * dt)
+
+    def _start(self, places: Floats, tick: float) -> None:
+        self._X, self.tick = places, tick
+        self._poses = [Pose(np.eye(3), np.zeros(3))]
+        self._twists: list[tuple[Floats, Floats]] = []
+
+    def saved(self) -> dict[str, Any]:
+        """Return where the held nodes were at the start [mm], and the tick [s]."""
+        return {"places": self._X, "tick": self.tick}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._start(np.array(saved["places"]), float(saved["tick"]))
+
+    @property
+    def extent(self) -> float:
+        """Of the held nodes at the start [mm]."""
+        return float(norm(np.ptp(self._X, axis=0)))
+
+    def pose(self, time: float) -> Pose:
+        """Return Q and q [mm] at a time [s]: x = Q X + q."""
+        k = max(int(time / self.tick), 0)
+        while len(self._twists) <= k:
+            pose, at = self._poses[-1], len(self._twists) * self.tick
+            half = 0.5 * self.tick
+            middle = _moved(pose, *self._fit(at, pose)[:2], half)
+            spin, velocity, _ = self._fit(at + half, middle)
+            velocity = velocity + np.cross(spin, pose.translation - middle.translation)
+            self._twists.append((spin, velocity))
+            self._poses.append(_moved(pose, spin, velocity, self.tick))
+        return _moved(self._poses[k], *self._twists[k], time - k * self.tick)
+
+    def twist(self, time: float) -> tuple[Floats, Floats]:
+        """Return the angular velocity [rad/s] and that of q [mm/s] at a time [s], (3,) each."""
+        return self._fit(time, self.pose(time))[:2]
+
+    def is_rigid(self, until: float) -> bool:
+        """Whether the supports move the film as a whole until then [s]."""
+        times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * until
+        found = [self._fit(t, self.pose(t))[2] for t in times.tolist()]
+        off, most = np.array(found).max(axis=0)
+        return bool(off <= _RIGID * most)
+
+    def velocity_at(self, x: Floats, time: float) -> Floats:
+        """Return the velocity of the film, were it rigid, at places (n, 3), shape (n, 3) [mm/s]."""
+        spin, velocity = self.twist(time)
+        return np.asarray(velocity + np.cross(spin, x - self.pose(time).translation))
+
+    def kinetic(self, state: State, kinetic: float) -> float:
+        """Return the kinetic energy as seen from the film [N·mm].
+
+        kinetic : that in space, of translation and rotation [N·mm].
+        """
+        n, count = state.node, state.node.count
+        (u, turning), mass = self.velocities(state), n.mass[:count]
+        moved = np.einsum("ic,ic->i", u, 0.5 * u - n.velocity_half[:count])
+        turned = np.einsum("ic,ic->i", turning, 0.5 * turning - n.spin_half[:count])
+        return kinetic + float(product(mass, moved) + product(n.inertia[:count], turned))
+
+    def velocities(self, state: State) -> tuple[Floats, Floats]:
+        """Return velocities [mm/s] and spins [rad/s] of all nodes of a rigid film, (n, 3) each."""
+        n, count = state.node, state.node.count
+        u = state.pace * self.velocity_at(n.x[:count], state.time)
+        t, spin = n.t[:count], state.pace * self.twist(state.time)[0]
+        return u, spin - product(t, spin)[:, None] * t  # a director has no spin about itself
+
+    def _fit(self, time: float, pose: Pose) -> tuple[Floats, Floats, tuple[float, float]]:
+        """Return spin, velocity of q, and the largest misfit and largest prescribed velocity."""
+        rates = self._prescribed
+        for ids, c, rate in self._rates:
+            rates[ids, c] = rate(time)
+        wanted = rates[self._nodes, self._axes]
+        x = pose.to_space(self._X)
+        place = x.mean(axis=0)
+        size = max(float(np.abs(x - place).max()), np.finfo(float).tiny)
+        # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
+        share = np.hstack([self._along, np.cross((x - place) / size, self._along)])
+        squares, modes = symmetric_eigen(product(share.T, share))
+        told = squares > _TOLD * squares[-1]
+        parts = product(modes.T, share.T, wanted)[told] / squares[told]
+        found = product(modes[:, told], parts)
+        off = float(np.abs(product(share, found) - wanted).max())
+        spin = found[3:] / size
+        velocity = found[:3] + np.cross(spin, pose.translation - place)
+        return spin, velocity, (off, float(np.abs(wanted).max()))
+
+
+class SeenFromFilm:
+    """The motion of a tool as seen from a film that its supports move, a :class:`.Motion`.
+
+    Its coordinate is the travel, which only grows: the angle (integral of the angular speed) if the
+    tool turns, otherwise the path of the body's origin.
+
+    Parameters
+    ----------
+    film : FilmMotion
+        Of the film.
+    motion : Motion
+        Of the tool in space.
+    until : float, optional
+        End of the run [s]: up to there it is asked whether the tool turns. Its coordinate needs it.
+    """
+
+    def __init__(self, film: FilmMotion, motion: Motion, until: float = 0.0) -> None:
+        self._film, self._motion, self._until = film, motion, until
+        self._travel: list[tuple[float, float]] = []
+        self._unit = ""
+
+    def pose(self, time: float) -> Pose:
+        """Return R' and r' [mm], with x' = R' X + r'."""
+        (R, r), (Q, q) = pose_at(self._motion, time), self._film.pose(time)
+        return Pose(product(Q.T, R), product(Q.T, r - q))
+
+    def twist(self, time: float) -> tuple[Floats, Floats]:
+        """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
+        spin, velocity = (np.asarray(part, float) for part in self._motion.twist(time))
+        arm = pose_at(self._motion, time).translation - self._film.pose(time).translation
+        of_film, moving = self._film.twist(time)
+        back = self._film.pose(time).rotation.T
+        rate = velocity - moving - np.cross(of_film, arm)
+        return product(back, spin - of_film), product(back, rate)
+
+    @property
+    def coordinate_unit(self) -> str:
+        """Unit of the coordinate: "rad" if the tool turns in the film, otherwise "mm"."""
+        if not self._unit:
+            times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * self._until
+            turn = norm(np.array([self.twist(t)[0] for t in times.tolist()])).mean() * self._until
+            goes = self._motion.coordinate(self._until) != self._motion.coordinate(0.0)
+            straight = goes and self._motion.coordinate_unit != "rad"
+            self._unit = "rad" if turn > (_SHEARED if straight else _TURNS) else "mm"
+        return self._unit
+
+    def coordinate(self, time: float) -> float:
+        """Return the angle [rad] or path [mm] travelled in the film since t = 0."""
+        tick, table = self._film.tick, self._travel
+        k = int(time / tick) if time > 0.0 else 0
+        if not table:
+            table.append((0.0, self._speed(0.0)))
+        while len(table) <= k + 1:  # Simpson's rule
+            at, (way, speed) = len(table) * tick, table[-1]
+            middle, end = self._speed(at - 0.5 * tick), self._speed(at)
+            table.append((way + tick / 6.0 * (speed + 4.0 * middle + end), end))
+        (s0, v0), (s1, v1) = table[k], table[k + 1]
+        u = max(time, 0.0) / tick - k
+        # cubic Hermite: the travel and its rate at both ends of the tick
+        return (
+            s0
+            + u * u * (3.0 - 2.0 * u) * (s1 - s0)
+            + u * (1.0 - u) * tick * ((1.0 - u) * v0 - u * v1)
+        )
+
+    def _speed(self, time: float) -> float:
+        spin, velocity = self.twist(time)
+        return float(norm(spin if self.coordinate_unit == "rad" else velocity))
+
+
+def in_film(film: FilmMotion | None, motion: Motion, until: float) -> Motion:
+    """Return the motion of a tool as seen from a film, up to ``until`` [s].
+
+    It is the tool's own where no support moves the film.
+    """
+    return motion if film is None else SeenFromFilm(film, motion, until)
+
+
+def _moved(pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
+    """Return a pose moved on by a constant twist: spin and velocity at its translation."""
+    a0, a1, a2 = (time * spin).tolist()
+    angle = float(norm(time * spin))
+    if angle < _SMALL_ANGLE:
+        s, k = 1.0 - angle * angle / 6.0, 0.5 - angle * angle / 24.0
+        third = 1.0 / 6.0 - angle * angle / 120.0
+    else:
+        half = sin(0.5 * angle) / angle
+        s, k = sin(angle) / angle, 2.0 * half * half
+        third = (1.0 - s) / (angle * angle)
+    cross = np.array([[0.0, -a2, a1], [a2, 0.0, -a0], [-a1, a0, 0.0]])
+    # exp and its integral over the time, for [a]^2 = a a^T - angle^2
+    square = product(cross, cross)
+    turn = np.eye(3) + s * cross + k * square
+    way = time * (velocity + k * product(cross, velocity) + third * product(square, velocity))
+    return Pose(product(turn, pose.rotation), pose.translation + way)
