@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from shellcut.recording.signals import Interruption
+from shellcut.signals import Interruption
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 
@@ -114,7 +114,7 @@ def test_in_another_thread_nothing_is_held_back(received):
 _WAITING = """
 import signal
 import time
-from shellcut.recording.signals import Interruption
+from shellcut.signals import Interruption
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
 with Interruption() as interruption:
     print("running", flush=True)

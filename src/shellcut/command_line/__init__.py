@@ -4,6 +4,9 @@
 May import everything.
 """
 
-from .main import main
+from shellcut.signals import Importing
+
+with Importing():
+    from .main import main
 
 __all__ = ["main"]

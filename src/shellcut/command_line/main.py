@@ -15,6 +15,7 @@ from shellcut.model_file import ModelFileError, shipped_models
 from shellcut.model_file.key_index import tables
 from shellcut.results.cut_quality import UNITS
 from shellcut.results.summary_figures import LABELS
+from shellcut.signals import INTERRUPTED, RaisedAgain, ignore_ctrl_c
 from shellcut.unit import showing
 from shellcut.view.fields import FIELDS
 
@@ -34,7 +35,7 @@ from . import (
     view,
     warmup,
 )
-from .exit_code import INTERRUPTED, in_lines, refuse
+from .exit_code import in_lines, refuse
 from .listener import ignore_closed_pipe
 from .shared_arguments import add_shown_in_to
 
@@ -64,14 +65,29 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns its exit code, one of :data:`.exit_code.MEANINGS`; argparse exits by itself, with the
     code for bad input.
     """
-    for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
-    parser = parser_of_all()
-    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
-        with contextlib.suppress(ImportError):
-            _complete(parser)
-    arguments = parser.parse_args(argv)
+    arguments = argparse.Namespace()
+    try:
+        with RaisedAgain():
+            for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
+                if isinstance(stream, TextIOWrapper):
+                    stream.reconfigure(errors="backslashreplace")
+            parser = parser_of_all()
+            if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
+                with contextlib.suppress(ImportError):
+                    _complete(parser)
+            arguments = parser.parse_args(argv)
+            return _done(arguments)
+    except KeyboardInterrupt:
+        ignore_ctrl_c()
+        is_study = hasattr(arguments, "jobs")
+        print("interrupted" + "; to continue, call it again" * is_study, file=sys.stderr)
+        return INTERRUPTED
+    finally:
+        ignore_ctrl_c()
+
+
+def _done(arguments: argparse.Namespace) -> int:
+    """Run the command; return its exit code, that for bad input where it is wrong."""
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
             code: int = arguments.run(arguments)
@@ -82,10 +98,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         if arguments.command in _RUNS and not isinstance(problem, OSError | ModelFileError):
             raise
         return refuse(problem)
-    except KeyboardInterrupt:
-        is_study = hasattr(arguments, "jobs")
-        print("interrupted" + "; to continue, call it again" * is_study, file=sys.stderr)
-        return INTERRUPTED
     return code
 
 

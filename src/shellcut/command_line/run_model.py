@@ -17,9 +17,10 @@ from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
 from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line
+from shellcut.signals import INTERRUPTED
 from shellcut.unit import with_unit
 
-from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED, refused
+from .exit_code import BAD_INPUT, DONE, FAILED, STOPPED, refused
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
