@@ -69,12 +69,15 @@ with Importing():
     from .tool.table_motion import TableMotion
     from .tool.tool import Tool
     from .tool.tool_file import read_tool
+    from .tool.touch import ON_TOOL, Booking, Touch
     from .unit import showing
 
 __version__ = version("shellcut")
 
 __all__ = [
+    "ON_TOOL",
     "Anisotropy",
+    "Booking",
     "CohesiveLaw",
     "Comparison",
     "Contact",
@@ -120,6 +123,7 @@ __all__ = [
     "TableMotion",
     "TensileTest",
     "Tool",
+    "Touch",
     "Voce",
     "check_model",
     "compare",

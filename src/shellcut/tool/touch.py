@@ -50,11 +50,18 @@ def react(f: Vec3, x: Vec3, tooth: int, pose: Pose, wrench: Floats) -> None:
 
 
 class Booking(NamedTuple):
-    """A sum that goes into the ledger at every step."""
+    """A sum that goes into the ledger at every step.
+
+    Examples
+    --------
+    What a term puts into the film, by its second sum, and what its wrench does on the tool:
+
+    >>> booked = Booking("load_work", 1), Booking("load_work", ON_TOOL)
+    """
 
     entry: str
     """Of the ledger."""
     column: int
-    """Of ``sums``, or ``ON_TOOL``."""
+    """Of ``sums``, or ``ON_TOOL``: the work of the wrench on the tool."""
     factor: float = 1.0
     """Times which it is added."""
