@@ -162,9 +162,17 @@ class RaisedAgain:
         if not issubclass(dropped.exc_type, KeyboardInterrupt):
             self._former(dropped)
             return
-        timer = threading.Timer(_AGAIN_AFTER, _thread.interrupt_main)
+        timer = threading.Timer(_AGAIN_AFTER, _interrupt_main_thread)
         timer.daemon = True
         timer.start()
+
+
+def _interrupt_main_thread() -> None:
+    """Send SIGINT to the main thread; on Windows it finds out when it next runs Python."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
 
 
 def is_command() -> bool:

@@ -129,8 +129,9 @@ def test_a_run_that_was_killed_or_has_no_frame_yet(tmp_path):
     assert results.splits == {}
     assert "the run has not ended" in repr(results)
     assert_same(results.frame(1), frames[1])
-    (tmp_path / "out" / "summary.json").write_text('{"n_quad": 3')  # half written
-    assert shellcut.read(tmp_path / "out").summary == {}
+    (tmp_path / "out" / "summary.json").write_text('{"n_quad": 3')  # no run leaves it half written
+    with pytest.raises(ValueError, match=r"summary\.json, line 1, column 13: must be JSON"):
+        shellcut.read(tmp_path / "out")
     (tmp_path / "out" / "summary.json").write_text(json.dumps({"n_quad": 3}))
     assert shellcut.read(tmp_path / "out" / "made.vtkhdf").summary == {"n_quad": 3}
     leave(tmp_path / "out", n=0)
