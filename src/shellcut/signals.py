@@ -130,20 +130,25 @@ class HeldBack:
 
 
 class Importing(HeldBack):
-    """Hold signals back while modules of shellcut are imported.
+    """Hold signals back while the package is imported, in the command until :func:`answer_held`.
 
-    The command ends after that with its own words and exit code instead of a traceback.
+    The command answers in its own words and by its exit code, where a script gets a traceback.
     """
 
     def __exit__(self, *_: object) -> None:
-        try:
+        if is_command():
+            _held_by_command.append(self)
+        else:
             super().__exit__()
-        except KeyboardInterrupt:
-            if not is_command():
-                raise
-            ignore_ctrl_c()
-            print("interrupted", file=sys.stderr)
-            raise SystemExit(INTERRUPTED) from None
+
+
+_held_by_command: list[HeldBack] = []
+
+
+def answer_held() -> None:
+    """Raise what the command has held back since its start, and hold nothing back any more."""
+    while _held_by_command:
+        HeldBack.__exit__(_held_by_command.pop())
 
 
 class RaisedAgain:

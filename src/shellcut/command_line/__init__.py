@@ -4,9 +4,6 @@
 May import everything.
 """
 
-from shellcut.signals import Importing
-
-with Importing():
-    from .main import main
+from .main import main
 
 __all__ = ["main"]

@@ -15,7 +15,7 @@ from shellcut.model_file import ModelFileError, shipped_models
 from shellcut.model_file.key_index import tables
 from shellcut.results.cut_quality import UNITS
 from shellcut.results.summary_figures import LABELS
-from shellcut.signals import INTERRUPTED, RaisedAgain, ignore_ctrl_c
+from shellcut.signals import INTERRUPTED, RaisedAgain, answer_held, ignore_ctrl_c
 from shellcut.unit import showing
 from shellcut.view.fields import FIELDS
 
@@ -68,6 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = argparse.Namespace()
     try:
         with RaisedAgain():
+            answer_held()
             for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
                 if isinstance(stream, TextIOWrapper):
                     stream.reconfigure(errors="backslashreplace")
