@@ -69,13 +69,12 @@ with Importing():
     from .tool.table_motion import TableMotion
     from .tool.tool import Tool
     from .tool.tool_file import read_tool
-    from .tool.touch import ON_TOOL, Booking, Touch
+    from .tool.touch import Booking, Touch
     from .unit import showing
 
 __version__ = version("shellcut")
 
 __all__ = [
-    "ON_TOOL",
     "Anisotropy",
     "Booking",
     "CohesiveLaw",

@@ -22,7 +22,7 @@ from shellcut.tool.touch import ON_TOOL, Booking, Touch
 class Spring(ForceTerm):
     """A spring between a node and the origin of the tool: a term that uses all it may give."""
 
-    booked = Booking("contact_work", 0, -1.0), Booking("contact_work", ON_TOOL, -1.0)
+    booked = Booking("contact_work", 0, -1.0), Booking.of_wrench("contact_work", -1.0)
 
     def __init__(self, node, k, name="spring"):
         self.name, self.node, self.k = name, node, k

@@ -52,7 +52,7 @@ class ForceTerms:
         self._added = {one.name: _Added() for one in self._terms if not one.booked}
         """What the terms that book nothing have added to the nodal forces."""
         touches = [term.touch for term in self._terms]
-        on_tool = (Booking("load_work", ON_TOOL),)
+        on_tool = (Booking.of_wrench("load_work"),)
         booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked or on_tool]
         self._entries = sorted({entry for _, entry, *_ in booked})
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that.
@@ -144,7 +144,7 @@ def _check(terms: Sequence[ForceTerm]) -> None:
             if not ON_TOOL <= column < (n := term.touch.sums.size):
                 raise ValueError(
                     f"{term.name} books column {column} as {entry}: it must be one of the {n} "
-                    "columns of touch.sums, from 0, or ON_TOOL"
+                    "columns of touch.sums, from 0; of the wrench: Booking.of_wrench"
                 )
     bodies = {term.name: len(term.touch.wrench) for term in terms if len(term.touch.wrench)}
     if len(set(bodies.values())) > 1:
