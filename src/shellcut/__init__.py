@@ -8,70 +8,75 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 :func:`opening_test`, :func:`guillotine`, :func:`trouser` and :func:`oscillating` are ready models.
 """
 
-from importlib.metadata import version
+from .signals import Importing
 
-from . import meshing, tool_shapes
-from .cables.cohesive_law import CohesiveLaw
-from .checks import check_model
-from .contact.settings import Contact
-from .fracture.anisotropy import Anisotropy
-from .fracture.options import Fracture
-from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
-from .loads.supports import Support
-from .material import (
-    CowperSymonds,
-    Elastic,
-    Hencky,
-    JohnsonCook,
-    Layer,
-    Linear,
-    Orthotropic,
-    Plastic,
-    ShellMaterial,
-    Swift,
-    Table,
-    Voce,
-)
-from .mesh.drawing import FilmOutline, mesh_from_drawing, read_drawing
-from .mesh.film_file import read_film
-from .mesh.mesh import Mesh
-from .mesh.outline import mesh_from_outline
-from .mitc4.mesh_quality import mesh_quality
-from .model_file import ModelFileError, preset_film, read_model
-from .models import guillotine, opening_test, oscillating, trouser
-from .models.preview import preview
-from .models.warmup import warmup
-from .recording.checkpoint import load_checkpoint, save_checkpoint
-from .recording.recorder import Recorder
-from .report import report_run
-from .results.comparison import Comparison, compare
-from .results.error_bars import ErrorBar, ErrorBars
-from .results.measured_curve import MeasuredCurve, read_measured_curve
-from .results.run_results import Results, read
-from .scene_page import view_html
-from .simulation.hooks import Hook, StopRun
-from .simulation.simulation import Simulation
-from .simulation.stable_step import Stepping
-from .statics.statics import Statics
-from .study.converge import converge
-from .study.curve_misfit import FitCurve
-from .study.design import Design
-from .study.fit import Search, fit
-from .study.optimise import Optimum, optimise
-from .study.report import report_study
-from .study.study import StudyResults, sweep
-from .tensile import TensileTest, evaluate_tensile
-from .tool.force_term import ForceTerm
-from .tool.motion import ScrewMotion, StraightMotion
-from .tool.table_motion import TableMotion
-from .tool.tool import Tool
-from .tool.tool_file import read_tool
-from .unit import showing
+with Importing():
+    from importlib.metadata import version
+
+    from . import meshing, tool_shapes
+    from .cables.cohesive_law import CohesiveLaw
+    from .checks import check_model
+    from .contact.settings import Contact
+    from .fracture.anisotropy import Anisotropy
+    from .fracture.options import Fracture
+    from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
+    from .loads.supports import Support
+    from .material import (
+        CowperSymonds,
+        Elastic,
+        Hencky,
+        JohnsonCook,
+        Layer,
+        Linear,
+        Orthotropic,
+        Plastic,
+        ShellMaterial,
+        Swift,
+        Table,
+        Voce,
+    )
+    from .mesh.drawing import FilmOutline, mesh_from_drawing, read_drawing
+    from .mesh.film_file import read_film
+    from .mesh.mesh import Mesh
+    from .mesh.outline import mesh_from_outline
+    from .mitc4.mesh_quality import mesh_quality
+    from .model_file import ModelFileError, preset_film, read_model
+    from .models import guillotine, opening_test, oscillating, trouser
+    from .models.preview import preview
+    from .models.warmup import warmup
+    from .recording.checkpoint import load_checkpoint, save_checkpoint
+    from .recording.recorder import Recorder
+    from .report import report_run
+    from .results.comparison import Comparison, compare
+    from .results.error_bars import ErrorBar, ErrorBars
+    from .results.measured_curve import MeasuredCurve, read_measured_curve
+    from .results.run_results import Results, read
+    from .scene_page import view_html
+    from .simulation.hooks import Hook, StopRun
+    from .simulation.simulation import Simulation
+    from .simulation.stable_step import Stepping
+    from .statics.statics import Statics
+    from .study.converge import converge
+    from .study.curve_misfit import FitCurve
+    from .study.design import Design
+    from .study.fit import Search, fit
+    from .study.optimise import Optimum, optimise
+    from .study.report import report_study
+    from .study.study import StudyResults, sweep
+    from .tensile import TensileTest, evaluate_tensile
+    from .tool.force_term import ForceTerm
+    from .tool.motion import ScrewMotion, StraightMotion
+    from .tool.table_motion import TableMotion
+    from .tool.tool import Tool
+    from .tool.tool_file import read_tool
+    from .tool.touch import Booking, Touch
+    from .unit import showing
 
 __version__ = version("shellcut")
 
 __all__ = [
     "Anisotropy",
+    "Booking",
     "CohesiveLaw",
     "Comparison",
     "Contact",
@@ -117,6 +122,7 @@ __all__ = [
     "TableMotion",
     "TensileTest",
     "Tool",
+    "Touch",
     "Voce",
     "check_model",
     "compare",

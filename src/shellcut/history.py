@@ -1,5 +1,5 @@
 """The table of ``history.csv``; the code is in :mod:`shellcut.results.history`."""
 
-from .results.history import HistoryWriter, read_history
+from .results.history import HistoryWriter, Written, read_history
 
-__all__ = ["HistoryWriter", "read_history"]
+__all__ = ["HistoryWriter", "Written", "read_history"]

@@ -585,6 +585,18 @@ def test_what_cannot_be_gone_on_with_is_named(tmp_path):
         with pytest.raises(ValueError, match=r"history\.csv must reach to the checkpoint"):
             Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
         assert (tmp_path / "history.csv").read_bytes() == lost
+    there = sorted(path.name for path in tmp_path.iterdir())
+    assert "summary.json" in there
+    for change, said in (
+        (b"9", "changed"),
+        (b"x", r"line 3, column 'time \[s\]': must be a number"),
+    ):
+        lines = history.splitlines(keepends=True)
+        lines[2] = change + lines[2][1:]
+        (tmp_path / "history.csv").write_bytes(b"".join(lines))
+        with pytest.raises(ValueError, match=rf"history\.csv must be as it was at the .*{said}"):
+            Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
+        assert sorted(path.name for path in tmp_path.iterdir()) == there  # nothing has been removed
     (tmp_path / "cut.vtkhdf").unlink()
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
         Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)

@@ -1,5 +1,6 @@
 """The loop over the force terms: wrench, work, stiffness, ledger, restart; a term of one's own."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,7 +22,7 @@ from shellcut.tool.touch import ON_TOOL, Booking, Touch
 class Spring(ForceTerm):
     """A spring between a node and the origin of the tool: a term that uses all it may give."""
 
-    booked = Booking("contact_work", 0, -1.0), Booking("contact_work", ON_TOOL, -1.0)
+    booked = Booking("contact_work", 0, -1.0), Booking.of_wrench("contact_work", -1.0)
 
     def __init__(self, node, k, name="spring"):
         self.name, self.node, self.k = name, node, k
@@ -208,7 +209,8 @@ def tethered(terms=None, **options):
     if terms is None:
         terms = [Tether(7, mesh.nodes[7] + [0.0, 0.0, 0.1], 0.02)]
     film = sc.ShellMaterial.homogeneous()
-    return sc.Simulation(mesh, film, terms=terms, damping_alpha=0.0, damping_beta=0.0, **options)
+    undamped = {"damping_alpha": 0.0, "damping_beta": 0.0}
+    return sc.Simulation(mesh, film, terms=terms, **undamped | options)
 
 
 def test_a_term_of_ones_own_moves_the_film_and_keeps_the_balance(tmp_path):
@@ -223,3 +225,148 @@ def test_a_term_of_ones_own_moves_the_film_and_keeps_the_balance(tmp_path):
     save_checkpoint(whole, tmp_path / "c.h5")
     with pytest.raises(CheckpointError, match="terms"):
         load_checkpoint(tethered([]), tmp_path / "c.h5")
+
+
+# ---------------------------------------------------------------- a term that books nothing
+
+
+class Plain(ForceTerm):
+    """Springs between nodes and places, turning springs on directors, and no word on its work."""
+
+    def __init__(self, nodes, places, k, turning=0.0, tool=False, name="plain"):
+        self.name, self.nodes, self.k, self.turning = name, np.array(nodes), k, turning
+        self.places = np.array(places, float)
+        self.touch = Touch.none(int(tool), 0)
+
+    def pulled(self, state, pose):
+        at = pose.translation if len(self.touch.wrench) else 0.0
+        return at + self.places - state.node.x[self.nodes]
+
+    def add_forces(self, state, pose):
+        pull = self.k * self.pulled(state, pose)
+        for node, force in zip(self.nodes, pull, strict=True):
+            state.node.force[node] += 0.5 * force  # in two parts
+            state.node.force[node] += 0.5 * force
+            state.node.director_force[node] -= self.turning * np.array([1.0, 0.0, 0.0])
+        for wrench in self.touch.wrench:
+            moment = np.cross(state.node.x[self.nodes] - pose.translation, pull).sum(axis=0)
+            wrench[:] = -np.concatenate([pull.sum(axis=0), moment])
+
+    def energy(self, state, pose):
+        """Of springs, and of couples whose potential is the tilt of the director along x."""
+        pulled = self.pulled(state, pose)
+        tilt = self.turning * state.node.t[self.nodes, 0].sum()
+        return 0.5 * self.k * (pulled * pulled).sum() + tilt
+
+    def stiffness(self, state, counted):
+        return self.nodes, np.full(len(self.nodes), self.k)
+
+
+FLAT = rectangle(4.0, 2.0, size=1.0)
+SHIFT = [0.0, 0.01, 0.1]
+HELD = [sc.Support.clamped("left")]
+MOVED = [*HELD, sc.Support("right", velocity={"z": lambda time: 20.0})]
+PLAIN = {
+    "a free film": {},
+    "held where it pulls": {"nodes": [0, 7], "supports": HELD},
+    "on a moving support": {"nodes": [4, 7], "supports": MOVED},
+    "on directors": {"turning": 2e-4, "supports": HELD},
+    "beside loads": {"loads": [sc.Gravity((0.0, 0.0, -1e6)), sc.Pressure(1e-5, following=True)]},
+    "damped": {"damping_alpha": 0.0, "damping_beta": 5e-8},
+}
+
+
+@pytest.mark.parametrize("case", PLAIN)
+def test_the_work_of_a_term_that_books_nothing_is_booked_for_it(case):
+    options = dict(PLAIN[case])
+    nodes, turning = options.pop("nodes", [7, 9]), options.pop("turning", 0.0)
+    term = Plain(nodes, FLAT.nodes[nodes] + SHIFT, 0.02, turning)
+    alone = not options.get("loads")
+    sim = tethered([term], **options)
+    before = term.energy(sim.state, sim.pose)
+    for _ in range(300):
+        sim.step()
+    book = sim.close_ledger()
+    given = before - term.energy(sim.state, sim.pose)
+    assert abs(given) > 1e-2 * before
+    if alone:  # of linear springs the trapezoidal rule is exact
+        assert book.load_work == pytest.approx(given, rel=1e-9)
+    assert abs(book.imbalance) < 1e-6 * abs(book.load_work)
+
+
+def cut_with(term):
+    return cutting(terms=[term])
+
+
+def springs_on_tool(state):
+    """Springs from all nodes near the notch to the tool: also those that will split."""
+    near = np.flatnonzero(np.abs(state.node.X[: state.n_node, 1]) < 0.5)
+    return Plain(near, state.node.X[near] - [0.05, 0.0, 0.0], 0.2, tool=True)
+
+
+def test_a_cut_closes_with_springs_on_nodes_that_split_and_on_the_tool():
+    term = springs_on_tool(cutting().state)
+    sim = cut_with(term)
+    while sim.state.n_cable < 4:
+        sim.step()
+    book, energy = sim.close_ledger(), term.energy(sim.state, sim.pose)
+    assert energy > 0.1 * abs(book.tool_work)
+    assert abs(book.imbalance) < 1e-4 * energy
+    np.testing.assert_array_equal(sim.tooth_wrenches, sum_of_others(sim, term) + term.touch.wrench)
+
+
+def sum_of_others(sim, term):
+    return sum(one.touch.wrench for one in sim.terms.on_tool if one is not term)
+
+
+def test_a_resumed_run_goes_on_bit_for_bit_with_a_term_that_keeps_nothing(tmp_path):
+    def built():
+        return cut_with(springs_on_tool(cutting().state))
+
+    whole, begun, again = built(), built(), built()
+    while begun.state.n_cable < 2:
+        begun.step()
+    save_checkpoint(begun, tmp_path / "c.h5")
+    load_checkpoint(again, tmp_path / "c.h5")
+    for sim in (whole, again):
+        while sim.state.step < begun.state.step + 20:
+            sim.step()
+    assert whole.close_ledger() == again.close_ledger()
+
+
+class Wrong(Plain):
+    def __init__(self, **given):
+        super().__init__([7], [[0.0, 0.0, 0.0]], 0.0)
+        vars(self).update(given)
+
+    def stored(self, state):
+        return {"spring": 1.0} if self.name == "storing" else {}
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"booked": [Booking("spring_work", ON_TOOL)]}, "plain books 'spring_work': it must be an"),
+        (
+            {"booked": [Booking("load_work", 0)]},
+            "column 0 as load_work: it must be one of the 0 co",
+        ),
+        ({"booked": [Booking("load_work", -2)]}, "column -2 as load_work"),
+        ({"name": "last"}, "must have names of their own, and none of added, last; got "),
+        ({"name": "joints"}, "must have names of their own"),
+    ],
+)
+def test_what_a_term_cannot_book_is_refused_before_the_run(given, said):
+    with pytest.raises(ValueError, match=re.escape(said)):
+        tethered([Wrong(**given)])
+
+
+def test_an_entry_that_the_ledger_does_not_have_is_refused():
+    sim = tethered([Wrong(name="storing")])
+    with pytest.raises(ValueError, match="storing stores 'spring': it must be an entry of the led"):
+        sim.close_ledger()
+
+
+def test_wrenches_on_other_numbers_of_teeth_are_refused():
+    with pytest.raises(ValueError, match=r"a row for each tooth of the tool, got .*2 of plain"):
+        cut_with(Wrong(touch=Touch.none(2, 0)))

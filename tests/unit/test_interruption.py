@@ -1,14 +1,24 @@
-"""The first signal is a request, the second one goes through, and the former handlers are back."""
+"""The first signal is a request, the second one goes through, and the former handlers are back.
 
+No signal is lost, or meets code that cannot bear it: imports, kernels that load or compile.
+"""
+
+import ctypes
+import os
+import random
 import signal
 import subprocess
 import sys
 import threading
 import time
+from contextlib import contextmanager
 
 import pytest
+from numba.core import event
 
-from shellcut.recording.signals import Interruption
+import shellcut
+from shellcut.numerics.jit import inline, kernel
+from shellcut.signals import HeldBack, Interruption, RaisedAgain, is_command
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 
@@ -114,7 +124,7 @@ def test_in_another_thread_nothing_is_held_back(received):
 _WAITING = """
 import signal
 import time
-from shellcut.recording.signals import Interruption
+from shellcut.signals import Interruption
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
 with Interruption() as interruption:
     print("running", flush=True)
@@ -138,3 +148,204 @@ def test_a_process_ends_as_by_the_signal(number):
     assert out == "saved\n"
     assert process.returncode == -number
     assert ("KeyboardInterrupt" in err) == (number == signal.SIGINT)
+
+
+# ---------------------------------------------------------------- held back
+
+
+@contextmanager
+def ctrl_c():
+    """Let SIGINT raise KeyboardInterrupt, as in a program."""
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, former)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_signals_are_held_back_and_raised_once_after_the_block(received, number):
+    before = handlers()
+    with HeldBack():
+        with HeldBack():
+            signal.raise_signal(number)
+            signal.raise_signal(number)
+        assert received == []
+    assert received == [number]
+    assert handlers() == before
+    with pytest.raises(ZeroDivisionError), HeldBack():
+        1 / 0  # noqa: B018
+    assert handlers() == before
+
+
+def test_what_ends_the_process_or_is_ignored_is_left_as_it_is(received):
+    for handler in (signal.SIG_IGN, signal.SIG_DFL):
+        signal.signal(signal.SIGTERM, handler)
+        with HeldBack():
+            assert signal.getsignal(signal.SIGTERM) is handler
+    thread = threading.Thread(target=lambda: HeldBack().__enter__())
+    before = handlers()
+    thread.start()
+    thread.join()
+    assert handlers() == before
+
+
+class _Signals(event.Listener):
+    """Sends a signal when a compilation begins."""
+
+    def __init__(self):
+        self.n = 0
+
+    def on_start(self, event):
+        self.n += 1
+        signal.raise_signal(signal.SIGINT)
+
+    def on_end(self, event):
+        pass
+
+
+@pytest.mark.parametrize("kind", [kernel, inline])
+def test_ctrl_c_while_a_kernel_is_compiled_comes_after_that(kind):
+    @kind
+    def halved(x):
+        return 0.5 * x
+
+    sender = _Signals()
+    with (
+        ctrl_c(),
+        event.install_listener("numba:compile", sender),
+        pytest.raises(KeyboardInterrupt),
+    ):
+        halved(3.0)
+    assert sender.n > 0
+    assert len(halved.overloads) == 1  # whole
+    assert halved(3.0) == 1.5
+
+
+def test_ctrl_c_while_a_stored_kernel_is_loaded_comes_after_that(monkeypatch):
+    @kernel
+    def doubled(x):
+        return 2.0 * x
+
+    load, loaded = doubled._cache.load_overload, []
+
+    def interrupted(*arguments):
+        signal.raise_signal(signal.SIGINT)
+        loaded.append(True)
+        return load(*arguments)
+
+    monkeypatch.setattr(doubled._cache, "load_overload", interrupted)
+    with ctrl_c(), pytest.raises(KeyboardInterrupt):
+        doubled(1.0)
+    assert loaded
+    assert doubled(1.0) == 2.0
+
+
+# ---------------------------------------------------------------- raised again
+
+
+class _Going:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+
+def _from_c():
+    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
+
+
+@pytest.mark.parametrize("drop", [_Going, _from_c])
+def test_an_interrupt_that_python_drops_is_raised_again(drop):
+    began = time.perf_counter()
+    with ctrl_c(), pytest.raises(KeyboardInterrupt), RaisedAgain():  # noqa: PT012
+        drop()
+        time.sleep(30.0)
+    assert time.perf_counter() - began < 20.0
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_other_errors_that_python_drops_are_reported_as_ever(monkeypatch):
+    seen = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda dropped: seen.append(dropped.exc_type))
+    former = sys.unraisablehook
+    with RaisedAgain():
+        ctypes.CFUNCTYPE(None)(lambda: 1 / 0)()
+    assert seen == [ZeroDivisionError]
+    assert sys.unraisablehook is former
+
+
+# ---------------------------------------------------------------- the command
+
+
+@pytest.mark.parametrize(
+    ("argv", "of_python", "answer"),
+    [
+        (["-m"], ["python", "-m", "shellcut", "run"], True),
+        (["-m"], ["python", "-X", "utf8", "-mshellcut"], True),
+        (["-m"], ["python", "-m", "pytest"], False),
+        (["/site/shellcut/__main__.py", "run"], ["python", "-m", "shellcut", "run"], True),
+        (["/bin/shellcut", "run"], ["python", "/bin/shellcut", "run"], True),
+        (["shellcut.exe"], ["python", "shellcut.exe"], True),
+        (["my.py", "-m", "shellcut"], ["python", "my.py", "-m", "shellcut"], False),
+        (["-c"], ["python", "-c", "import shellcut"], False),
+        ([""], ["python"], False),
+        ([], ["python"], False),
+    ],
+)
+def test_which_process_is_the_command(monkeypatch, argv, of_python, answer):
+    monkeypatch.setattr(sys, "argv", argv)
+    monkeypatch.setattr(sys, "orig_argv", of_python)
+    assert is_command() is answer
+
+
+# Python imports this file at its start. It sends Ctrl-C when a certain module is to be imported.
+_AT_IMPORT = """
+import os, signal, sys
+class Finder:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        if name == os.environ["OF_A_TEST"]:
+            os.kill(os.getpid(), signal.SIGINT)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.meta_path.insert(0, Finder)
+"""
+COMMAND = [sys.executable, "-m", "shellcut"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="os.kill ends a process there")
+@pytest.mark.parametrize("module", ["llvmlite.binding", "shellcut.study", "shellcut.command_line"])
+def test_ctrl_c_during_the_import_ends_the_command_in_its_own_words(tmp_path, module):
+    (tmp_path / "sitecustomize.py").write_text(_AT_IMPORT)
+    site = os.pathsep.join([str(tmp_path), os.path.dirname(os.path.dirname(shellcut.__file__))])
+    given = os.environ | {"PYTHONPATH": site, "OF_A_TEST": module}
+    done = subprocess.run([*COMMAND, "keys", "young"], env=given, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+    if module == "llvmlite.binding":  # that of a script is raised, as any
+        script = [sys.executable, "-c", "import shellcut"]
+        done = subprocess.run(script, env=given, capture_output=True, text=True)
+        assert done.stderr.endswith("KeyboardInterrupt\n")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="there are no groups of processes there")
+@pytest.mark.parametrize("command", [["run", "guillotine"], ["sweep", "guillotine"]])
+def test_a_hundred_interrupts_at_random_moments_end_in_the_same_way(tmp_path, command):
+    more = ["--vary", "film.thickness=0.05,0.06", "--jobs", "2"] if command[0] == "sweep" else []
+    began = time.perf_counter()
+    subprocess.run([*COMMAND, "keys", "young"], check=True, capture_output=True)
+    start = time.perf_counter() - began
+    chance, ends = random.Random(1), []
+    for k in range(100 if not more else 20):
+        out = str(tmp_path / f"out{k}")
+        process = subprocess.Popen(
+            [*COMMAND, *command, *more, "-o", out],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        # Not while Python itself starts, which takes a tenth of the command's start.
+        time.sleep(start * chance.uniform(0.25, 2.5))
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=120)
+        ends.append((process.returncode, "Traceback" in said or "ignored" in said))
+    assert set(ends) == {(130, False)}

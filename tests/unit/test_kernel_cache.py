@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import math
 import os
 import platform
 import shutil
@@ -13,6 +14,7 @@ import numba
 import pytest
 
 import shellcut
+from shellcut.numerics.source_digest import NOT_STORED
 
 TESTS = Path(__file__).parents[1]
 
@@ -51,12 +53,12 @@ def version(tmp_path, monkeypatch):
 
     def imported(name):
         importlib.invalidate_caches()
-        for one in ("of_a_version", "called"):
+        for one in ("of_a_version", "called", "sub"):
             sys.modules.pop(one, None)
         return importlib.import_module(name)
 
     yield imported
-    for one in ("of_a_version", "called"):
+    for one in ("of_a_version", "called", "sub"):
         sys.modules.pop(one, None)
 
 
@@ -119,6 +121,143 @@ def test_an_edit_of_what_a_kernel_calls_changes_its_result(tmp_path, version):
             f"def scale(number): return {factor} * number\n"
         )
         assert version("of_a_version").scaled(1.0) == factor
+
+
+READ = {
+    "another module": "import called\ndef scaled(x): return called.K * x",
+    "a name of another module": "from called import K\ndef scaled(x): return K * x",
+    "a module of a module": "import sub\ndef scaled(x): return sub.called.K * x",
+    "an environment variable": (
+        "import os\nK = float(os.environ['OF_A_TEST'])\ndef scaled(x): return K * x"
+    ),
+    "a file": (
+        "from pathlib import Path\nK = float(Path(__file__).with_name('k.txt').read_text())\n"
+        "def scaled(x): return K * x"
+    ),
+    "a closure": (
+        "import called\ndef made(k):\n    def scaled(x): return k * x\n    return scaled\n"
+        "scaled = made(called.K)"
+    ),
+    "a closure that a function calls": (
+        "import called\nfrom shellcut.numerics.jit import inline\n"
+        "def made(k):\n    @inline\n    def times(x): return k * x\n    return times\n"
+        "times = made(called.K)\ndef scaled(x): return times(x)"
+    ),
+    "a tuple": "import called\nALL = (7.0, (called.K,))\ndef scaled(x): return ALL[1][0] * x",
+    "a named tuple": (
+        "import called\nfrom typing import NamedTuple\n"
+        "class Rod(NamedTuple):\n    k: float\n"
+        "ROD = Rod(called.K)\ndef scaled(x): return ROD.k * x"
+    ),
+    "an array": (
+        "import called\nimport numpy as np\nALL = np.full(3, called.K)\n"
+        "def scaled(x): return ALL[1] * x"
+    ),
+    "a number of an array": (
+        "import called\nimport numpy as np\nK = np.float64(called.K)\ndef scaled(x): return K * x"
+    ),
+    "an enumeration": (
+        "import called\nimport enum\nclass Which(enum.IntEnum):\n    K = int(called.K)\n"
+        "def scaled(x): return Which.K.value * x"
+    ),
+    "a default": (
+        "import called\nfrom shellcut.numerics.jit import inline\n"
+        "@inline\ndef times(x, k=called.K): return k * x\ndef scaled(x): return times(x)"
+    ),
+    "a choice of functions": (
+        "import called\nif called.K > 10.0:\n    def scaled(x): return 30.0 * x\n"
+        "else:\n    def scaled(x): return 2.0 * x"
+    ),
+}
+"""Where a function takes a factor from, besides its own file."""
+
+
+def _set(folder, monkeypatch, factor):
+    (folder / "called.py").write_text(f"K = {factor}\n")
+    (folder / "k.txt").write_text(f"{factor}")
+    monkeypatch.setenv("OF_A_TEST", f"{factor}")
+
+
+@pytest.mark.parametrize("way", READ)
+def test_another_value_that_a_function_reads_changes_the_result_of_its_kernel(
+    tmp_path, version, monkeypatch, way
+):
+    (tmp_path / "sub.py").write_text("import called\n")
+    (tmp_path / "of_a_version.py").write_text(
+        "from shellcut.numerics.jit import kernel\nfrom shellcut.material import PointLaw\n"
+        f"{READ[way]}\nscaling = kernel(scaled)\nlaw = PointLaw('of a test', scaled, scaled)\n"
+    )
+    digests = []
+    for factor, hits in ((2.0, 0), (2.0, 1), (30.0, 0), (30.0, 1)):  # of another length
+        _set(tmp_path, monkeypatch, factor)
+        module = version("of_a_version")
+        assert module.scaling(1.0) == factor
+        assert sum(module.scaling.stats.cache_hits.values()) == hits
+        digests.append(module.law.digest)
+    assert digests[0] == digests[1] != digests[2] == digests[3]
+
+
+def test_what_reads_a_value_without_a_digest_is_not_stored(tmp_path, version):
+    """Numba takes such a value where a function of a user's own tells it the type."""
+    (tmp_path / "of_a_version.py").write_text(
+        "from numba.extending import models, register_model, typeof_impl, types, overload\n"
+        "from numba.extending import overload_method\n"
+        "from shellcut.material import PointLaw\n"
+        "from shellcut.numerics.jit import kernel\n"
+        "class Factor:\n"
+        "    def __init__(self, k): self.k = k\n"
+        "FACTOR = Factor(2.0)\n"
+        "def times(x): return x\n"
+        "@overload(times)\n"
+        "def _times(x):\n"
+        "    k = FACTOR.k\n"
+        "    return lambda x: k * x\n"
+        "@kernel\n"
+        "def scaling(x, factor=FACTOR):\n"
+        "    return times(x)\n"
+        "law = PointLaw('of a test', scaling, scaling)\n"
+        "found = scaling(1.0, None)\n"
+    )
+    for _ in range(2):
+        module = version("of_a_version")
+        assert module.found == 2.0
+        assert not sum(module.scaling.stats.cache_hits.values())
+    assert not list((tmp_path / "cache").rglob("*.nb?"))
+    assert NOT_STORED in module.law.digest
+
+
+_LAW = """
+import os
+from dataclasses import dataclass
+import numpy as np
+from shellcut.material import Material, MaterialPoint, PointLaw, register
+K = float(os.environ["OF_A_TEST"])
+def stress(p, strain, history, dt):
+    s1, s2, s12 = K * p[0] * strain[0], K * p[0] * strain[1], 0.5 * K * p[0] * strain[2]
+    stored = 0.5 * (s1 * strain[0] + s2 * strain[1] + s12 * strain[2])
+    return (s1, s2, s12), stored, 0.0, history
+def thickness_stretch(p, strain, history):
+    return 1.0 + 0.0 * strain[0]
+@dataclass(frozen=True)
+class Own(Material):
+    law = register(PointLaw("own", stress, thickness_stretch))
+    density: float = 1e-9
+    def parameters(self): return np.array([1000.0])
+    def plane_stress(self): return K * 1000.0 * np.diag([1.0, 1.0, 0.5])
+    def transverse_shear(self): return K * 500.0 * np.eye(2)
+print(MaterialPoint(Own()).strain_to([0.01, 0.0, 0.0]).stored)
+"""
+
+
+@pytest.mark.slow
+def test_a_law_of_ones_own_runs_with_the_number_that_it_reads_now(tmp_path):
+    (tmp_path / "law.py").write_text(_LAW)
+    green = 0.5 * (math.exp(0.02) - 1.0)
+    for factor in (1.0, 2.0, 1.0):
+        given = os.environ | {"OF_A_TEST": str(factor), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        command = [sys.executable, str(tmp_path / "law.py")]
+        done = subprocess.run(command, env=given, check=True, capture_output=True, text=True)
+        assert float(done.stdout) == pytest.approx(0.5 * factor * 1000.0 * green**2, rel=1e-12)
 
 
 _PRESSED_SQUARE = """

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import shellcut
 import shellcut.view
 from opening_frame import opening_frame
 from shellcut import Recorder, guillotine
+from shellcut.command_line import main
 from shellcut.frame import JOINTED
 from shellcut.recording.frame_capture import Exposure
 from shellcut.results.vtkhdf import VtkHdfWriter
@@ -129,8 +131,9 @@ def test_a_run_that_was_killed_or_has_no_frame_yet(tmp_path):
     assert results.splits == {}
     assert "the run has not ended" in repr(results)
     assert_same(results.frame(1), frames[1])
-    (tmp_path / "out" / "summary.json").write_text('{"n_quad": 3')  # half written
-    assert shellcut.read(tmp_path / "out").summary == {}
+    (tmp_path / "out" / "summary.json").write_text('{"n_quad": 3')  # no run leaves it half written
+    with pytest.raises(ValueError, match=r"summary\.json, line 1, column 13: must be JSON"):
+        shellcut.read(tmp_path / "out")
     (tmp_path / "out" / "summary.json").write_text(json.dumps({"n_quad": 3}))
     assert shellcut.read(tmp_path / "out" / "made.vtkhdf").summary == {"n_quad": 3}
     leave(tmp_path / "out", n=0)
@@ -237,3 +240,21 @@ def test_capture_of_a_film_without_a_tool():
     assert frame.tool_points.shape == (0, 3)
     assert not frame.held.any()
     assert frame.quad_thickness.tolist() == [0.074]
+
+
+@pytest.mark.parametrize(
+    ("command", "more"), [("view", ["-o", "page.html"]), ("compare", ["cap.csv"])]
+)
+def test_commands_name_file_line_and_column_of_a_bad_cell(
+    tmp_path, monkeypatch, capsys, command, more
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cap.csv").write_text("angle,torque\n0,1\n1,2\n2,3\n")
+    leave(tmp_path / "out")
+    history = tmp_path / "out" / "history.csv"
+    lines = history.read_text().splitlines(keepends=True)
+    lines[3] = lines[3].replace("146.0", "146.O")
+    history.write_text("".join(lines))
+    assert main([command, "out", *more]) == 2
+    said = ", line 4, column 'torque [N*mm]': must be a number, got '146.O'"
+    assert f"refused: {Path('out') / 'history.csv'}{said}" in capsys.readouterr().err

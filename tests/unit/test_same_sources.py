@@ -8,15 +8,20 @@ the instruction set. :mod:`shellcut.arrays` says what takes their place.
 import ast
 import importlib.util
 import math
+from collections import namedtuple
+from dataclasses import replace
 from pathlib import Path
 
+import numba
+import numpy as np
 import pytest
 
 import shellcut
-from shellcut import Elastic, JohnsonCook, Linear, Swift, Table, Voce
-from shellcut.material import PointLaw
+from shellcut import CowperSymonds, Elastic, JohnsonCook, Linear, Swift, Table, Voce
+from shellcut.material import LAWS, Plastic, PointLaw, register
 from shellcut.material.rate_factor import RateFactor
 from shellcut.material.return_mapping import make_flow
+from shellcut.numerics.source_digest import NOT_STORED
 
 PACKAGE = Path(shellcut.__file__).parent
 
@@ -215,3 +220,91 @@ def test_functions_without_a_file_count_by_their_code():
     other = made("def stress(p, strain, history, dt=0.0): return strain, 1.0, 0.0, history")
     assert one.digest == same.digest
     assert one.digest != other.digest
+
+
+class Holding:
+    def __init__(self, value):
+        self.value = value
+
+
+def reading(value):
+    """Return a law whose function reads a value: in a cell, and of what is there by its name."""
+
+    def stress(p, strain, history, dt):
+        return value, value.k
+
+    return PointLaw("reading", stress, stress)
+
+
+def times(k):
+    return lambda x: k * x
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda k: (1.0, times(k)),
+        lambda k: [times(k)],
+        lambda k: {"one": k},
+        lambda k: {k},
+        lambda k: type("Of", (), {"k": k}),
+        lambda k: type("Of", (type("Base", (), {"k": k}),), {}),
+        lambda k: type("Of", (), {"k": staticmethod(times(k))}),
+        lambda k: namedtuple("Of", "k", defaults=[k]),
+        lambda k: np.array([1.0, k]),
+        lambda k: np.array([(1, k)], dtype=[("n", int), ("k", float)]),
+        lambda k: np.arange(3) if k == 1.0 else np.arange(3.0),
+        lambda k: f"{k}",
+        lambda k: complex(k, 1.0),
+        lambda k: math.nan if k == 1.0 else 0.0,
+        lambda k: -0.0 if k == 1.0 else 0.0,
+        lambda k: 1 if k == 1.0 else True,
+        lambda k: math.sin if k == 1.0 else math.cos,
+        lambda k: np.sin if k == 1.0 else np.cos,
+    ],
+)
+def test_the_digest_of_a_law_tells_the_values_apart_that_it_reads(made):
+    one, again, other = (reading(made(k)).digest for k in (1.0, 1.0, 2.0))
+    assert one == again != other
+    assert NOT_STORED not in one
+
+
+def test_a_value_without_a_digest_counts_in_this_process_only():
+    one, other = Holding(1.0), Holding(1.0)
+    law = reading(one)
+    assert NOT_STORED in law.digest
+    assert reading(one).digest == law.digest != reading(other).digest
+
+
+def test_all_laws_of_shellcut_are_stored():
+    hardenings = Linear(20.0, 10.0), Swift(20.0, 0.01, 0.2), Voce(20.0, 5.0, 3.0)
+    films = [Plastic(FOIL, one) for one in hardenings]
+    laws = [
+        one.law for film in films for one in (film, replace(film, rate=CowperSymonds(1.0, 5.0)))
+    ]
+    for law in (*laws, *LAWS.values()):
+        if law.stress.__module__.startswith("shellcut"):
+            assert NOT_STORED not in law.digest, law.name
+
+
+def test_a_law_of_another_closure_is_refused_by_name_and_a_changed_value_by_its_use():
+    def made(name):
+        def stress(p, strain, history, dt):
+            return (k[0] * strain[0], 0.0, 0.0), 0.0, 0.0, history
+
+        k = [1.0]
+        return k, PointLaw(name, stress, lambda p, strain, history: 1.0)
+
+    k, law = made("of a factory")
+    k[0] = 2.0  # before its first use: this is what is compiled
+    assert register(law) is law
+    numba.typeof(law)
+    _, other = made("of a factory")
+    with pytest.raises(ValueError, match="already registered, with other functions or other val"):
+        register(other)
+    with pytest.raises(ValueError, match="already registered"):
+        numba.typeof(other)  # nor is it run without being registered
+    k[0] = 3.0
+    with pytest.raises(ValueError, match="read another value than when it was used first"):
+        numba.typeof(law)
+    del LAWS["of a factory"]

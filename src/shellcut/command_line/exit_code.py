@@ -6,8 +6,9 @@ import sys
 import textwrap
 
 from shellcut.model_file.spelling import in_keys
+from shellcut.signals import INTERRUPTED
 
-DONE, BUG, BAD_INPUT, STOPPED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+DONE, BUG, BAD_INPUT, STOPPED, FAILED = 0, 1, 2, 3, 4
 
 MEANINGS = {
     DONE: "done",

@@ -10,6 +10,7 @@ from io import TextIOWrapper
 from typing import Any, NoReturn
 
 from shellcut.model_file import ModelFileError
+from shellcut.signals import INTERRUPTED, RaisedAgain, answer_held, ignore_ctrl_c
 from shellcut.unit import showing
 
 from . import (
@@ -28,7 +29,7 @@ from . import (
     view,
     warmup,
 )
-from .exit_code import INTERRUPTED, in_lines, refuse
+from .exit_code import in_lines, refuse
 from .listener import ignore_closed_pipe
 from .shared_arguments import add_shown_in_to
 
@@ -57,11 +58,27 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns its exit code, one of :data:`.exit_code.MEANINGS`; argparse exits by itself, with the
     code for bad input.
     """
-    for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
-    parser = parser_of_all()
-    arguments = parser.parse_args(argv)
+    arguments = argparse.Namespace()
+    try:
+        with RaisedAgain():
+            answer_held()
+            for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
+                if isinstance(stream, TextIOWrapper):
+                    stream.reconfigure(errors="backslashreplace")
+            parser = parser_of_all()
+            arguments = parser.parse_args(argv)
+            return _done(arguments)
+    except KeyboardInterrupt:
+        ignore_ctrl_c()
+        is_study = hasattr(arguments, "jobs")
+        print("interrupted" + "; to continue, call it again" * is_study, file=sys.stderr)
+        return INTERRUPTED
+    finally:
+        ignore_ctrl_c()
+
+
+def _done(arguments: argparse.Namespace) -> int:
+    """Run the command; return its exit code, that for bad input where it is wrong."""
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
             code: int = arguments.run(arguments)
@@ -72,10 +89,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         if arguments.command in _RUNS and not isinstance(problem, OSError | ModelFileError):
             raise
         return refuse(problem)
-    except KeyboardInterrupt:
-        is_study = hasattr(arguments, "jobs")
-        print("interrupted" + "; to continue, call it again" * is_study, file=sys.stderr)
-        return INTERRUPTED
     return code
 
 

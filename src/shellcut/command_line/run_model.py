@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import errno
-import json
 import time
 import traceback
 from contextlib import closing
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
+from shellcut.files.run_folder import CHECKPOINT, LOG, USED
 from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
 from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line
+from shellcut.signals import INTERRUPTED
 from shellcut.unit import with_unit
 
-from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED, refused
+from .exit_code import BAD_INPUT, DONE, FAILED, STOPPED, refused
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
@@ -177,9 +177,9 @@ def _remedy(problem: Exception, folder: Path) -> str:
 
 def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.file_list import FileList
-    from shellcut.files.regular_file import read_regular
+    from shellcut.results.run_results import summary_in
 
-    summary: dict[str, Any] = json.loads(read_regular(folder / SUMMARY))
+    summary = summary_in(folder)
     for label, value in key_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>14}")
     for words, energy, share in chain(*account(summary)):

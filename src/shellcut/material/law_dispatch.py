@@ -1,9 +1,10 @@
 """How kernels call the laws of a film: one function for all laws, compiled for those in use.
 
 Kernels that need laws take them as a tuple, and the Numba *type* of a law holds the law's name and
-a digest of its sources. A kernel is compiled once for each combination of laws, with the laws'
-functions inlined, and Numba caches it under these types, also for user-written laws. An edited law
-has another type, so no kernel runs with an old version. Kernels without laws are compiled once.
+a digest of its sources and of the values that these read. A kernel is compiled once for each
+combination of laws, with the laws' functions inlined, and Numba caches it under these types, also
+for user-written laws. A law that is edited, or reads another number, has another type, so no kernel
+runs with an old version. Kernels without laws are compiled once.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -27,7 +28,7 @@ from shellcut.numerics.lane_functions import any_above
 from shellcut.numerics.lane_instructions import Lane, LanesType
 from shellcut.numerics.lanes import pick, pick_all, put_all, repeated, zero
 
-from .point_law import LAWS, PointLaw
+from .point_law import LAWS, PointLaw, register
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -93,7 +94,19 @@ register_model(LawType)(models.OpaqueModel)
 
 @typeof_impl.register(PointLaw)
 def _type_of_law(value: PointLaw, context: Any) -> Any:
-    return LawType(value.name, value.digest)
+    register(value)  # kernels find it by its name
+    digest = value.digest
+    if _DIGESTS.setdefault(value, digest) != digest:
+        raise ValueError(
+            f"the functions of the law {value.name!r} read another value than when it was used "
+            "first in this process, and compiled functions keep the first one: make functions and "
+            "a law of another name for it, or pass the number by parameters() of the material"
+        )
+    return LawType(value.name, digest)
+
+
+_DIGESTS: dict[PointLaw, str] = {}
+"""Of all laws, at their first use in this process."""
 
 
 @unbox(LawType)

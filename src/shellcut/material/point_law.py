@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from shellcut.arrays import Number
@@ -80,8 +80,6 @@ class PointLaw:
     turning: tuple[int, ...] = ()
     first_leads: bool = False
     elastic: bool = False
-    digest: str = field(init=False, default="")
-    """Digest of all fields, and of the sources (:mod:`shellcut.numerics.source_digest`)."""
 
     def __post_init__(self) -> None:
         problems = []
@@ -116,12 +114,22 @@ class PointLaw:
             )
         if problems:
             raise ValueError("; ".join(problems))
+
+    @property
+    def digest(self) -> str:
+        """Digest of all fields, and of what the functions are and read at this moment.
+
+        See :mod:`shellcut.numerics.source_digest`.
+        """
+        frozen = "" if self.frozen in (None, self) else self.frozen.digest
         words = (
-            f"{self.history} {self.linear} {self.oriented} {self.timed} {self.first_leads}".encode()
+            *(self.history, self.linear, self.oriented, self.timed, self.turning),
+            *(self.first_leads, self.elastic, frozen),
         )
         sources = source_digest(self.stress, self.thickness_stretch)
-        digest = hashlib.sha256(sources + words).hexdigest()[:16]
-        object.__setattr__(self, "digest", digest)
+        content, _, only_here = sources.partition(" ")
+        digest = hashlib.sha256(f"{content} {words}".encode()).hexdigest()[:16]
+        return f"{digest} {only_here}".rstrip()
 
 
 def _are_strains(turning: tuple[int, ...], n_history: int) -> bool:
@@ -142,13 +150,14 @@ def register(law: PointLaw) -> PointLaw:
     Raises
     ------
     ValueError
-        If another law already has this name.
+        If another law already has this name: one of other functions, or whose functions read other
+        values, as from a factory.
     """
-    known = LAWS.get(law.name)
-    if known is not None and known.digest != law.digest:
+    known = LAWS.get(law.name, law)
+    if known is not law and known.digest != law.digest:
         raise ValueError(
-            f"a law {law.name!r} is already registered; give yours another name than "
-            f"{', '.join(sorted(LAWS))}"
+            f"a law {law.name!r} is already registered, with other functions or other values that "
+            f"these read; give yours another name than {', '.join(sorted(LAWS))}"
         )
     LAWS[law.name] = law
     return law

@@ -13,7 +13,7 @@ from shellcut.arguments import Option
 from shellcut.checks import ModelCheck, check_model
 from shellcut.files.run_folder import USED
 from shellcut.recording.recorder import Recorder, RunEnded
-from shellcut.recording.signals import Interruption
+from shellcut.signals import Interruption
 from shellcut.simulation.hooks import Hook, StopWhen
 from shellcut.simulation.simulation import Simulation
 

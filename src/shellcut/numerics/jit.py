@@ -33,6 +33,8 @@ import numba as nb
 from numba.core import event, types
 from numba.extending import register_jitable
 
+from shellcut.signals import HeldBack
+
 from .inlined_code import InlinedCompiler, KernelCompiler
 from .kernel_cache import KernelCache
 from .kernel_tables import check_tables
@@ -74,10 +76,20 @@ def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[...
     def compile_alone(types: object, wait: bool = True) -> Any:
         if compiled.overloads.get(types) is not None:
             return compile_(types)
-        with compiled._cache.alone(wait=wait) as is_alone, _uncollected():
+        with compiled._cache.alone(wait=wait) as is_alone, HeldBack(), _uncollected():
             return compile_(types) if is_alone else None
 
     return compile_alone
+
+
+def _undisturbed(compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a compilation so that signals wait for its end."""
+
+    def compile_undisturbed(types: object) -> Any:
+        with HeldBack():
+            return compile_(types)
+
+    return compile_undisturbed
 
 
 @contextmanager
@@ -160,6 +172,7 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
 
     compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
     compiled.get_overload = lambda signature: within().get_overload(signature)
+    compiled.compile = _undisturbed(compiled.compile)
     return cast("Callable[P, R]", compiled)
 
 

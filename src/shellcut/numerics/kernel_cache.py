@@ -1,10 +1,10 @@
 """Numba's cache of machine code on disk, made to notice every edit and to bear damaged files.
 
 Numba stamps what it stores of a kernel with the kernel's own file. A kernel holds copies of the
-functions that it calls, which stand in other files: here the stamp is the digest of all of them
-(:mod:`shellcut.numerics.source_digest`). A stored file that is cut short, of other content or out
-of date counts as none, and the kernel is compiled anew; where nothing can be stored, it is compiled
-in every process.
+functions that it calls, which stand in other files, and of the values that these read: here the
+stamp is the digest of all of them (:mod:`shellcut.numerics.source_digest`). A stored file that is
+cut short, of other content or out of date counts as none, and the kernel is compiled anew; where
+nothing can be stored, it is compiled in every process.
 
 A release brings machine code for two kinds of x86-64 processors, in the package's folder
 ``compiled``, which is only read: a processor takes what it understands before it looks at its own
@@ -34,7 +34,7 @@ from numba.core.registry import cpu_target
 
 from shellcut.files import file_lock
 
-from .source_digest import PACKAGE, in_package, source_digest
+from .source_digest import NOT_STORED, PACKAGE, in_package, source_digest
 
 _N_DIGEST = hashlib.sha256().digest_size
 
@@ -59,12 +59,16 @@ class _KernelFile(IndexDataCacheFile):
 
     def _load_index(self) -> dict[Any, str]:
         # Every access begins here, when all that the kernel calls is defined.
-        is_ours = in_package(Path(self._function.__code__.co_filename))
-        self._source_stamp = source_digest(*([] if is_ours else [self._function]))
+        self._source_stamp = self.stamp()
         try:
             return dict(super()._load_index())
         except Exception:  # unpickling of anything else may raise anything
             return {}
+
+    def stamp(self) -> str:
+        """Return the digest of what the machine code is made of now."""
+        is_ours = in_package(Path(self._function.__code__.co_filename))
+        return source_digest(*([] if is_ours else [self._function]))
 
     def _load_data(self, name: str) -> Any:
         data = Path(self._data_path(name)).read_bytes()
@@ -125,6 +129,7 @@ class KernelCache(FunctionCache):
     """Numba's cache of one function, over such files."""
 
     _impl_class = _Implementation
+    _cache_file: _KernelFile
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
@@ -136,9 +141,13 @@ class KernelCache(FunctionCache):
         return not isinstance(self._impl.locator, _Nowhere)
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Store machine code, unless the folder cannot be written or is full."""
+        """Store machine code, unless the folder cannot be written or is full.
+
+        Nor is what no other process would find: what depends on a value that has no digest.
+        """
         with suppress(OSError):
-            super().save_overload(signature, result)
+            if NOT_STORED not in f"{signature} {self._cache_file.stamp()}":
+                super().save_overload(signature, result)
 
     def has(self, signature: Any) -> bool:
         """Return whether machine code for these types of arguments, and this machine, is stored."""

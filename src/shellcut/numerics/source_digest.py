@@ -1,86 +1,170 @@
-"""The digest of all sources that may end up in a function's machine code.
+"""The digest of all that may end up in a function's machine code.
 
-Kernels are compiled with copies of the functions that they call, so what is stored of them on disk
-(:mod:`shellcut.numerics.kernel_cache`) is out of date after an edit of any of these. The digest
-covers every source of shellcut, and of a function that stands elsewhere, such as a law of a user's
-own, its file and those of all functions that it calls or holds. Which of shellcut's sources a
-kernel reaches cannot be read off its functions for sure: a constant does not say where it stands.
+Kernels are compiled with copies of the functions that they call and of the values that these read,
+so what is stored of them on disk (:mod:`shellcut.numerics.kernel_cache`) is out of date when any of
+these changes. The digest covers every source of shellcut. Of a function that stands elsewhere, such
+as a law of a user's own, it covers its file, its code, its defaults and the values that it reads:
+globals, cells of closures, and what it names of modules and classes; then the same of all functions
+among these. So it does not matter whether a number comes from a factory, another module, an
+environment variable or a file. Which of shellcut's sources a kernel reaches cannot be read off its
+functions for sure: a constant does not say where it stands.
+
+A value of a kind that has no digest makes the digest one of this process only: see
+:data:`NOT_STORED`.
 """
 
 from __future__ import annotations
 
+import enum
 import functools
 import hashlib
+import secrets
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType, EllipsisType, FunctionType, ModuleType, NoneType
 from typing import Any
+
+import numpy as np
 
 PACKAGE = Path(__file__).parents[1]
 """The folder of shellcut."""
 
 # Their versions are Numba's own business.
-_FOREIGN = {"numpy", "numba", "llvmlite", "builtins", "math"}
+_FOREIGN = {"numpy", "numba", "llvmlite", "builtins", "math", "cmath", "operator"}
+
+NOT_STORED = f"of process {secrets.token_hex(8)} only"
+"""Stands in digests that cover a value without one: no other process finds what has such a digest,
+and the machine code for it is not stored."""
+
+_BY_REPR = (NoneType, bool, int, float, complex, str, bytes, EllipsisType)
+"""Types whose representation says all of a value."""
 
 
-def source_digest(*functions: Callable[..., Any]) -> bytes:
-    """Return the digest of the sources of functions, and of what these call."""
+def source_digest(*functions: Callable[..., Any]) -> str:
+    """Return the digest of functions, and of what these call and read."""
+    found = _Found(functions)
     digest = hashlib.sha256(_of_package())
-    for function in functions:
-        digest.update(str(_plain(function).__qualname__).encode())
-    for path in source_files(*functions):
-        digest.update(path.name.encode())
-        digest.update(_content(path))
-    for code in sorted(_without_file(functions)):
-        digest.update(code)
-    return digest.digest()
+    for path in found.files:
+        digest.update(path.name.encode() + _content(path))
+    for text in found.texts:
+        digest.update(text.encode())
+    return digest.hexdigest() + f" {NOT_STORED}" * found.has_unknown
 
 
-def source_files(*functions: Callable[..., Any]) -> list[Path]:
-    """Return the files of functions, and of all that they call or hold, outside of shellcut."""
-    files = {_file_of(one) for one in _reached(functions)}
-    elsewhere = (path for path in files if path is not None and not in_package(path))
-    return sorted(elsewhere, key=lambda path: (path.name, _content(path)))
+class _Found:
+    """Functions and all functions that they call or hold, each once, in a fixed order."""
+
+    def __init__(self, functions: tuple[Callable[..., Any], ...]) -> None:
+        self._functions: list[Any] = []
+        self._number: dict[int, int] = {}
+        self.has_unknown = False
+        """Whether they read a value that has no digest."""
+        self.texts = [self._of_value(one) for one in functions]
+        """What the digest covers of them besides the files; grows until all are told."""
+        for function in self._functions:  # which grows meanwhile
+            self.texts.append(self._of_function(function))
+
+    @property
+    def files(self) -> list[Path]:
+        """Their files outside of shellcut."""
+        files = {Path(one.__code__.co_filename) for one in self._functions}
+        elsewhere = (path for path in files if path.is_file() and not in_package(path))
+        return sorted(elsewhere, key=lambda path: (path.name, _content(path)))
+
+    def _of_function(self, function: Any) -> str:
+        read: list[tuple[str, Any]] = [
+            ("defaults", function.__defaults__),
+            ("defaults by name", function.__kwdefaults__),
+            *zip(function.__code__.co_freevars, _cells(function), strict=True),
+        ]
+        # The globals of shellcut's own functions follow from its sources.
+        if not in_package(Path(function.__code__.co_filename)):
+            read += _named_by(function)
+        values = [f"{name} = {self._of_value(value)}" for name, value in read]
+        return "\n".join([function.__qualname__, self._of_value(function.__code__), *values])
+
+    def _of_value(self, value: Any) -> str:
+        kind, plain = type(value), _plain(value)
+        if isinstance(plain, FunctionType):
+            if _is_foreign(plain.__module__):
+                return f"{plain.__module__}.{plain.__qualname__}"
+            if id(plain) not in self._number:
+                self._number[id(plain)] = len(self._functions)
+                self._functions.append(plain)
+            return f"function {self._number[id(plain)]}"
+        if kind in _BY_REPR:
+            return f"{kind.__name__} {value!r}"
+        if isinstance(value, CodeType):
+            return self._of_values(_parts(value))
+        if isinstance(value, ModuleType):
+            return f"module {value.__name__}"
+        if isinstance(value, np.ndarray | np.generic) and not value.dtype.hasobject:
+            content = hashlib.sha256(value.tobytes()).hexdigest()
+            return f"{value.dtype.descr} {value.shape} {content}"
+        if isinstance(value, enum.Enum):
+            return f"{kind.__qualname__}.{value.name} {self._of_value(value.value)}"
+        if isinstance(value, tuple | list):
+            return f"{kind.__qualname__} {self._of_values(value)}"
+        if isinstance(value, dict | set | frozenset):
+            items = value.items() if isinstance(value, dict) else value
+            return f"{kind.__qualname__} {sorted(map(self._of_value, items))}"
+        if isinstance(value, type):  # what is read of it is told by name
+            given = getattr(value, "_field_defaults", {})
+            return f"class {value.__module__}.{value.__qualname__} {self._of_value(given)}"
+        if _is_foreign(kind.__module__) and " at 0x" not in repr(value):
+            return f"{kind.__module__}.{kind.__qualname__} {value!r}"
+        self.has_unknown = True
+        return f"{kind.__qualname__} {id(value)}"
+
+    def _of_values(self, values: Any) -> str:
+        return f"({', '.join(map(self._of_value, values))})"
 
 
-def _without_file(functions: tuple[Callable[..., Any], ...]) -> set[bytes]:
-    """Return the code of functions that stand in no file, as those of an interactive session."""
-    codes = (one.__code__ for one in _reached(functions) if _file_of(one) is None)
-    return {code.co_code + repr(code.co_consts).encode() for code in codes}
+def _named_by(function: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the globals that a function names, and what it names of modules and classes."""
+    names, given = sorted(set(_names(function.__code__))), function.__globals__
+    held = [(name, given[name]) for name in names if name in given]
+    held += zip(function.__code__.co_freevars, _cells(function), strict=True)
+    seen: set[int] = set()
+    for path, value in held:  # which grows: package.module.function
+        yield path, value
+        if isinstance(value, ModuleType | type) and id(value) not in seen:
+            seen.add(id(value))
+            inner = ((name, getattr(value, name, None)) for name in names if _has(value, name))
+            held += [(f"{path}.{name}", one) for name, one in inner if not _is_slot(one)]
 
 
-def _reached(functions: tuple[Callable[..., Any], ...]) -> list[Any]:
-    """Return functions and all that they call or hold, each once."""
-    waiting = [_plain(one) for one in functions]
-    found: dict[int, Any] = {}
-    while waiting:
-        function = waiting.pop()
-        if id(function) not in found:
-            found[id(function)] = function
-            waiting += _used_by(function)
-    return list(found.values())
+def _has(value: Any, name: str) -> bool:
+    """Return whether a module or class has a name; a module may load more where it is asked."""
+    return name in vars(value) if isinstance(value, ModuleType) else hasattr(value, name)
 
 
-def _used_by(function: Any) -> Iterator[Any]:
-    """Yield the functions that a function names or holds."""
-    names = set(_names(function.__code__))
-    values = [function.__globals__[name] for name in names if name in function.__globals__]
-    modules = [one for one in values if isinstance(one, ModuleType)]
-    for module in modules:  # and what they hold, package.module.function
-        held = [vars(module)[name] for name in names if name in vars(module)]
-        modules += [one for one in held if isinstance(one, ModuleType) and one not in modules]
-        values += held
-    for cell in function.__closure__ or ():
-        held = cell.cell_contents
-        values += held if isinstance(held, tuple) else [held]
-    for value in values:
-        plain = _plain(value)
-        if hasattr(plain, "__code__") and hasattr(plain, "__globals__") and _is_ours(plain):
-            yield plain
+def _is_slot(value: Any) -> bool:
+    """Return whether this says where objects of a class keep a value."""
+    return hasattr(type(value), "__get__") and not isinstance(_plain(value), FunctionType)
 
 
-def _is_ours(function: Any) -> bool:
-    return str(function.__module__).partition(".")[0] not in _FOREIGN
+def _cells(function: Any) -> list[Any]:
+    """Return what the cells of a closure hold; one may be empty yet."""
+    return [_in_cell(cell) for cell in function.__closure__ or ()]
+
+
+def _in_cell(cell: Any) -> Any:
+    try:
+        return cell.cell_contents
+    except ValueError:
+        return "empty"
+
+
+def _parts(code: CodeType) -> tuple[Any, ...]:
+    """Return what makes code what it is, wherever it stands."""
+    counts = code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags
+    names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
+    return code.co_name, code.co_code, counts, names, code.co_consts
+
+
+def _is_foreign(module: Any) -> bool:
+    return str(module).partition(".")[0] in _FOREIGN
 
 
 def _names(code: CodeType) -> Iterator[str]:
@@ -90,18 +174,18 @@ def _names(code: CodeType) -> Iterator[str]:
             yield from _names(one)
 
 
-def _plain(function: Any) -> Any:
-    return getattr(function, "py_func", function)
+def _plain(value: Any) -> Any:
+    """Return the function of one for Numba, or the value itself."""
+    for name in ("py_func", "_defn", "__func__"):  # compiled, an intrinsic, of a class
+        inner = getattr(value, name, None)
+        if isinstance(inner, FunctionType):
+            return inner
+    return value
 
 
 def in_package(path: Path) -> bool:
     """Return whether a source is one of shellcut's."""
     return PACKAGE in path.parents
-
-
-def _file_of(function: Any) -> Path | None:
-    path = Path(function.__code__.co_filename)
-    return path if path.is_file() else None
 
 
 @functools.cache

@@ -174,12 +174,13 @@ class Recorder:
             if chosen.resume:
                 self._schedule = self._resume_from_checkpoint()
                 self._files.resume(
-                    row_time=self._schedule.row_time,
+                    history=self._schedule.history,
                     frame_time=self._schedule.frame_time,
                     n_picture=self._schedule.n_picture,
                 )
             else:
                 self._files.begin(n_snapshot=chosen.n_snapshot, replace=chosen.replace)
+            self._schedule.history = self._files.history.written
             on_error.pop_all()
 
     def due(self, sim: Simulation) -> bool:
@@ -212,7 +213,7 @@ class Recorder:
     def _record(self, sim: Simulation, now: float, schedule: Schedule) -> None:
         if schedule.row_due(now):
             self._files.history.append(self._now())
-            schedule.row_time = now
+            schedule.history = self._files.history.written
         if schedule.look_due(now):
             schedule.note_unfelt(self._unfelt.now())
         frame_due = schedule.frame_due(now)

@@ -20,7 +20,8 @@ from shellcut.files.run_folder import (
     snapshots,
 )
 from shellcut.frame import Frame
-from shellcut.results.history import HistoryWriter
+from shellcut.results.history import HistoryWriter, Written
+from shellcut.results.run_results import summary_in
 from shellcut.results.vtkhdf import VtkHdfWriter
 
 
@@ -118,10 +119,11 @@ class RunFiles:
             raise
         self._is_new = True
 
-    def resume(self, *, row_time: float, frame_time: float, n_picture: int) -> None:
+    def resume(self, *, history: Written, frame_time: float, n_picture: int) -> None:
         """Reopen the files of the run in the folder and drop everything after its checkpoint.
 
-        Before it came the last row and the last frame, at these times [s], and so many pictures.
+        Before it the history held this, which must be there unchanged, the last frame came at this
+        time [s], and there were so many pictures.
         """
         growing = (self.folder / HISTORY, result_file(self.folder, self._name))
         gone = [str(file) for file in growing if not file.exists()]
@@ -132,12 +134,23 @@ class RunFiles:
         own = [snapshot(self.folder, k).name for k in range(n_picture)]
         self._taken.resume([*self._planned(0)[0], *own])
         later = [path.name for path in snapshots(self.folder, first=n_picture)]
-        self._taken.files.remove([*self._last_names(drawn=True), *later])
-        self._open(row_time, frame_time)
+        self._open(history, frame_time)  # which refuses files that have been changed
+        try:
+            self._taken.files.remove([*self._last_names(drawn=True), *later])
+        except BaseException:
+            self.close()
+            raise
 
     def are_summed_up(self, drawn: bool) -> bool:
-        """Whether all files written at the end of a run exist, drawings included if asked for."""
-        return all((self.folder / name).exists() for name in self._last_names(drawn))
+        """Whether all files written at the end of a run exist, drawings included if asked for.
+
+        A damaged summary counts as none.
+        """
+        try:
+            there = bool(summary_in(self.folder))
+        except ValueError:
+            there = False
+        return there and all((self.folder / name).exists() for name in self._last_names(drawn))
 
     def new_picture(self, number: int) -> Path:
         """Return the path of the next snapshot."""
@@ -189,8 +202,8 @@ class RunFiles:
         always, later = planned_names(self._name, self._curve, n_snapshot=n_snapshot)
         return [*always, *self._also], later
 
-    def _open(self, row_time: float | None, frame_time: float | None) -> None:
-        self.history = HistoryWriter(self.folder / HISTORY, self._columns, until=row_time)
+    def _open(self, kept: Written | None, frame_time: float | None) -> None:
+        self.history = HistoryWriter(self.folder / HISTORY, self._columns, kept=kept)
         try:
             result = VtkHdfWriter(result_file(self.folder, self._name), until=frame_time)
         except BaseException:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
 from shellcut.numerics.trigger import Trigger
+from shellcut.results.history import Written
 
 from .unfelt_penetration import Unfelt
 
@@ -27,8 +28,8 @@ class Schedule:
     """None if no pictures are wanted."""
     look_due: Trigger
     """Of the measurement of penetration between nodes."""
-    row_time: float = -np.inf
-    """Time of the last row [s]."""
+    history: Written = field(default_factory=Written)
+    """What the file of the rows held after the last one."""
     frame_time: float = -np.inf
     """Time of the last frame [s]."""
     captured_time: float = -np.inf
@@ -79,4 +80,5 @@ class Schedule:
             return None
         due = {f"{name}_due": Trigger(**one) for name, one in saved["due"].items()}
         others = {name: value for name, value in saved.items() if name != "due"}
+        others["history"] = Written(**others["history"])
         return cls(**{"picture_due": None, **due, **others})

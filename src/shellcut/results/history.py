@@ -8,9 +8,10 @@ files, and so does one line of NumPy. Numbers have the fewest digits that give t
 from __future__ import annotations
 
 import csv
+import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import chain
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -63,6 +64,16 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
     return columns
 
 
+@dataclass(frozen=True)
+class Written:
+    """What stands in a history file so far, as a checkpoint remembers it."""
+
+    length: int = 0
+    """Bytes of the header and of whole rows."""
+    digest: str = ""
+    """Their SHA-256, hexadecimal."""
+
+
 class HistoryWriter:
     """Write rows of named numbers to a CSV file, e.g. ``time [s],angle [deg],torque [N*mm]``.
 
@@ -72,16 +83,16 @@ class HistoryWriter:
         The file.
     columns : sequence of (name, unit)
         Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
-    until : float, optional
-        Appends to the file of an interrupted run: an unfinished last line is dropped, and the rows
-        whose first column exceeds this, in its unit; a row must have just this, unless it is
-        infinite. Without it a file that is there is replaced.
+    kept : Written, optional
+        Appends to the file of an interrupted run: what had been ``written`` until then stays, and
+        must be there unchanged; all after it is dropped. Without it a file that is there is
+        replaced.
 
     Raises
     ------
     ValueError
-        If a name or unit is invalid in the header, or the file to append to has other columns or
-        lacks rows.
+        If a name or unit is invalid in the header, or the file to append to has other columns,
+        lacks rows or has been changed.
     """
 
     def __init__(
@@ -89,20 +100,26 @@ class HistoryWriter:
         path: str | os.PathLike[str],
         columns: Sequence[tuple[str, str]],
         *,
-        until: float | None = None,
+        kept: Written | None = None,
     ) -> None:
         self.path = Path(path)
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
         self._names = tuple(name for name, _ in self.columns)
         self._check_columns()
-        if until is None:
+        self._digest, self._length = hashlib.sha256(), 0
+        if kept is None:
             self._file: BinaryIO = opened(self.path, "w")
-            write_all(self._file, (",".join(_header(self.columns)) + "\n").encode())
+            self._write((",".join(_header(self.columns)) + "\n").encode())
         else:
-            kept = self._kept_bytes(until)
+            self._take(self._kept_part(kept))
             self._file = opened(self.path, "r+")
-            self._file.truncate(kept)
-            self._file.seek(kept)
+            self._file.truncate(kept.length)
+            self._file.seek(kept.length)
+
+    @property
+    def written(self) -> Written:
+        """What stands in the file so far."""
+        return Written(self._length, self._digest.hexdigest())
 
     def __enter__(self) -> HistoryWriter:
         return self
@@ -117,7 +134,7 @@ class HistoryWriter:
         when the file is reopened.
         """
         line = ",".join(repr(float(row[name])) for name in self._names) + "\n"
-        write_all(self._file, line.encode("ascii"))
+        self._write(line.encode("ascii"))
 
     def sync(self) -> None:
         """Wait until all rows are on the disk; OSError if that fails."""
@@ -126,6 +143,14 @@ class HistoryWriter:
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         self._file.close()
+
+    def _write(self, line: bytes) -> None:
+        write_all(self._file, line)
+        self._take(line)
+
+    def _take(self, part: bytes) -> None:
+        self._digest.update(part)
+        self._length += len(part)
 
     def _check_columns(self) -> None:
         if not self.columns:
@@ -140,37 +165,36 @@ class HistoryWriter:
                     f"without any of {_FORBIDDEN!r}, got {text!r}"
                 )
 
-    def _kept_bytes(self, until: float) -> int:
-        lines = read_regular(self.path).splitlines(keepends=True)
-        if lines and not lines[-1].endswith(b"\n"):
-            lines.pop()
-        found = lines[0].decode(errors="replace").rstrip("\r\n") if lines else ""
+    def _kept_part(self, kept: Written) -> bytes:
+        content = read_regular(self.path)
+        found = content.partition(b"\n")[0].decode(errors="replace").rstrip("\r")
         if found != ",".join(_header(self.columns)):
             raise ValueError(
                 f"{self.path} has other columns than this run: {found[:_SHOWN_BYTES]!r}; "
                 "move it away or start anew"
             )
-        at = [-np.inf, *(float(line.split(b",", 1)[0]) for line in lines[1:])]
-        while at[-1] > until:
-            at.pop()
-        require_all(self.path, at[-1], until)
-        return sum(map(len, lines[: len(at)]))
+        part = content[: kept.length]
+        anew = "put the file of that run back, or run it from the beginning"
+        if len(part) < kept.length:
+            raise ValueError(
+                f"{self.path} must reach to the checkpoint, that is have {kept.length} bytes or "
+                f"more, got {len(part)}; {anew}"
+            )
+        if hashlib.sha256(part).hexdigest() != kept.digest:
+            raise ValueError(
+                f"{self.path} must be as it was at the checkpoint, but its first {kept.length} "
+                f"bytes have been changed{_first_wrong(part, self.path)}; {anew}"
+            )
+        return part
 
 
-def require_all(path: Path, last: float, until: float) -> None:
-    """Refuse the file of an interrupted run that ends before its checkpoint [s].
-
-    Raises
-    ------
-    ValueError
-        If it does; as after a power cut, or when an older copy has been put there.
-    """
-    if last < until < np.inf:
-        end = f"ends at {last:.6g} s" if np.isfinite(last) else "is empty"
-        raise ValueError(
-            f"{path} must reach to the checkpoint, that is to {until:.6g} s, but {end}; run it "
-            "from the beginning"
-        )
+def _first_wrong(content: bytes, path: Path) -> str:
+    """Return where a history cannot be read, if so."""
+    try:
+        _parsed(content, path)
+    except ValueError as problem:
+        return f": {problem}"
+    return ""
 
 
 def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[str, str]]:
@@ -191,10 +215,16 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
     Raises
     ------
     ValueError
-        If the header is not ``name [unit],...`` or a line has another number of cells.
+        If the header is not ``name [unit],...``, a line has another number of cells, or a cell is
+        no number: it names file, line and column.
     """
     path = Path(path)
-    lines = in_one_form(read_regular(path)).decode().split("\n")
+    return _parsed(read_regular(path), path)
+
+
+def _parsed(content: bytes, path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
+    """Return columns and units of :func:`read_history`."""
+    lines = in_one_form(content).decode(errors="backslashreplace").split("\n")
     # After the last line break there is nothing, or an unfinished line.
     header, rows = lines[0].rstrip("\r"), lines[1:-1]
     columns = _parse_header(header, path)
@@ -203,10 +233,29 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
         if n_cell != len(columns):
             wrong = f"must have {len(columns)} numbers, got {n_cell}"
             raise ValueError(f"{path}, line {i + 2}: {wrong}")
-    cells = chain.from_iterable(row.split(",") for row in rows)
-    table = np.fromiter(map(float, cells), float).reshape(-1, len(columns))
-    values = {name: table[:, k].copy() for k, (name, _) in enumerate(columns)}
+    cells = zip(*(row.split(",") for row in rows), strict=True) if rows else [()] * len(columns)
+    values = {
+        name: _numbers(column, float, path, f"{name} [{unit}]")
+        for column, (name, unit) in zip(cells, columns, strict=True)
+    }
     return values, dict(columns)
+
+
+def _numbers(cells: Sequence[str], kind: Any, path: Path, heading: str) -> npt.NDArray[Any]:
+    """Return the cells of a column as an array; ValueError names the first that is none."""
+    try:
+        return np.array([kind(cell) for cell in cells], dtype=kind)
+    except (ValueError, OverflowError):
+        for i, cell in enumerate(cells):
+            try:
+                np.array(kind(cell), dtype=kind)
+            except (ValueError, OverflowError):
+                words = "an integer" if kind is int else "a number"
+                raise ValueError(
+                    f"{path}, line {i + 2}, column {heading!r}: must be {words}, got "
+                    f"{cell[:_SHOWN_BYTES]!r}"
+                ) from None
+        raise
 
 
 def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
@@ -224,12 +273,23 @@ def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]
     """Return the columns, each of shape (n_split,), and their units; empty without a file."""
     if not path.exists():
         return {}, {}
-    header, *rows = csv.reader(in_one_form(read_regular(path)).decode().splitlines())
+    text = in_one_form(read_regular(path)).decode(errors="backslashreplace")
+    lines = text.splitlines()
+    header, *rows = csv.reader(lines or [""])
+    if missing := [name for name in _OF_SPLITS if name not in _names_in(header)]:
+        raise ValueError(f"{path}, line 1: must name the columns of splits, lacks {missing[0]!r}")
+    for i, row in enumerate(rows):
+        if len(row) != len(header):
+            raise ValueError(f"{path}, line {i + 2}: must have {len(header)} cells, got {len(row)}")
     columns: dict[str, npt.NDArray[Any]] = {}
     units: dict[str, str] = {}
     cells = zip(*rows, strict=True) if rows else [()] * len(header)
     for heading, column in zip(header, cells, strict=True):
         name, _, unit = heading.rstrip("]").partition(" [")
         _, kind = _OF_SPLITS.get(name, ("", float))
-        columns[name], units[name] = np.array(column, dtype=kind), unit
+        columns[name], units[name] = _numbers(column, kind, path, heading), unit
     return columns, units
+
+
+def _names_in(header: Sequence[str]) -> list[str]:
+    return [heading.partition(" [")[0] for heading in header]

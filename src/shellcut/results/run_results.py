@@ -276,15 +276,20 @@ def history_in(folder: Path) -> tuple[dict[str, Floats], dict[str, str]]:
 
 
 def summary_in(folder: Path) -> dict[str, Any]:
-    """Return the summary of a run; empty if it has not ended."""
+    """Return the summary of a run; empty if it has not ended.
+
+    ValueError if the file is damaged: it is moved into place when it is complete.
+    """
+    path = folder / SUMMARY
     try:
-        found = json.loads(read_regular(folder / SUMMARY))
-    except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
+        found = json.loads(read_regular(path).decode(errors="backslashreplace"))
+    except FileNotFoundError:
         return {}
+    except json.JSONDecodeError as problem:
+        where = f"line {problem.lineno}, column {problem.colno}"
+        raise ValueError(f"{path}, {where}: must be JSON, but {problem.msg}") from None
     if not isinstance(found, dict):
-        raise ValueError(
-            f"{folder / SUMMARY} must hold figures by name, got {type(found).__name__}"
-        )
+        raise ValueError(f"{path} must hold figures by name, got {type(found).__name__}")
     return found
 
 

@@ -42,7 +42,6 @@ from .frame_digest import (
 )
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
 from .hdf_columns import Columns
-from .history import require_all
 
 _VERSION = (2, 3)
 _TIME = "time [s]"
@@ -266,7 +265,13 @@ class VtkHdfWriter:
         n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
         if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:
             raise ValueError(f"{self.path} is damaged; start anew")
-        require_all(self.path, columns["Steps/Values"][n_frame - 1] if n_frame else -np.inf, until)
+        last = columns["Steps/Values"][n_frame - 1] if n_frame else -np.inf
+        if last < until < np.inf:  # as after a power cut, or when an older copy has been put there
+            end = f"ends at {last:.6g} s" if n_frame else "is empty"
+            raise ValueError(
+                f"{self.path} must reach to the checkpoint, that is to {until:.6g} s, but {end}; "
+                "run it from the beginning"
+            )
         self._file[BESIDE].attrs.modify(ENDED, np.int64(NOT_ENDED))
         # Frames may share cells but never return to older ones: the last frame kept marks the end.
         n_part = n_point = n_cell = n_id = n_cell_row = 0

@@ -7,6 +7,7 @@ wrenches, works out the work of the tool and books what each term has done.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from math import sqrt
 from typing import Annotated, Any, NamedTuple
 
@@ -21,9 +22,13 @@ from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
-from shellcut.tool.touch import ON_TOOL
+from shellcut.tool.touch import ON_TOOL, Booking
 
 from .ledger import Ledger
+
+_ENTRIES = {one.name for one in fields(Ledger)}
+_OWN_NAMES = {"last", "added"}
+"""Of parts of a checkpoint, that no term may have."""
 
 
 class ForceTerms:
@@ -37,6 +42,11 @@ class ForceTerms:
         Of the tool, if there is one.
     film : FilmMotion, optional
         Of a film that its supports move.
+
+    Raises
+    ------
+    ValueError
+        If two have one name, or one books what it does not have.
     """
 
     def __init__(
@@ -44,14 +54,12 @@ class ForceTerms:
     ) -> None:
         self._terms, self._motion, self._film = tuple(terms), motion, film
         self._seen = None if motion is None or film is None else SeenFromFilm(film, motion)
-        names = [term.name for term in self._terms]
-        if len(set(names)) < len(names):
-            raise ValueError(f"force terms must have names of their own, got {', '.join(names)}")
+        _check(self._terms)
+        self._added = {one.name: _Added() for one in self._terms if not one.booked}
+        """What the terms that book nothing have added to the nodal forces."""
         touches = [term.touch for term in self._terms]
-        booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked]
-        for k, entry, column, _ in booked:
-            if not ON_TOOL <= column < touches[k].sums.size:
-                raise IndexError(f"{self._terms[k].name} books column {column} as {entry}")
+        on_tool = (Booking.of_wrench("load_work"),)
+        booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked or on_tool]
         self._entries = sorted({entry for _, entry, *_ in booked})
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that. Of
         # a film that moves also that integral, and the work on the tool, as seen from the film.
@@ -91,6 +99,7 @@ class ForceTerms:
         sums: dict[str, float] = {}
         for term in self._terms:
             for entry, energy in term.stored(state).items():
+                _check_entry(term, entry, "stores")
                 sums[entry] = sums.get(entry, 0.0) + energy
         return sums
 
@@ -110,7 +119,10 @@ class ForceTerms:
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
         for term in self._terms:
-            term.add_forces(state, pose)
+            if (added := self._added.get(term.name)) is None:
+                term.add_forces(state, pose)
+            else:
+                ledger.load_work += added.work(term, state, pose)
         tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
@@ -143,14 +155,73 @@ class ForceTerms:
         work[0] += float(product(force, r1 - r0) + product(moment, vector))
 
     def saved(self) -> dict[str, Any]:
-        """Return what the terms keep, by their names, and the wrenches of the last step."""
-        return {"last": self._last, **{term.name: term.saved() for term in self._terms}}
+        """Return what the terms keep, by their names, and wrenches and forces of the last step."""
+        added = {name: one.last for name, one in self._added.items()}
+        kept = {term.name: term.saved() for term in self._terms}
+        return {"last": self._last, "added": added, **kept}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._last[:] = saved["last"]
+        for name, one in self._added.items():
+            one.last = saved["added"][name]
         for term in self._terms:
             term.restore(state, pose, saved[term.name])
+
+
+def _check(terms: Sequence[ForceTerm]) -> None:
+    names = [term.name for term in terms]
+    if len(set(names)) < len(names) or _OWN_NAMES & set(names):
+        raise ValueError(
+            f"force terms must have names of their own, and none of {', '.join(sorted(_OWN_NAMES))}"
+            f"; got {', '.join(names)}"
+        )
+    for term in terms:
+        for entry, column, _ in term.booked:
+            _check_entry(term, entry, "books")
+            if not ON_TOOL <= column < (n := term.touch.sums.size):
+                raise ValueError(
+                    f"{term.name} books column {column} as {entry}: it must be one of the {n} "
+                    "columns of touch.sums, from 0; of the wrench: Booking.of_wrench"
+                )
+    bodies = {term.name: len(term.touch.wrench) for term in terms if len(term.touch.wrench)}
+    if len(set(bodies.values())) > 1:
+        told = ", ".join(f"{n} of {name}" for name, n in bodies.items())
+        raise ValueError(f"touch.wrench must have a row for each tooth of the tool, got {told}")
+
+
+def _check_entry(term: ForceTerm, entry: str, does: str) -> None:
+    if entry not in _ENTRIES:
+        raise ValueError(
+            f"{term.name} {does} {entry!r}: it must be an entry of the ledger, one of "
+            f"{', '.join(sorted(_ENTRIES))}"
+        )
+
+
+class _Added:
+    """What a term that books nothing has added to the nodal forces, and the work of that.
+
+    By the difference that it makes, with the increments of the step: ½ (f_{n-1} + f_n) · Δx and
+    ½ (m_{n-1} + m_n) · Δθ, where m = t x g is the moment of the force g conjugate to the director.
+    A node that has been split since t_{n-1} kept all its force until then; its twin, which was at
+    the same place, had none. Points on flanks move with the film, which takes their forces later.
+    """
+
+    def __init__(self) -> None:
+        self.last: Floats = np.zeros((0, 6))
+        """Forces [N] and moments [N·mm] at t_{n-1}, a row for each node of then."""
+
+    def work(self, term: ForceTerm, state: State, pose: Pose) -> float:
+        """Let the term add its forces at t_n; return their work since t_{n-1} [N·mm]."""
+        n = state.node
+        forces, before = n.force_rows[: n.count, :6], self.last
+        added = forces.copy()
+        term.add_forces(state, pose)
+        np.subtract(forces, added, out=added)
+        added[:, 3:] = np.cross(n.t[: n.count], added[:, 3:])
+        self.last = added
+        moved = state.dt * np.hstack([n.velocity_half[: n.count], n.spin_half[: n.count]])
+        return 0.5 * float((before * moved[: len(before)]).sum() + (added * moved).sum())
 
 
 class WorkBook(NamedTuple):

@@ -23,7 +23,7 @@ class Ledger:
     tool_work: float = 0.0
     """Work of the tool on the film."""
     load_work: float = 0.0
-    """Work of gravity, pressure and nodal forces."""
+    """Work of gravity, pressure and nodal forces, and of force terms that book nothing."""
     support_work: float = 0.0
     """Work of the reactions where motion is prescribed."""
     initial: float = 0.0

@@ -21,7 +21,6 @@ from shellcut.files.whole_file import write_text
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.reader import model_of_text
 from shellcut.models.case import Case
-from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.recorder import Recorder
 from shellcut.recording.run_log import RunLog
 from shellcut.results.verdict import doubts_in
@@ -164,7 +163,7 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
     if resume:
         try:
             return case, case.recorder(folder, resume=True, **options)
-        except (CheckpointError, FileNotFoundError) as problem:
+        except (ValueError, FileNotFoundError) as problem:  # of checkpoint, history or frames
             _log.warning("begun afresh: %s", problem)
             case = model.build()  # the checkpoint may have been read in part
     return case, case.recorder(folder, **options)

@@ -18,8 +18,8 @@ from shellcut.model_file.key_index import with_values
 from shellcut.model_file.reader import ModelVariants
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
-from shellcut.recording.signals import Interruption
 from shellcut.results.summary_figures import key_figures
+from shellcut.signals import Interruption
 from shellcut.view.progress import duration
 
 from .design import Design

@@ -2,9 +2,9 @@
 
 Shells and loads have places of their own in a step. Whatever else puts forces on the nodes,
 contact, friction and cables, is a :class:`ForceTerm`. It must say what it adds to the forces; all
-else has a default: no work, no stiffness, nothing stored, nothing kept. A new one is a class of its
-own and an entry in ``Simulation(terms=...)``. A checkpoint compares the fields of one that is a
-dataclass, of another only its class.
+else has a default: its work counts as that of a load, no stiffness, nothing stored, nothing kept. A
+new one is a class of its own and an entry in ``Simulation(terms=...)``. A checkpoint compares the
+fields of one that is a dataclass, of another only its class.
 """
 
 from __future__ import annotations
@@ -26,11 +26,18 @@ if TYPE_CHECKING:
 class ForceTerm:
     """Forces on the nodes that are neither the shells' nor loads.
 
+    A term that books nothing is one more load: the simulation looks at what it has added to the
+    nodal forces and books its work as ``load_work``, with that of its wrench on the tool. One that
+    stores or dissipates energy may tell: it writes its works to ``touch``, and ``booked`` says into
+    which entries of the ledger they go. Then it books all its work, ½ (f_{n-1} + f_n) · Δx.
+
     Examples
     --------
     A spring between a node and the place where it was at first, 2 N/mm:
 
-    >>> class Spring(ForceTerm):
+    >>> import numpy as np
+    >>> import shellcut as sc
+    >>> class Spring(sc.ForceTerm):
     ...     name = "spring"
     ...     def __init__(self, node, place):
     ...         self.node, self.place = node, place
@@ -38,6 +45,17 @@ class ForceTerm:
     ...         state.node.force[self.node] += 2.0 * (self.place - state.node.x[self.node])
     ...     def stiffness(self, state, counted):
     ...         return np.array([self.node]), np.array([2.0])
+
+    A film that falls on it; the ledger misses nothing:
+
+    >>> from shellcut.meshing import rectangle
+    >>> mesh, film = rectangle(4.0, 2.0, size=1.0), sc.ShellMaterial.homogeneous()
+    >>> weight = [sc.Gravity((0.0, 0.0, -1e7))]
+    >>> sim = sc.Simulation(mesh, film, loads=weight, terms=[Spring(7, mesh.nodes[7])])
+    >>> sim.run(until=1e-4)
+    >>> ledger = sim.close_ledger()
+    >>> abs(ledger.relative(ledger.imbalance)) < 1e-6
+    True
     """
 
     name: str
@@ -46,7 +64,8 @@ class ForceTerm:
     """What it did in the last evaluation, on each tooth of the tool and in sums of its own. The
     arrays stay in their place; what stands there is booked again after every step."""
     booked: Sequence[Booking] = ()
-    """What goes from there into the ledger at every step."""
+    """What goes from there into the ledger at every step. If nothing does, the simulation works out
+    what the term adds to the nodal forces, and the work of that."""
     n_search: int = 0
     """How often it has searched for what it may act on: the time step then looks at it anew. -1 if
     that changes from step to step; the time step then asks it at every look."""

@@ -22,7 +22,16 @@ ON_TOOL = -1
 
 
 class Touch(NamedTuple):
-    """Results of the last evaluation of a term; zeros before the first."""
+    """Results of the last evaluation of a term; zeros before the first.
+
+    Examples
+    --------
+    Of a term that touches a tool of one tooth and books two sums:
+
+    >>> touch = Touch.none(n_tooth=1, n_sum=2)
+    >>> touch.wrench.shape, touch.sums.shape
+    ((1, 6), (2,))
+    """
 
     wrench: Annotated[Floats, "(n_tooth, 6)"]
     """Force [N] and moment about the body origin [N·mm] on each tooth."""
@@ -50,7 +59,15 @@ def react(f: Vec3, x: Vec3, tooth: int, pose: Pose, wrench: Floats) -> None:
 
 
 class Booking(NamedTuple):
-    """A sum that goes into the ledger at every step."""
+    """A sum that goes into the ledger at every step.
+
+    Examples
+    --------
+    What went into a spring between film and tool: less what it did on the film, which is the second
+    of its sums, and on the tool, by its wrench:
+
+    >>> booked = Booking("contact_work", 1, -1.0), Booking.of_wrench("contact_work", -1.0)
+    """
 
     entry: str
     """Of the ledger."""
@@ -58,3 +75,8 @@ class Booking(NamedTuple):
     """Of ``sums``, or ``ON_TOOL``."""
     factor: float = 1.0
     """Times which it is added."""
+
+    @classmethod
+    def of_wrench(cls, entry: str, factor: float = 1.0) -> Booking:
+        """Return that of the work of the wrench on the tool."""
+        return cls(entry, ON_TOOL, factor)
