@@ -254,7 +254,9 @@ class TestTable:
             for low, high in zip(motion.twist(time - 1e-9), motion.twist(time), strict=True):
                 np.testing.assert_allclose(low, high, atol=1e-4)
 
-    @pytest.mark.parametrize(("angles", "way"), [((359, 1, 3), 4), ((-178, 179), -3), ((5, 715), -10)])
+    @pytest.mark.parametrize(
+        ("angles", "way"), [((359, 1, 3), 4), ((-178, 179), -3), ((5, 715), -10)]
+    )
     def test_angles_that_wrap_go_the_shorter_way_by_a_key(self, angles, way):
         vectors = np.radians(angles)[:, None] * [0.0, 0.6, 0.8]
         zeros, times = np.zeros((len(angles), 3)), np.arange(len(angles), dtype=float)
@@ -263,7 +265,9 @@ class TestTable:
         assert motion.leap is None
         assert np.sign(motion.twist(0.5)[0][2]) == np.sign(way)
         with pytest.raises(ValueError, match="with unwrap, got 170.0 from entry 0 to 1"):
-            TableMotion([0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0], [0, 0, np.radians(170)]], unwrap=True)
+            TableMotion(
+                [0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0], [0, 0, np.radians(170)]], unwrap=True
+            )
 
     @pytest.mark.parametrize(
         ("angles", "leap"),

@@ -87,7 +87,10 @@ def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     assert "to go to the next cut or the film's edge" in summary["no_window"]
     assert not {"force_plateau_N", "dW_ds_N", "window_from_mm"} & summary.keys()
     assert summary["n_cable_created"] == sim.state.n_cable == h["cables_created"][-1]
-    assert results.times[-1] == case.simulation.state.time
+    assert results.times[-1] == h["time"][-1] == sim.state.time
+    assert h["path"][-1] == summary["path_end_mm"]
+    assert h["tool_work"][-1] == summary["tool_work_Nmm"]
+    assert (np.diff(h["time"]) > 0.0).all()
     # the checkpoint does not know of it: a run that goes on writes its own frames there
     assert results.n_frame >= RECORDS["n_frame"] + 1
 

@@ -345,11 +345,14 @@ class Recorder:
         return {column: value for column, _, value in self._row()}
 
     def _show_end(self) -> None:
-        """Write a frame and a picture of the end of the run.
+        """Write a row, a frame and a picture of the end of the run.
 
-        A film that blew up may have no finite stress: then the earlier frames are the last ones.
+        The checkpoint is written before them, so a run that goes on drops them again. A film that
+        blew up may have no finite stress: then the earlier frames are the last ones.
         """
         sim, now = self._sim, self._sim.state.time
+        if sim.between_steps and now > self._schedule.row_time:
+            self._files.history.append(self._now())
         frame_due = now > self._schedule.frame_time
         picture_due = self._can_draw and self._schedule.picture_due is not None
         picture_due = picture_due and now > self._schedule.captured_time
@@ -428,6 +431,9 @@ class Recorder:
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)
         if not self._sim.between_steps:
             figures["broke_off"] = 1
+        elif figures["share_done"] < 1.0 and self._sim.imbalance is None:
+            for share in ("imbalance_rel", "kinetic_rel"):  # of work that has hardly begun
+                figures.pop(share, None)
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
         write_splits(self.folder / SPLITS, self._sim.state.splits)

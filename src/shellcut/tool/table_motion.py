@@ -243,9 +243,7 @@ class TableMotion:
         return table
 
 
-def _turns(
-    vectors: Floats, start: scipy.spatial.transform.Rotation, *, unwrap: bool
-) -> Floats:
+def _turns(vectors: Floats, start: scipy.spatial.transform.Rotation, *, unwrap: bool) -> Floats:
     """Return the rotation vector from each entry to the next, shape (n_time - 1, 3), [rad].
 
     It is the same in the frames of both. Along one axis rotations add up, so that it is the
