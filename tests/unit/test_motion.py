@@ -1,5 +1,7 @@
 """Prescribed motions: end values, and twists against differences of poses."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
@@ -225,8 +227,10 @@ class TestTable:
     @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (2.0, -1.0, 2.0)])
     @pytest.mark.parametrize(
         "angles",
-        [(0, 270), (0, 360), (0, 720), (0, 494), (0, -270), (0, 180), (170, -170), (30, 400, 350)]
-        + [(0, 10, 20, 3620, 3600), (0, 134, 270, 630)],
+        [
+            *((0, 270), (0, 360), (0, 720), (0, 494), (0, -270), (0, 180), (170, -170)),
+            *((30, 400, 350), (0, 10, 20, 3620, 3600), (0, 134, 270, 630)),
+        ],
     )
     def test_rows_about_one_axis_turn_by_their_difference(self, axis, angles):
         way, angle = np.array(axis) / np.linalg.norm(axis), np.radians(angles)
@@ -235,7 +239,7 @@ class TestTable:
         travel = np.append(0.0, np.cumsum(np.abs(np.diff(angle))))
         for time, done in zip(times, travel, strict=True):
             assert motion.coordinate(time) == pytest.approx(done, rel=1e-9)
-        for low, high in zip(times[:-1], times[1:], strict=True):
+        for low, high in pairwise(times):
             spins = [motion.twist(t)[0] for t in np.linspace(low, high, 4001)[:-1] + 1.25e-4]
             np.testing.assert_allclose(np.cross(spins, way), 0.0, atol=1e-9 * np.abs(angle).max())
             turned = float(np.dot(spins, way).mean()) * (high - low)  # not from the coordinate
@@ -264,15 +268,17 @@ class TestTable:
         assert motion.coordinate(times[-1]) == pytest.approx(np.radians(abs(way)), rel=1e-9)
         assert motion.leap is None
         assert np.sign(motion.twist(0.5)[0][2]) == np.sign(way)
-        with pytest.raises(ValueError, match="with unwrap, got 170.0 from entry 0 to 1"):
+        with pytest.raises(ValueError, match=r"with unwrap, got 170\.0 from entry 0 to 1"):
             TableMotion(
                 [0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0], [0, 0, np.radians(170)]], unwrap=True
             )
 
     @pytest.mark.parametrize(
         ("angles", "leap"),
-        [((355, 357, 359, 1, 3), 2), ((3, 1, 359), 1), ((0, 350, 20), None), ((0, 720), None)]
-        + [((0, 200, 400), None), ((0, 1, 2, 300), None)],
+        [
+            *(((355, 357, 359, 1, 3), 2), ((3, 1, 359), 1), ((0, 350, 20), None)),
+            *(((0, 720), None), ((0, 200, 400), None), ((0, 1, 2, 300), None)),
+        ],
     )
     def test_a_jump_of_a_sensor_is_seen(self, angles, leap):
         vectors = np.radians(angles)[:, None] * [0.0, 0.0, 1.0]

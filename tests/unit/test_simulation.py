@@ -171,7 +171,7 @@ def bent_strip(bend):
 def test_a_film_that_spins_as_a_rigid_body_takes_its_directors_along(spin, bend):
     mesh, spin = bent_strip(bend), np.array(spin, float)
     arm = mesh.nodes - mesh.nodes.mean(axis=0)
-    velocity = (50.0, -20.0, 70.0) + np.cross(spin, arm)
+    velocity = np.array([50.0, -20.0, 70.0]) + np.cross(spin, arm)
     sim = sc.Simulation(mesh, FILM, velocity=velocity, damping_alpha=0.0, damping_beta=0.0)
     n, most = sim.state.node, 0.0
     node = slice(0, mesh.n_node)

@@ -46,7 +46,7 @@ def initial_state(mesh: Mesh) -> State:
 
 
 def director_spins(mesh: Mesh, velocity: Floats) -> Floats:
-    """Return spins with which directors keep their angles to the surface, shape (n_node, 3) [rad/s].
+    """Return spins that keep the directors' angles to the surface, shape (n_node, 3) [rad/s].
 
     A director t has a constant component along each line d to a node of its quads if
 

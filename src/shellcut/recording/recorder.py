@@ -347,8 +347,8 @@ class Recorder:
     def _show_end(self) -> None:
         """Write a row, a frame and a picture of the end of the run.
 
-        The checkpoint is written before them, so a run that goes on drops them again. A film that
-        blew up may have no finite stress: then the earlier frames are the last ones.
+        The checkpoint comes before them: a run that goes on drops them again. A film that blew up
+        may have no finite stress: then the earlier frames are the last ones.
         """
         sim, now = self._sim, self._sim.state.time
         if sim.between_steps and now > self._schedule.row_time:
@@ -431,9 +431,10 @@ class Recorder:
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)
         if not self._sim.between_steps:
             figures["broke_off"] = 1
-        elif figures["share_done"] < 1.0 and self._sim.imbalance is None:
-            for share in ("imbalance_rel", "kinetic_rel"):  # of work that has hardly begun
-                figures.pop(share, None)
+        elif figures["share_done"] < 1.0 and self._sim.imbalance is None:  # hardly any work
+            figures = {
+                k: v for k, v in figures.items() if k not in ("imbalance_rel", "kinetic_rel")
+            }
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
         write_splits(self.folder / SPLITS, self._sim.state.splits)

@@ -372,8 +372,8 @@ def _rotation_cubics(step: Floats, turns: Floats) -> Floats:
     series = 1.0 / 12.0 + angle * angle / 720.0
     exact = 1.0 / (a * a) - (1.0 + each(cos, a)) / (2.0 * a * each(sin, a))
     second = np.where(angle < SMALL_ANGLE, series, exact)[:, None]
-    # J is singular at a full turn, and 1 along the axis of phi: so a large turn begins and ends about
-    # its axis, or at rest where the axis changes there.
+    # J is singular at a full turn, and 1 along the axis of phi: so a large turn begins and ends
+    # about its axis, or at rest where the axis changes there.
     axis = unit(turns[large])
     for rate in (rates[:-1], rates[1:]):
         size = (rate[large] * axis).sum(axis=1)
