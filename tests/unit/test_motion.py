@@ -254,6 +254,9 @@ class TestTable:
         for i, travel in enumerate((0.0, 4 * np.pi, 8 * np.pi, 8 * np.pi + 0.5)):
             assert motion.coordinate(i) == pytest.approx(travel, rel=1e-6)
         np.testing.assert_allclose(motion.twist(2.0)[0], 0.0, atol=1e-12)
+        vectors = [[0, 0, 0], [0, 0, 4 * np.pi], [0, 0, 0], [0, 0.3, -0.3]]  # a corner of 45°
+        bent = TableMotion(np.arange(4.0), np.zeros((4, 3)), vectors)
+        np.testing.assert_allclose(bent.twist(2.0)[0], 0.0, atol=1e-12)
         for time in [*np.linspace(0.1, 4.9, 77), 1.0, 2.0, 3.0, 4.0]:
             for low, high in zip(motion.twist(time - 1e-9), motion.twist(time), strict=True):
                 np.testing.assert_allclose(low, high, atol=1e-4)
@@ -278,6 +281,7 @@ class TestTable:
         [
             *(((355, 357, 359, 1, 3), 2), ((3, 1, 359), 1), ((0, 350, 20), None)),
             *(((0, 720), None), ((0, 200, 400), None), ((0, 1, 2, 300), None)),
+            ((0, -1, -2, 300), None),
         ],
     )
     def test_a_jump_of_a_sensor_is_seen(self, angles, leap):

@@ -16,8 +16,8 @@ millimetre of cut, and is ignored if it has cut less than a tenth of the longest
 third of its last length on, the first third being the way in which the film takes the shape that
 tears.
 
-Means are of sums over every step: the rows are written at steps at which cracks are looked for, and
-the mean of their torque is up to 0.3 % too large.
+Means are of sums over every step: all rows but the last are written at steps at which cracks are
+looked for, and the mean of their torque is up to 0.3 % too large.
 """
 
 from __future__ import annotations

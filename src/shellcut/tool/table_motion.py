@@ -380,7 +380,6 @@ def _rotation_cubics(step: Floats, turns: Floats) -> Floats:
         same = norm(np.cross(rate[large], axis)) <= SAME_AXIS * np.abs(size)
         rate[large] = np.where(same, size, 0.0)[:, None] * axis
     across = np.cross(turns, rates[1:])
-    across[large] = 0.0
     stops = rates[1:] + 0.5 * across + second * np.cross(turns, across)
     return _cubics(step, np.zeros_like(turns), turns, rates[:-1], stops)
 
