@@ -14,6 +14,7 @@ from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import free_cut
+from shellcut.models.free_cut import with_path
 from shellcut.recording.resistance import resistance_of
 from shellcut.recording.status_line import start_lines
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -112,6 +113,45 @@ def test_a_ring_is_a_row_within_a_two_hundredth_of_an_edge(mesh, angle_deg):
         tool = tooth_ring(radius=9.4 + off * h, phase_deg=7.3)
         sweep = Sweep.of(disc, tool, sc.ScrewMotion.over(**way), way["duration"])
         assert lies_under(sweep) is under
+
+
+@pytest.mark.parametrize("angle_deg", [0.5, 1.0, 4.0, 6.0, 95.0])
+@pytest.mark.parametrize("radius", [9.4, 9.0])
+def test_the_length_of_a_run_does_not_choose_where_cracks_go(angle_deg, radius):
+    duration = 6e-3 * angle_deg / 95.0
+    screw = sc.ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=12.0)
+    tool, disc = tooth_ring(radius=radius, phase_deg=7.3), opening_disc("quick")
+    times = np.linspace(0.0, duration, 20)
+    vectors = np.array([[0.0, 0.0, screw.coordinate(time)] for time in times])
+    table = sc.TableMotion(times, [screw.pose(time)[1] for time in times], vectors)
+    for motion in (screw, table)[: 1 + (angle_deg >= 1.0)]:  # to 0.5° this table meets no film
+        path = with_path(disc, tool, motion, duration, None).path
+        assert path == ("edges" if radius == 9.4 else "free")
+
+
+def test_a_row_that_ends_beyond_the_run_is_none():
+    short, long = rectangle(6.0, 4.0, size=0.5), rectangle(12.0, 4.0, size=0.5)
+    bent = long.nodes + [[0.0, 0.1, 0.0]] * (long.nodes[:, [0]] > 6.1)
+    bent = sc.Mesh.from_arrays(bent, long.quads)
+    motion = StraightMotion((1.0, 0.0, 0.0), 6000.0)
+    blade = straight_blade(length=6.0, height=3.0).translated((-0.05, 0.0, 0.0))
+    for film, path in ((short, "edges"), (long, "edges"), (bent, "free")):
+        for duration in (1e-4, 5e-4, 3e-3):
+            assert with_path(film, blade, motion, duration, None).path == path
+
+
+def test_a_notch_may_be_longer_than_the_way_of_the_run():
+    blade = straight_blade(length=6.0, height=3.0).translated((-0.05, 0.03, 0.0))
+    case = free_cut(
+        rectangle(6.0, 4.0, size=0.5),
+        tool=blade,
+        motion=StraightMotion((1.0, 0.0, 0.0), 6000.0),
+        duration=1e-4,  # 0.6 mm
+        notch=2.0,
+        clamp=("bottom", "top"),
+    )
+    assert case.simulation.fracture.path == "free"
+    assert len(case.simulation.state.quad.nodes) - case.simulation.mesh.n_quad >= 4
 
 
 def test_no_row_lies_under_a_path_along_a_cut_or_where_nothing_cuts():

@@ -518,3 +518,16 @@ def test_what_follows_its_teeth_is_not_blamed():
 )
 def test_a_step_that_does_not_follow(changed, severity, said):
     assert [level for level, text in steps(**changed) if said in text] == [severity]
+
+
+def test_angles_of_a_sensor_that_jumps_are_doubted_until_they_are_unwrapped():
+    def said(angles, **options):
+        t, vectors = np.linspace(0.0, 2e-3, len(angles)), np.radians(angles)[:, None] * [0, 0, 1.0]
+        motion = shellcut.TableMotion(t, np.zeros((len(angles), 3)), vectors, **options)
+        return [str(f) for f in found(strip_cut(motion=motion)) if "sensor jumps" in str(f)]
+
+    (text,) = said([357.0, 359.0, 1.0, 3.0])
+    assert "a turn of 358° from entry 1 to 2 of the table" in text
+    assert "set unwrap = true" in text
+    assert not said([357.0, 359.0, 1.0, 3.0], unwrap=True)
+    assert not said([0.0, 270.0, 720.0])

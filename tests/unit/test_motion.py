@@ -1,5 +1,7 @@
 """Prescribed motions: end values, and twists against differences of poses."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
@@ -172,7 +174,7 @@ class TestTable:
         times, translations, vectors = table()
         Q, turned = Rotation.from_rotvec([0.3, -1.0, 0.5]), Rotation.from_rotvec(vectors)
         here = TableMotion(times, translations, vectors)
-        there = TableMotion(times, Q.apply(translations), (Q * turned).as_rotvec())
+        there = TableMotion(times, Q.apply(translations), (Q * turned).as_rotvec(), unwrap=True)
         for time in np.linspace(0.0, 1.0, 41):
             (R, r), (S, s) = here.pose(time), there.pose(time)
             np.testing.assert_allclose(S, Q.as_matrix() @ R, atol=1e-12)
@@ -222,6 +224,71 @@ class TestTable:
         with pytest.raises(ValueError, match="read-only"):
             motion.translations[0, 0] = 1.0
 
+    @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (2.0, -1.0, 2.0)])
+    @pytest.mark.parametrize(
+        "angles",
+        [
+            *((0, 270), (0, 360), (0, 720), (0, 494), (0, -270), (0, 180), (170, -170)),
+            *((30, 400, 350), (0, 10, 20, 3620, 3600), (0, 134, 270, 630)),
+        ],
+    )
+    def test_rows_about_one_axis_turn_by_their_difference(self, axis, angles):
+        way, angle = np.array(axis) / np.linalg.norm(axis), np.radians(angles)
+        times = np.arange(len(angles), dtype=float)
+        motion = TableMotion(times, np.zeros((len(angles), 3)), angle[:, None] * way)
+        travel = np.append(0.0, np.cumsum(np.abs(np.diff(angle))))
+        for time, done in zip(times, travel, strict=True):
+            assert motion.coordinate(time) == pytest.approx(done, rel=1e-9)
+        for low, high in pairwise(times):
+            spins = [motion.twist(t)[0] for t in np.linspace(low, high, 4001)[:-1] + 1.25e-4]
+            np.testing.assert_allclose(np.cross(spins, way), 0.0, atol=1e-9 * np.abs(angle).max())
+            turned = float(np.dot(spins, way).mean()) * (high - low)  # not from the coordinate
+            assert turned == pytest.approx(angle[int(high)] - angle[int(low)], rel=1e-5)
+        for time, at in zip(times, angle, strict=True):
+            exact = Rotation.from_rotvec(at * way).as_matrix()
+            np.testing.assert_allclose(motion.pose(time)[0], exact, atol=1e-11)
+
+    def test_a_large_turn_stops_where_its_axis_changes(self):
+        vectors = [[0, 0, 0], [0, 0, 4 * np.pi], [0, 0, 0], [0, 0.5, 0], [0, 1.0, 0], [0, 8.0, 0]]
+        motion = TableMotion(np.arange(6.0), np.zeros((6, 3)), vectors)
+        for i, travel in enumerate((0.0, 4 * np.pi, 8 * np.pi, 8 * np.pi + 0.5)):
+            assert motion.coordinate(i) == pytest.approx(travel, rel=1e-6)
+        np.testing.assert_allclose(motion.twist(2.0)[0], 0.0, atol=1e-12)
+        vectors = [[0, 0, 0], [0, 0, 4 * np.pi], [0, 0, 0], [0, 0.3, -0.3]]  # a corner of 45°
+        bent = TableMotion(np.arange(4.0), np.zeros((4, 3)), vectors)
+        np.testing.assert_allclose(bent.twist(2.0)[0], 0.0, atol=1e-12)
+        for time in [*np.linspace(0.1, 4.9, 77), 1.0, 2.0, 3.0, 4.0]:
+            for low, high in zip(motion.twist(time - 1e-9), motion.twist(time), strict=True):
+                np.testing.assert_allclose(low, high, atol=1e-4)
+
+    @pytest.mark.parametrize(
+        ("angles", "way"), [((359, 1, 3), 4), ((-178, 179), -3), ((5, 715), -10)]
+    )
+    def test_angles_that_wrap_go_the_shorter_way_by_a_key(self, angles, way):
+        vectors = np.radians(angles)[:, None] * [0.0, 0.6, 0.8]
+        zeros, times = np.zeros((len(angles), 3)), np.arange(len(angles), dtype=float)
+        motion = TableMotion(times, zeros, vectors, unwrap=True)
+        assert motion.coordinate(times[-1]) == pytest.approx(np.radians(abs(way)), rel=1e-9)
+        assert motion.leap is None
+        assert np.sign(motion.twist(0.5)[0][2]) == np.sign(way)
+        with pytest.raises(ValueError, match=r"with unwrap, got 170\.0 from entry 0 to 1"):
+            TableMotion(
+                [0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0], [0, 0, np.radians(170)]], unwrap=True
+            )
+
+    @pytest.mark.parametrize(
+        ("angles", "leap"),
+        [
+            *(((355, 357, 359, 1, 3), 2), ((3, 1, 359), 1), ((0, 350, 20), None)),
+            *(((0, 720), None), ((0, 200, 400), None), ((0, 1, 2, 300), None)),
+            ((0, -1, -2, 300), None),
+        ],
+    )
+    def test_a_jump_of_a_sensor_is_seen(self, angles, leap):
+        vectors = np.radians(angles)[:, None] * [0.0, 0.0, 1.0]
+        times = np.arange(len(angles), dtype=float)
+        assert TableMotion(times, np.zeros((len(angles), 3)), vectors).leap == leap
+
     @pytest.mark.parametrize(
         ("times", "translations", "vectors", "message"),
         [
@@ -235,7 +302,12 @@ class TestTable:
             ),
             ([0, 1], np.zeros((2, 3)), np.zeros((2, 4)), r"rotation_vectors must have shape \(2"),
             ([0, 1], [[0, 0, 0], [0, np.inf, 0]], None, "translations must be finite, entry 1"),
-            ([0, 1], np.zeros((2, 3)), [[0, 0, 0], [0, 0, 3]], "got 171.9 from entry 0 to 1"),
+            (
+                [0, 1, 2],
+                np.zeros((3, 3)),
+                [[0, 0, 0], [0, 0, 1], [0, 3, 0]],
+                r"where the axis changes, got 181.2 from entry 1 to 2: add entries .* or unwrap",
+            ),
         ],
     )
     def test_refusals(self, times, translations, vectors, message):
@@ -296,7 +368,7 @@ def test_without_turn_the_coordinate_is_the_path(tmp_path):
         ("time [s],z [mm]\n0,0\n1\n", "line 3: there must be 2 numbers, got 1"),
         ("time [s],z [mm]\n0,0\n1,x\n", "line 3: must be a number, got 'x'"),
         ("time [s],z [mm]\n0,0\n0,1\n", "times must increase"),
-        ("time [s],angle [deg]\n0,0\n1,170\n", "must turn by less than 135 degrees"),
+        ("time [s],rx [deg],rz [deg]\n0,10,0\n1,0,170\n", "must turn by less than 135 degrees"),
         ("time [s],z [mm]\n0,0\n1,nan\n", "translations must be finite"),
     ],
 )

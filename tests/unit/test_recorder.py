@@ -87,9 +87,29 @@ def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     assert "to go to the next cut or the film's edge" in summary["no_window"]
     assert not {"force_plateau_N", "dW_ds_N", "window_from_mm"} & summary.keys()
     assert summary["n_cable_created"] == sim.state.n_cable == h["cables_created"][-1]
-    assert results.times[-1] == case.simulation.state.time
+    assert results.times[-1] == h["time"][-1] == sim.state.time
+    assert h["path"][-1] == summary["path_end_mm"]
+    assert h["tool_work"][-1] == summary["tool_work_Nmm"]
+    assert (np.diff(h["time"]) > 0.0).all()
     # the checkpoint does not know of it: a run that goes on writes its own frames there
     assert results.n_frame >= RECORDS["n_frame"] + 1
+
+
+def test_a_stopped_run_ends_with_a_row_that_one_going_on_does_not_keep(tmp_path):
+    for name, stop in (("whole", None), ("stopped", 33)):
+        sim = cutting()
+        recorder = Recorder(sim, tmp_path / name, until=END, name="cut", **RECORDS)
+        hooks = (
+            [recorder] if stop is None else [recorder, StopWhen(lambda s=sim: s.state.step >= 33)]
+        )
+        sim.run(END, hooks)
+        assert read(tmp_path / name).history["time"][-1] == sim.state.time
+    assert sim.state.step == 33  # rows are written every ten steps at most
+    sim = cutting()
+    again = Recorder(sim, tmp_path / "stopped", until=END, name="cut", resume=True, **RECORDS)
+    sim.run(END, [again])
+    whole, resumed = (tmp_path / name / "history.csv" for name in ("whole", "stopped"))
+    assert whole.read_bytes() == resumed.read_bytes()
 
 
 def test_splits_are_told_with_place_and_reference(whole):

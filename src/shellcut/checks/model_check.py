@@ -15,7 +15,7 @@ from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_held_film, check_hold
 from .path import check_path
 from .piercing import check_piercing
-from .plausible import check_numbers
+from .plausible import check_numbers, check_table
 from .row import Rows
 from .steps import check_steps
 from .sweep import Sweep
@@ -110,6 +110,8 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     yield from check_strength(sim.material, law)
     if sim.tool is None:
         return
+    if sim.motion is not None:
+        yield from check_table(sim.motion)
     yield from check_hold(mesh, support)
     never_in = sweep is None or not len(sweep.place)
     untouched = list(check_touch(sim, until)) if never_in else []

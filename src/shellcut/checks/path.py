@@ -64,7 +64,8 @@ def check_path(
     if law.opening_u < RUNGS * h:
         yield doubt(
             f"opening_u must be at least {RUNGS:g} sides of the quads along the path long, or the "
-            "force is too high, in the opening test by a tenth at half of that",
+            "force is too high, at half of that by a tenth in the opening test on quick and by a "
+            "fiftieth in the guillotine",
             f"opening_u {law.opening_u:.4g} mm and sides of {h:.3g} mm on the path, "
             f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",

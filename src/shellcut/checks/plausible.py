@@ -11,11 +11,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from shellcut.arrays import norm
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.formats.errors import counted
 from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.tool.motion import Motion
+from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
 from .finding import DOUBT, REFUSE, Finding, doubt, note
@@ -52,6 +55,19 @@ def check_numbers(
         yield from _law(mesh, material, law)
     if tool is not None:
         yield from _tool_size(mesh, tool)
+
+
+def check_table(motion: Motion) -> Iterator[Finding]:
+    """Yield a doubt if the angles of a table seem to wrap and it does not say so."""
+    if isinstance(motion, TableMotion) and (i := motion.leap) is not None:
+        a, b = np.asarray(motion.rotation_vectors)[i : i + 2]
+        yield doubt(
+            "between two rows of one axis the tool turns by the difference of their angles",
+            f"a turn of {math.degrees(float(norm(b - a))):.4g}° from entry {i} to {i + 1} of the "
+            "table, where the shorter way goes on as before or after it",
+            "if the sensor jumps by a turn (359 to 1 deg), set unwrap = true ([motion], or "
+            "TableMotion)",
+        )
 
 
 def film_size(mesh: Mesh) -> float:

@@ -2,7 +2,8 @@
 
 A row lies under a path if its nodes do, to ``ON_ROW`` edge lengths. Between two nodes the path
 bulges off the edge: by k t (l - t) / 2 at t from an end of an edge of length l, if it turns by k l
-along it. That turn is the one of the row at the edge's ends.
+along it. That turn is the one of the row at the edge's ends. Where the path ends, the row goes on
+along the edge that turns least, so that a path of one edge is judged as the longer one.
 """
 
 from __future__ import annotations
@@ -72,8 +73,26 @@ class Rows:
         np.add.at(total, sides[:, 0], away)
         np.add.at(total, sides[:, 1], -away)
         within = np.bincount(sides.ravel(), minlength=self._mesh.n_node) % 2 == 0
-        turn = np.where(within, np.linalg.norm(total, axis=1), 0.0)  # at an end it has none
+        turn = np.where(within, np.linalg.norm(total, axis=1), 0.0)
+        ends = np.flatnonzero(~within)
+        turn[ends] = self._turn_beyond(ends, unit(total[ends]))
         return np.asarray(0.5 * turn[self.ends].max(axis=1) * self.share * (1.0 - self.share))
+
+    def _turn_beyond(self, ends: Ints, inward: Floats) -> Floats:
+        """Return by how much the row turns at its end nodes, 0 where no edge goes on, shape (n,).
+
+        inward : unit vectors from there along the last edge, shape (n, 3).
+        """
+        pairs = self._mesh.edges().nodes
+        pairs = np.concatenate([pairs, pairs[:, ::-1]])
+        row = np.full(self._mesh.n_node, -1)
+        row[ends] = np.arange(len(ends))
+        pairs = pairs[row[pairs[:, 0]] >= 0]
+        at, way = row[pairs[:, 0]], unit(np.diff(self._mesh.nodes[pairs], axis=1)[:, 0])
+        goes_on = -(way * inward[at]).sum(axis=1) >= ALONG_ROW
+        least = np.full(len(ends), np.inf)
+        np.minimum.at(least, at[goes_on], norm(way + inward[at])[goes_on])
+        return np.where(np.isinf(least), 0.0, least)
 
 
 def lies_under(sweep: Sweep) -> bool:

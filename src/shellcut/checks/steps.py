@@ -85,6 +85,6 @@ def check_steps(
         yield note(
             f"the run takes about {duration / dt:.2g} steps of {dt:.3g} s, with cutting edges at "
             f"{1e-3 * speed:.4g} m/s",
-            "take a shorter or faster motion: from 1.5 to 12 m/s the speed hardly changes the "
-            "cutting force; speeds are in mm/s, 6 m/s is 6000",
+            "take a shorter or faster motion: any will do while the verdict finds it slow enough "
+            "(kinetic energy); speeds are in mm/s, 6 m/s is 6000",
         )

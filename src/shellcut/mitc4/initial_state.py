@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Ints, SmallIds
+from shellcut.arrays import Floats, Ints, SmallIds, product
 from shellcut.mesh.mesh import MAX_VALENCE, Mesh
+from shellcut.numerics.small_matrices import inverse
 from shellcut.state import RESERVE, CableTable, FlankTable, NodeTable, QuadTable, State
 
 
@@ -42,6 +43,35 @@ def initial_state(mesh: Mesh) -> State:
         strain_before=np.zeros((0, 0, 0)),
         history=np.zeros((0, 0, 0)),
     )
+
+
+def director_spins(mesh: Mesh, velocity: Floats) -> Floats:
+    """Return spins that keep the directors' angles to the surface, shape (n_node, 3) [rad/s].
+
+    A director t has a constant component along each line d to a node of its quads if
+
+        dt/dt · d = -t · (v_other - v_own).
+
+    dt/dt, which is normal to t, solves this by least squares; the spin is t × dt/dt. It is exact
+    where the film moves as a rigid body, whatever its shape, and makes no transverse shear.
+
+    velocity : (n_node, 3), [mm/s].
+    """
+    t = mesh.directors
+    matrix, right = np.zeros((len(t), 3, 3)), np.zeros_like(t)
+    for a in range(4):
+        own = mesh.quads[:, a]
+        for b in (1, 2, 3):
+            other = mesh.quads[:, (a + b) % 4]
+            line = mesh.nodes[other] - mesh.nodes[own]
+            line -= (line * t[own]).sum(axis=1)[:, None] * t[own]
+            rate = -(t[own] * (velocity[other] - velocity[own])).sum(axis=1)
+            np.add.at(matrix, own, line[:, :, None] * line[:, None])
+            np.add.at(right, own, rate[:, None] * line)
+    # The part along t, which the lines leave open, is none.
+    size = np.einsum("nii->n", matrix)
+    matrix += size[:, None, None] * t[:, :, None] * t[:, None]
+    return np.cross(t, product(inverse(matrix), right[:, :, None])[:, :, 0])
 
 
 def quads_of_nodes(quads: Ints, capacity: int) -> tuple[SmallIds, SmallIds]:

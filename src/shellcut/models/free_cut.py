@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
@@ -18,7 +18,8 @@ from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import Motion
+from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
+from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp, Notch
@@ -56,8 +57,8 @@ def free_cut(
     **options
         Options of :class:`Simulation`: ``supports`` besides ``clamp``, ``loads``, ``contact``,
         ... Without a
-        ``fracture.path`` cracks follow edges where a line of them lies under the whole path, and go
-        through quads elsewhere.
+        ``fracture.path`` cracks follow edges where a line of them lies under the whole path, also
+        where the tool would go after the run, and go through quads elsewhere.
 
     Returns
     -------
@@ -65,8 +66,9 @@ def free_cut(
     """
     fracture = with_path(mesh, tool, motion, duration, options.pop("fracture", None))
     through_quads, film = fracture.path == "free", mesh
-    if notch and not through_quads:
-        film = mesh.cut(_first_edges(Sweep.of(mesh, tool, motion, duration), notch))
+    way = whole_sweep(mesh, tool, motion, duration) if notch and tool.n_edge else None
+    if way and not through_quads:
+        film = mesh.cut(_first_edges(way, notch))
     held = [*map(Support.clamped, clamp), *options.pop("supports", ())]
     simulation = Simulation(
         film,
@@ -78,8 +80,8 @@ def free_cut(
         supports=held,
         **options,
     )
-    if notch and through_quads and tool.n_edge:
-        points, before = _first_way(Sweep.of(mesh, tool, motion, duration), notch)
+    if way and through_quads:
+        points, before = _first_way(way, notch)
         outside = row_at(simulation.state, before) is None
         simulation.notch(*([before] if outside else []), *points)
     return Case("free", simulation, duration)
@@ -91,13 +93,33 @@ def with_path(
     """Return the options of the cracks of a ready model with their path, ``"free"`` or ``"edges"``.
 
     It is along edges where another option asks for them, or where a row of them lies under the
-    whole path of the cutting edges; through the quads everywhere else.
+    whole path of the cutting edges; through the quads everywhere else. A shorter run of the same
+    motion has the same path.
     """
     cracks = fracture or Fracture()
     free = cracks.needed_path is None and tool.n_edge > 0
-    if free and lies_under(Sweep.of(mesh, tool, motion, duration)):
+    if free and lies_under(whole_sweep(mesh, tool, motion, duration)):
         return replace(cracks, path="edges")
     return cracks.decided()
+
+
+def whole_sweep(mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
+    """Return the path of the cutting edges however long the run is.
+
+    A screw makes one turn or more, a straight motion takes the tool past the film, a table goes to
+    its last row; other motions are known up to ``duration`` [s] only.
+    """
+    # Not isinstance: a derived class may move differently.
+    if type(motion) is ScrewMotion:
+        duration = max(duration, motion.ramp, 2.0 * np.pi / motion.angular_speed + motion.ramp / 2)
+    elif type(motion) is StraightMotion:
+        at_start = motion.pose(0.0).to_space(tool.vertices)
+        along = unit(np.array(motion.direction, float))
+        way = product(mesh.nodes, along).max() - product(at_start, along).min()
+        duration = max(duration, motion.ramp, way / motion.speed + motion.ramp / 2)
+    elif type(motion) is TableMotion:
+        duration = max(duration, float(np.asarray(motion.times)[-1]))
+    return Sweep.of(mesh, tool, motion, duration)
 
 
 def _first_edges(sweep: Sweep, notch: float) -> Ints:

@@ -213,7 +213,7 @@ class Recorder:
     def _record(self, sim: Simulation, now: float, schedule: Schedule) -> None:
         if schedule.row_due(now):
             self._files.history.append(self._now())
-            schedule.history = self._files.history.written
+            schedule.history, schedule.row_time = self._files.history.written, now
         if schedule.look_due(now):
             schedule.note_unfelt(self._unfelt.now())
         frame_due = schedule.frame_due(now)
@@ -349,11 +349,14 @@ class Recorder:
         return {column: value for column, _, value in self._row()}
 
     def _show_end(self) -> None:
-        """Write a frame and a picture of the end of the run.
+        """Write a row, a frame and a picture of the end of the run.
 
-        A film that blew up may have no finite stress: then the earlier frames are the last ones.
+        The checkpoint comes before them: a run that goes on drops them again. A film that blew up
+        may have no finite stress: then the earlier frames are the last ones.
         """
         sim, now = self._sim, self._sim.state.time
+        if sim.between_steps and now > self._schedule.row_time:
+            self._files.history.append(self._now())
         frame_due = now > self._schedule.frame_time
         picture_due = self._can_draw and self._schedule.picture_due is not None
         picture_due = picture_due and now > self._schedule.captured_time
@@ -432,6 +435,10 @@ class Recorder:
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)
         if not self._sim.between_steps:
             figures["broke_off"] = 1
+        elif figures["share_done"] < 1.0 and self._sim.imbalance is None:  # hardly any work
+            figures = {
+                k: v for k, v in figures.items() if k not in ("imbalance_rel", "kinetic_rel")
+            }
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
         write_splits(self.folder / SPLITS, self._sim.state.splits)

@@ -30,6 +30,8 @@ class Schedule:
     """Of the measurement of penetration between nodes."""
     history: Written = field(default_factory=Written)
     """What the file of the rows held after the last one."""
+    row_time: float = -np.inf
+    """Time of the last row [s]."""
     frame_time: float = -np.inf
     """Time of the last frame [s]."""
     captured_time: float = -np.inf

@@ -112,6 +112,34 @@ def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
     return {f"{name}_Nmm": energy for name, energy in figures.items() if energy}
 
 
+def growth_figure(part: Part) -> str:
+    """Return the figure that is a part's share of what was put in over the steady window."""
+    return f"{'stored' if part is STORED else part.name}_growth_rel"
+
+
+def growth_shares(history: Mapping[str, Floats], first: int, last: int) -> dict[str, float]:
+    """Return what has become of all that was put in from one row to another, by figures.
+
+    With the imbalance the shares make up 1; those that are zero are left out, but for what the film
+    stores. Empty where nothing was put in.
+    """
+    grown = {name: float(column[last] - column[first]) for name, column in history.items()}
+    whole = total(PUT_IN, grown)
+    if not whole > 0.0:
+        return {}
+    shares = {growth_figure(part): part.of(grown) / whole for part in TAKEN_UP}
+    shares[growth_figure(IMBALANCE)] = 1.0 - sum(shares.values())
+    return {name: one for name, one in shares.items() if one or name == growth_figure(STORED)}
+
+
+def window_account(figures: Mapping[str, Any]) -> list[Share]:
+    """Return the account of the steady window, without energies; empty without a window."""
+    if growth_figure(STORED) not in figures:
+        return []
+    parts = ((part.words, figures.get(growth_figure(part), 0.0)) for part in (*TAKEN_UP, IMBALANCE))
+    return [Share(words, float("nan"), share) for words, share in parts if abs(share) >= _SHOWN]
+
+
 def never_touched(figures: Mapping[str, Any]) -> bool:
     """Whether a run has a tool that never touched the film."""
     depths = [figures.get(f"{name}_mm") for name in ("deepest_penetration", "unfelt_penetration")]

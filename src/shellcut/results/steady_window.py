@@ -16,8 +16,8 @@ millimetre of cut, and is ignored if it has cut less than a tenth of the longest
 third of its last length on, the first third being the way in which the film takes the shape that
 tears.
 
-Means are of sums over every step: the rows are written at steps at which cracks are looked for, and
-the mean of their torque is up to 0.3 % too large.
+Means are of sums over every step: all rows but the last are written at steps at which cracks are
+looked for, and the mean of their torque is up to 0.3 % too large.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.formats.errors import counted
 
-from .energy_account import CABLES, STORED, driving_work
+from .energy_account import CABLES, driving_work, growth_shares
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -85,8 +85,8 @@ def steady_figures(
     """Return the figures of a run in its steady window, by names that include the units.
 
     These are the window, the mean of the resistance (and of the axial force), the work of cables
-    and of tool or supports per radian or millimetre, and the share of the latter that has gone into
-    the energy that the film stores; or ``no_window``, why there is none.
+    and of tool or supports per radian or millimetre, and what that work has become there; or
+    ``no_window``, why there is none.
     """
     window = steady_window(history, coordinate)
     if not window:
@@ -103,8 +103,7 @@ def steady_figures(
     if "axial_force" not in history and name not in sums:  # all work is that of the one figure
         sums = {name: work}
     way = np.radians(history[x_name]) if turns else history[x_name]
-    columns = way, work, CABLES.of(history), STORED.of(history)
-    length, done, cables, stored = map(grown, columns)
+    length, done, cables = map(grown, (way, work, CABLES.of(history)))
     per = "dtheta_Nmm" if turns else "ds_N"
     figures: dict[str, float | str] = {
         f"window_from_{x_unit}": window.low,
@@ -113,9 +112,7 @@ def steady_figures(
         f"dWcoh_{per}": cables / length,
         f"dW_{per}": done / length,
     }
-    if done > 0.0:
-        figures["stored_growth_rel"] = stored / done
-    return figures
+    return figures | growth_shares(history, window.first, window.last)
 
 
 def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyWindow:

@@ -12,8 +12,8 @@ from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
 from .cut_quality import LABELS as OF_THE_CUT
-from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP
-from .verdict import force_across_factor
+from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP, growth_figure
+from .verdict import distrusted_figures
 
 # The end of a name gives the unit; longer ones first.
 _UNITS = {"ns_per_quad_step": "ns", "_N_per_mm": "N/mm", "_Nmm": "N·mm", "_deg": "°"}
@@ -87,7 +87,8 @@ LABELS = {
 # Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
 _ELSEWHERE |= {f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)}
-_ELSEWHERE |= {"overshoot_rel", "stored_growth_rel", "n_split_off_path", "off_path_mm"}
+_ELSEWHERE |= {"overshoot_rel", "n_split_off_path", "off_path_mm"}
+_ELSEWHERE |= {growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)}
 _ELSEWHERE |= {"crack_lead_mm", "share_done", "options"}
 _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
@@ -101,11 +102,16 @@ def key_figures(
     """Return label and value with unit of the named figures that are there.
 
     By default of all but those that the verdict has: the known ones in order, then others by name.
+    Labels of figures that the verdict distrusts one by one say so.
     """
     if names is None:
         names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in _ELSEWHERE]
-    window = window_of(summary)
-    return [(label_of(n, window), with_unit(n, summary[n])) for n in names if n in summary]
+    window, doubtful = window_of(summary), distrusted_figures(summary)
+    return [
+        (label_of(n, window) + " (distrust)" * (n in doubtful), with_unit(n, summary[n]))
+        for n in names
+        if n in summary
+    ]
 
 
 def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
@@ -130,8 +136,8 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
     if n_doubt:
         trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
         trust += " against it"
-    if force_across_factor(summary):
-        trust += "; 1 figure is too large, see the notes"
+    if doubtful := distrusted_figures(summary):
+        trust += f"; distrust the {', '.join(label_of(n).partition(',')[0] for n in doubtful)}"
     amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
     return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
 

@@ -27,7 +27,7 @@ from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.initial_state import director_spins, initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.threads import Threads, Workers
 from shellcut.results.verdict import verdict
@@ -75,7 +75,7 @@ class Simulation:
     directional, damping_alpha, damping_beta, quasi_static, imperfection, threads
         See their annotations; damping by [Frangi2010] 5.2, :mod:`.pace`, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
-        Initial velocity [mm/s].
+        Initial velocity [mm/s]; the directors turn with the film.
     terms : sequence of ForceTerm
         Forces of your own, evaluated after all others.
 
@@ -215,7 +215,9 @@ class Simulation:
         self.shell.initialise(state)
         self.supports.initialise(state)
         if velocity is not None:
-            state.node.velocity_half[: mesh.n_node] = node_rows("velocity", velocity, mesh.n_node)
+            given = node_rows("velocity", velocity, mesh.n_node)
+            state.node.velocity_half[: mesh.n_node] = given
+            state.node.spin_half[: mesh.n_node] = director_spins(mesh, given)
         return state
 
     def _repr_html_(self) -> str:

@@ -15,7 +15,7 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 from math import cos, degrees, pi, sin, sqrt
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -29,15 +29,29 @@ from shellcut.formats.motion_csv import read_motion_csv
 from .motion import rotation_rows, turned
 from .pose import Pose
 
-LARGEST_TABLE_TURN = 0.75 * pi
-"""Largest rotation between neighbouring entries of a table [rad]: near half a turn the direction is
+LARGEST_FREE_TURN = 0.75 * pi
+"""Turn between neighbouring entries of a table [rad] from which on the entries do not tell it, if
+the axis changes or the angles are known but for whole turns: near half a turn the shorter way is
 ambiguous."""
+
+SAME_AXIS = 1e-9
+"""Sine of the angle between two rotation vectors along one axis: far above round-off."""
 
 SUBDIVISIONS = 16
 """Pieces of a table interval over which the travelled angle or path is summed."""
 
 SMALL_ANGLE = 1e-4
 """Below this [rad] rotations use series, whose next term is below 1e-17."""
+
+
+Unwrap: TypeAlias = Annotated[
+    bool,
+    Option(
+        "",
+        "whether angles wrap, as from 359 to 1 deg or from 180 to -180 deg: then the tool turns "
+        "the shorter way between rows, by less than 135 deg",
+    ),
+]
 
 
 @checked
@@ -69,8 +83,10 @@ class TableMotion:
     rotation_vectors: npt.ArrayLike | None = None
     """Axis times angle of the pose, shape (n_time, 3), [rad]; by default no rotation.
 
-    Between entries the tool turns the shorter way; turns of 135° or more are refused.
+    Between two entries along one axis the tool turns by their difference, also by several turns.
+    Where the axis changes it turns the shorter way; there a difference of 135° or more is refused.
     """
+    unwrap: Unwrap = False
     _knots: list[float] = field(init=False, repr=False)
     _translation: list[list[float]] = field(init=False, repr=False)
     _rotation: list[list[float]] = field(init=False, repr=False)
@@ -90,21 +106,13 @@ class TableMotion:
         if not np.isfinite(translation).all():
             raise ValueError("times and translations must be such that speeds are finite numbers")
         start = scipy.spatial.transform.Rotation.from_rotvec(vectors)
-        turns = (start[:-1].inv() * start[1:]).as_rotvec()
-        turn = norm(turns)
-        if turn.max() >= LARGEST_TABLE_TURN:
-            i = int(turn.argmax())
-            raise ValueError(
-                f"rotation_vectors must turn by less than {degrees(LARGEST_TABLE_TURN):g} degrees "
-                f"between entries, got {degrees(turn[i]):.1f} from entry {i} to {i + 1}: "
-                "add entries in between"
-            )
+        turns = _turns(vectors, start, unwrap=self.unwrap)
         object.__setattr__(self, "_knots", times.tolist())
         object.__setattr__(self, "_translation", translation.tolist())
         object.__setattr__(self, "_rotation", _rotation_cubics(step, turns).tolist())
         rows = [tuple(tuple(row) for row in matrix) for matrix in start.as_matrix().tolist()]
         object.__setattr__(self, "_start", rows)
-        object.__setattr__(self, "_turns", bool(turn.max() > 0.0))
+        object.__setattr__(self, "_turns", bool(turns.any()))
         object.__setattr__(self, "_travel", self._sum_travel())
         names = ("times", "translations", "rotation_vectors")
         for name, array in zip(names, (times, translations, vectors), strict=True):
@@ -118,15 +126,18 @@ class TableMotion:
         path: Annotated[
             str | Path, Option("", "time and x, y, z, rx, ry, rz or angle", form="path")
         ],
+        *,
+        unwrap: Unwrap = False,
     ) -> TableMotion:
         """Read a table of poses; its headings give the units, such as ``time [ms]``.
 
         The columns are those of :func:`shellcut.formats.motion_csv.read_motion_csv`: ``time``,
-        ``x``, ``y``, ``z`` and ``rx``, ``ry``, ``rz`` or ``angle`` (about z).
+        ``x``, ``y``, ``z`` and ``rx``, ``ry``, ``rz`` or ``angle`` (about z). From 0 to 270 deg the
+        tool turns by 270 deg, from 359 to 1 deg back by 358 deg unless ``unwrap`` is true.
         """
         times, translations, rotation_vectors = read_motion_csv(path)
         with naming(path):
-            return cls(times, translations, rotation_vectors)
+            return cls(times, translations, rotation_vectors, unwrap=unwrap)
 
     @property
     def coordinate_unit(self) -> str:
@@ -164,6 +175,24 @@ class TableMotion:
         i, dt = self._locate(time)
         _, velocity = _cubic(self._translation[i], dt)
         return np.array(self._angular_velocity(i, dt)), np.array(velocity)
+
+    @property
+    def leap(self) -> int | None:
+        """First entry before a turn of more than 180° that looks like a sensor's jump; or None.
+
+        The shorter way has the sense of an interval beside it, and at most three times its rate.
+        """
+        vectors, step = np.asarray(self.rotation_vectors), np.diff(self.times)
+        told = np.zeros_like(vectors[1:]) if self.unwrap else np.diff(vectors, axis=0)
+        turn = norm(told)
+        shorter = (turn - 2.0 * pi * np.round(turn / (2.0 * pi)))[:, None] * unit(told)
+        for i in np.flatnonzero(turn > pi).tolist():
+            for j in (i - 1, i + 1):
+                if 0 <= j < len(turn) and turn[j] < pi:
+                    rate, way = told[j] / step[j], shorter[i] / step[i]
+                    if 0.0 < (rate * way).sum() <= 3.0 * (rate * rate).sum():
+                        return int(i)
+        return None
 
     def _locate(self, time: float) -> tuple[int, float]:
         knots = self._knots
@@ -212,6 +241,33 @@ class TableMotion:
                 row.append((travel, speed(i, piece * (j + 1))))
             table.append(row)
         return table
+
+
+def _turns(vectors: Floats, start: scipy.spatial.transform.Rotation, *, unwrap: bool) -> Floats:
+    """Return the rotation vector from each entry to the next, shape (n_time - 1, 3), [rad].
+
+    It is the same in the frames of both. Along one axis rotations add up, so that it is the
+    difference of the entries. The straight line between two rotation vectors is a path of rotations
+    no longer than their difference, since |w| <= |dphi/dt|; so below half a turn it can be drawn
+    tight to the shorter way.
+
+    start : the rotations of the entries.
+    """
+    shorter = (start[:-1].inv() * start[1:]).as_rotvec()
+    told = np.diff(vectors, axis=0)
+    across = norm(np.cross(vectors[:-1], vectors[1:]))
+    one_axis = across <= SAME_AXIS * norm(vectors[:-1]) * norm(vectors[1:])
+    turn = norm(shorter if unwrap else told)
+    large = turn >= LARGEST_FREE_TURN
+    if (unknown := large & (unwrap | ~one_axis)).any():
+        i = int(np.where(unknown, turn, 0.0).argmax())
+        where, other = ("with unwrap", "") if unwrap else ("where the axis changes", ", or unwrap")
+        raise ValueError(
+            f"rotation_vectors must turn by less than {degrees(LARGEST_FREE_TURN):g} degrees "
+            f"between entries {where}, got {degrees(turn[i]):.1f} from entry {i} to {i + 1}: "
+            f"add entries in between{other}"
+        )
+    return np.where(large[:, None], told, shorter)
 
 
 def _exponential(phi: Vec3) -> tuple[Vec3, Vec3, Vec3]:
@@ -310,12 +366,19 @@ def _rotation_cubics(step: Floats, turns: Floats) -> Floats:
 
     turns : (n_time - 1, 3) [rad].
     """
-    rates = _rates(step, turns / step[:, None])
-    angle = norm(turns)
-    a = np.maximum(angle, SMALL_ANGLE)
+    rates, angle = _rates(step, turns / step[:, None]), norm(turns)
+    large = angle >= LARGEST_FREE_TURN
+    a = np.clip(angle, SMALL_ANGLE, LARGEST_FREE_TURN)
     series = 1.0 / 12.0 + angle * angle / 720.0
     exact = 1.0 / (a * a) - (1.0 + each(cos, a)) / (2.0 * a * each(sin, a))
     second = np.where(angle < SMALL_ANGLE, series, exact)[:, None]
+    # J is singular at a full turn, and 1 along the axis of phi: so a large turn begins and ends
+    # about its axis, or at rest where the axis changes there.
+    axis = unit(turns[large])
+    for rate in (rates[:-1], rates[1:]):
+        size = (rate[large] * axis).sum(axis=1)
+        same = norm(np.cross(rate[large], axis)) <= SAME_AXIS * np.abs(size)
+        rate[large] = np.where(same, size, 0.0)[:, None] * axis
     across = np.cross(turns, rates[1:])
     stops = rates[1:] + 0.5 * across + second * np.cross(turns, across)
     return _cubics(step, np.zeros_like(turns), turns, rates[:-1], stops)
