@@ -72,16 +72,21 @@ def n_cosine(pieces: float) -> int:
     return min(MOST, int(2.0 * pieces + 1e-9))
 
 
-def mean_of(way: Floats, integral: Floats, n: int) -> Mean:
-    """Return the mean of a series, from its integral (n_row,) over the way (n_row,), n cosines."""
+def mean_of(way: Floats, integral: Floats, pieces: float) -> Mean:
+    """Return the mean of a series, from its integral (n_row,) over the way (n_row,).
+
+    The way is ``pieces`` times as long as the memory of the series.
+    """
+    n = n_cosine(pieces)
     ends = float(way[-1] - way[0])
     t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n))
     scatter = float(np.sqrt(np.mean(_components(way, integral, n) ** 2)))
     return Mean(float(integral[-1] - integral[0]) / ends, t * scatter)
 
 
-def change_in(way: Floats, integral: Floats, n: int) -> Change | None:
+def change_in(way: Floats, integral: Floats, pieces: float) -> Change | None:
     """Return the jump or drift of a series, given as in :func:`mean_of`; None if it is steady."""
+    n = n_cosine(pieces)
     found = _components(way, integral, n)
     if not (size := float(np.linalg.norm(found))) > 0.0:
         return None
@@ -100,7 +105,7 @@ def change_in(way: Floats, integral: Floats, n: int) -> Change | None:
         return None
     change = _drift(way, integral)
     if like_drift < like_jumps.max():
-        change = _jump(way, integral, float(r[like_jumps.argmax()]))
+        change = _jump(way, integral, 0.5 / pieces)
     mean = float(integral[-1] - integral[0]) / float(way[-1] - way[0])
     return change if abs(change.after - change.before) > CHANGED * abs(mean) else None
 
@@ -116,11 +121,16 @@ def _components(way: Floats, integral: Floats, n: int) -> Floats:
     return np.asarray(np.sqrt(2.0) * waves @ force)
 
 
-def _jump(way: Floats, integral: Floats, place: float) -> Change:
-    at = float(way[0] + place * (way[-1] - way[0]))
-    level = float(np.interp(at, way, integral))
-    before = (level - float(integral[0])) / (at - float(way[0]))
-    return Change(at, before, (float(integral[-1]) - level) / (float(way[-1]) - at))
+def _jump(way: Floats, integral: Floats, margin: float) -> Change:
+    """Return the jump of least squares, at this share of the way or more from both ends."""
+    along, grown = (c - c[0] for c in (way, integral))
+    r = along / along[-1]
+    inner = np.flatnonzero((r >= margin) & (r <= 1.0 - margin))
+    r = r[inner]
+    off = (grown[inner] - r * grown[-1]) ** 2 / (r * (1.0 - r))  # squares that the jump explains
+    k = int(inner[off.argmax()])
+    before, after = grown[k] / along[k], (grown[-1] - grown[k]) / (along[-1] - along[k])
+    return Change(float(way[k]), float(before), float(after))
 
 
 def _drift(way: Floats, integral: Floats) -> Change:

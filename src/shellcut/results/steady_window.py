@@ -126,7 +126,7 @@ def steady_figures(
     way, figures = _way(history, coordinate)[rows], dict[str, float | str]()
     figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"] = window.low, window.high
     for figure, column in means.items():
-        mean = mean_of(way, column[rows], n_cosine(window.pieces))
+        mean = mean_of(way, column[rows], window.pieces)
         figures[figure], figures[half_width_of(figure)] = mean.value, mean.half_width
     stored, done = (float(c[window.last] - c[window.first]) for c in (STORED.of(history), work))
     if done > 0.0:
@@ -168,13 +168,13 @@ def _tested(
     done = [float(cut.length[last] - cut.length[first]) for cut in cuts]
     each = zip(done, cuts, strict=True)
     pieces, k = min((one / cut.zone, k) for k, (one, cut) in enumerate(each))
-    if (n := n_cosine(pieces)) < LEAST:
+    if n_cosine(pieces) < LEAST:
         return SteadyWindow(
             reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
             f"{cuts[k].name} cuts {done[k]:.3g} mm; a mean with its ± takes "
             f"{0.5 * LEAST * cuts[k].zone:.3g} mm, {0.5 * LEAST:.0f} process zones"
         )
-    change = change_in(way[rows], _resistance_sum(history)[rows], n)
+    change = change_in(way[rows], _resistance_sum(history)[rows], pieces)
     if change is None:
         return SteadyWindow(float(x[first]), float(x[last]), first, last, pieces)
     later = max(cut.after_zone(first) for cut in cuts)

@@ -31,6 +31,7 @@ def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], 
 def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Path:
     """Write the table as CSV: a row a run, a blank where a run has no such figure.
 
+    Means are over the steady window that all runs have in common, each with its half-width.
     ``reason`` says why a run failed, what its verdict distrusts, or why it has no mean.
     Numbers are written with all their digits, so that the same runs give the same bytes.
     """
