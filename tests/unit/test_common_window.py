@@ -1,12 +1,14 @@
 """Means of several runs are compared over the steady window that they have in common."""
 
+import re
+
 import numpy as np
 import pytest
 
 from run_folder import write_run
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import steady_figures
-from shellcut.study.common_window import CommonWindow
+from shellcut.study.common_window import NOT_COMMON, CommonWindow
 from shellcut.study.one_run import Outcome
 from shellcut.study.optimise import Optimum, Trial
 from steady_cut import edge, edge_columns
@@ -51,7 +53,7 @@ def test_means_are_over_the_part_that_all_windows_share(tmp_path):
         assert figures["torque_peak_Nmm"] == 200.0
 
 
-def test_runs_without_a_window_in_common_have_no_mean_and_say_why(tmp_path):
+def test_runs_without_a_window_in_common_keep_their_means_and_say_why(tmp_path):
     def flat(x):
         return 100.0 + 0.0 * x
 
@@ -60,16 +62,19 @@ def test_runs_without_a_window_in_common_have_no_mean_and_say_why(tmp_path):
         cut(tmp_path / "late", flat, begins=60.0, arc=15.0),
         cut(tmp_path / "jump", lambda x: np.where(x < 60.0, 100.0, 120.0), arc=20.0),
     ]
-    found = [one.figures for one in common(runs).values()]
-    assert all("torque_plateau_Nmm" not in figures for figures in found)
-    assert found[0]["no_window"].startswith("the runs have none in common; this one is steady from")
+    found = common(runs)
+    for k in (0, 1):
+        why = found[k].figures[NOT_COMMON]
+        assert found[k].figures == runs[k][1].figures | {NOT_COMMON: why}
+        assert why.startswith("the mean is over its own window, ")
+        assert why.endswith(" deg: the runs have none in common")
     # One that has no window anyway says why, and takes none from the others.
-    assert found[2]["no_window"].startswith("the torque jumps at 60°")
-    alone = common([runs[0], runs[2]])
-    assert alone[0].figures == runs[0][1].figures
+    assert found[2].figures["no_window"].startswith("the torque jumps at 60°")
+    assert common([runs[0], runs[2]])[0].figures == runs[0][1].figures
     # A part that is too short for one.
     runs[1] = cut(tmp_path / "overlap", flat, begins=12.0, arc=20.0)
-    assert "too little for this one: it would only last" in common(runs)[0].figures["no_window"]
+    why = common(runs)[1].figures[NOT_COMMON]
+    assert re.search(r"in that of all runs, 38.7 to \S+ deg, run 0 has none, it would only last", why)
 
 
 def test_the_best_is_better_by_more_than_the_half_widths():

@@ -12,8 +12,8 @@ from shellcut.results.steady_window import Range, steady_figures
 
 from .one_run import Outcome
 
-_OF_THE_WINDOW = ("window_from_", "window_to_", "dWcoh_", "dW_", "stored_growth_")
-"""Start of the names of figures of the window; those of a mean have _plateau_ in them."""
+NOT_COMMON = "no_common_window"
+"""Figure that says why a mean is over the run's own window."""
 
 
 class CommonWindow:
@@ -29,8 +29,8 @@ class CommonWindow:
     def __call__(self, outcomes: Mapping[int, Outcome]) -> dict[int, Outcome]:
         """Return the outcomes of some runs with their means over the window that all have.
 
-        A run without a window of its own has no part in it. Where there is no common window, or a
-        run is not steady in it, it has no mean, and ``no_window`` says why.
+        A run without a window of its own has no part in it. Where they have none in common, or some
+        are not steady in it, each keeps the means over its own, and :data:`NOT_COMMON` says why.
         """
         common = dict(outcomes)
         for unit in ("deg", "mm"):
@@ -43,37 +43,41 @@ class CommonWindow:
             if len(set(own.values())) < 2:
                 continue
             between = max(low for low, _ in own.values()), min(high for _, high in own.values())
+            found, why = self._means(list(own), between, unit)
             for number, ends in own.items():
-                figures = outcomes[number].figures
-                kept = {name: value for name, value in figures.items() if not _of_window(name)}
-                kept |= self._figures(number, ends, between, unit)
-                common[number] = replace(outcomes[number], figures=kept)
+                figures = found.get(number)
+                if figures is None:
+                    said = f"the mean is over its own window, {_said(ends, unit)}: {why}"
+                    figures = {NOT_COMMON: said}
+                figures = {**outcomes[number].figures, **figures}
+                common[number] = replace(outcomes[number], figures=figures)
         return common
 
-    def _figures(self, number: int, own: Range, between: Range, unit: str) -> dict[str, Any]:
-        low, high = between
-        if low >= high:
-            is_steady = f"this one is steady from {own[0]:.3g} to {own[1]:.3g} {unit}"
-            return {"no_window": f"the runs have none in common; {is_steady}"}
-        if number not in self._found or self._found[number][0] != between:
-            self._found[number] = between, self._read(number, between, unit)
-        return self._found[number][1]
+    def _means(
+        self, runs: list[int], between: Range, unit: str
+    ) -> tuple[dict[int, dict[str, Any]], str]:
+        """Return the figures of all runs in their common window, or none of them and why."""
+        if between[0] >= between[1]:
+            return {}, "the runs have none in common"
+        found = {}
+        for number in runs:
+            if number not in self._found or self._found[number][0] != between:
+                self._found[number] = between, self._read(number, between)
+            found[number] = self._found[number][1]
+            if why := found[number].get("no_window"):
+                return (
+                    {},
+                    f"in that of all runs, {_said(between, unit)}, run {number} has none, {why}",
+                )
+        return found, ""
 
-    def _read(self, number: int, between: Range, unit: str) -> dict[str, Any]:
-        folder = self._folder_of(number)
-        history, units = history_in(folder)
+    def _read(self, number: int, between: Range) -> dict[str, Any]:
+        history, units = history_in(self._folder_of(number))
         if not history:
-            return {"no_window": f"{folder} has no history to read"}
+            return {"no_window": "its history is missing"}
         _, x, resistance, *_ = history
-        columns = (x, units[x]), (resistance, units[resistance])
-        found = steady_figures(history, *columns, between)
-        if why := found.get("no_window"):
-            steady = (
-                f"all runs together are steady from {between[0]:.3g} to {between[1]:.3g} {unit}"
-            )
-            return {"no_window": f"{steady}, too little for this one: {why}"}
-        return found
+        return steady_figures(history, (x, units[x]), (resistance, units[resistance]), between)
 
 
-def _of_window(figure: str) -> bool:
-    return figure.startswith(_OF_THE_WINDOW) or "_plateau_" in figure
+def _said(ends: Range, unit: str) -> str:
+    return f"{ends[0]:.3g} to {ends[1]:.3g} {unit}"

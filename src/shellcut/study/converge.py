@@ -12,6 +12,7 @@ from shellcut.results.steady_window import half_width_of
 from shellcut.results.summary_figures import known_figure
 from shellcut.view import can_draw, draw_curves
 
+from .common_window import NOT_COMMON
 from .companions import companions_of
 from .engines import AnyExecutor, Say, engine_of
 from .one_run import Outcome
@@ -82,6 +83,8 @@ def converge(
             reasons = [f"{run.name} is not done: {one.reason or one.status}"]
         if why := one.figures.get("no_window"):
             reasons.append(f"{run.name} has no mean: {why}")
+        if why := one.figures.get(NOT_COMMON):
+            reasons.append(f"{run.name}: {why}")
         if reasons:
             missing.setdefault(run.part or "doubts", []).extend(reasons)
     there = {name: v for name, v in each[0].figures.items() if isinstance(v, int | float)}

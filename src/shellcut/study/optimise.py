@@ -35,7 +35,7 @@ from shellcut.results.summary_figures import (
 )
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
-from .common_window import CommonWindow
+from .common_window import NOT_COMMON, CommonWindow
 from .engines import AnyExecutor, Say, engine_of
 from .factors import Factor, factors_of
 from .one_run import Outcome, outcome_in
@@ -392,7 +392,7 @@ def _in_common(first: Trial, best: Trial, figure: str) -> tuple[Trial, ...]:
     found = CommonWindow(lambda k: Path(both[k].folder))(outcomes)
     names = figure, half_width_of(figure)
     means = [[one.figures.get(name) for name in names] for one in found.values()]
-    if any(mean is None for mean, _ in means):
+    if any(NOT_COMMON in one.figures or figure not in one.figures for one in found.values()):
         return ()
     return tuple(
         replace(one, figure=mean, half_width=spread)

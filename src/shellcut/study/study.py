@@ -54,7 +54,8 @@ class StudyResults:
     plan: Plan
     """Its runs with their inputs."""
     outcomes: Mapping[int, Outcome]
-    """By the number of the run; means are over the steady window that all runs have in common."""
+    """By the number of the run; means are over the steady window that all runs have in common,
+    or :data:`.NOT_COMMON` says why not."""
 
     @property
     def table(self) -> Path:
