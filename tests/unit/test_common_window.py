@@ -74,7 +74,9 @@ def test_runs_without_a_window_in_common_keep_their_means_and_say_why(tmp_path):
     # A part that is too short for one.
     runs[1] = cut(tmp_path / "overlap", flat, begins=12.0, arc=20.0)
     why = common(runs)[1].figures[NOT_COMMON]
-    assert re.search(r"in that of all runs, 38.7 to \S+ deg, run 0 has none, it would only last", why)
+    assert re.search(
+        r"in that of all runs, 38.7 to \S+ deg, run 0 has none, it would only last", why
+    )
 
 
 def test_the_best_is_better_by_more_than_the_half_widths():

@@ -17,7 +17,7 @@ from shellcut.results.steady_mean import (
     n_cosine,
 )
 
-SPACING, ZONE, N_RUN = 1.0 / 16.0, 1.0, 500
+SPACING, ZONE, N_RUN = 1.0 / 16.0, 1.0, 600
 PERIOD = 6.3 * SPACING
 
 
@@ -47,21 +47,13 @@ def shares(pieces, change=None, **options):
     return held / N_RUN, found / N_RUN
 
 
-# Three standard deviations of a share among so many runs.
-def scatter(share):
-    return 3.0 * np.sqrt(share * (1.0 - share) / N_RUN)
-
-
-@pytest.mark.parametrize("pieces", [2.0, 3.5, 8.0, 24.0])
-@pytest.mark.parametrize("saw", [0.0, 0.2])
-@pytest.mark.parametrize("memory", [0.01, 0.07, 0.13])
-def test_95_of_100_intervals_hold_the_mean_and_5_of_100_steady_series_are_refused(
-    pieces, saw, memory
-):
-    held, refused = shares(pieces, memory=memory, saw=saw)
-    # What a finite memory takes away: a share of 0.01 to 0.03, the more the longer it is.
-    assert 0.95 - 0.02 - scatter(0.95) <= held <= 0.95 + scatter(0.95)
-    assert refused <= FALSE_ALARM + 0.01 + scatter(FALSE_ALARM)
+@pytest.mark.parametrize("pieces", [2.0, 3.5, 8.0])
+@pytest.mark.parametrize("memory", [0.01, 0.125])
+def test_95_of_100_intervals_hold_the_mean_and_5_of_100_steady_series_are_refused(pieces, memory):
+    held, refused = shares(pieces, memory=memory)
+    # Of 3000 runs 0.927 to 0.959, and 0.043 to 0.07: a finite memory takes some away.
+    assert 0.92 <= held <= 0.98
+    assert refused <= FALSE_ALARM + 0.03
 
 
 def jump(size, at):
