@@ -72,10 +72,10 @@ def test_runs_without_a_window_in_common_keep_their_means_and_say_why(tmp_path):
     assert found[2].figures["no_window"].startswith("the torque jumps at 60°")
     assert common([runs[0], runs[2]])[0].figures == runs[0][1].figures
     # A part that is too short for one.
-    runs[1] = cut(tmp_path / "overlap", flat, begins=12.0, arc=20.0)
+    runs[1] = cut(tmp_path / "overlap", flat, begins=20.0, arc=20.0)
     why = common(runs)[1].figures[NOT_COMMON]
     assert re.search(
-        r"in that of all runs, 38.7 to \S+ deg, run 0 has none, it would only last", why
+        r"in that of all runs, 46.7 to \S+ deg, run 0 has none, it would only last", why
     )
 
 

@@ -47,7 +47,7 @@ def shares(pieces, change=None, **options):
     return held / N_RUN, found / N_RUN
 
 
-@pytest.mark.parametrize("pieces", [2.0, 3.5, 8.0])
+@pytest.mark.parametrize("pieces", [1.5, 3.5, 8.0])
 @pytest.mark.parametrize("memory", [0.01, 0.125])
 def test_95_of_100_intervals_hold_the_mean_and_5_of_100_steady_series_are_refused(pieces, memory):
     held, refused = shares(pieces, memory=memory)
@@ -108,4 +108,4 @@ def test_the_half_width_is_that_of_the_first_cosines():
 
 def test_a_window_has_two_cosines_a_process_zone():
     assert [n_cosine(pieces) for pieces in (0.0, 1.9, 2.0, 3.5, 4.0, 20.0)] == [0, 3, 4, 7, 8, 8]
-    assert (LEAST, MOST) == (4, 8)
+    assert (LEAST, MOST) == (3, 8)

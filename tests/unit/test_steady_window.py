@@ -141,7 +141,7 @@ def test_where_there_is_none_the_reason_is_said():
     short = X[X < 30.0]
     assert why([edge(short)], short) == (
         "it would only last from 26.7 to 28.9 deg, in which cutting edge 1 cuts 0.4 mm; a mean "
-        "with its ± takes 4.8 mm, 2 process zones"
+        "with its ± takes 3.6 mm, 1.5 process zones"
     )
     # One leaves the film before the other's zone is renewed.
     assert why([edge(X, leaves=30.0), edge(X, begins=20.0)]) == (

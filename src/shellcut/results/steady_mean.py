@@ -41,7 +41,7 @@ FALSE_ALARM = 0.05
 """Largest share of steady windows that are refused."""
 CHANGED = 0.03
 """Difference of two levels over the mean that counts as a change."""
-LEAST, MOST = 4, 8
+LEAST, MOST = 3, 8
 """Cosines, of which each is as good as an independent piece of the window."""
 
 _LEVEL = 0.95

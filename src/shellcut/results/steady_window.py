@@ -16,7 +16,7 @@ third of its last length on, the first third being the way in which the film tak
 tears. Z is the length of crack when its first cable breaks.
 
 *Tested.* Where the cut could be steady, torque or force must be: :mod:`.steady_mean` tests it for a
-jump and a drift, and gives each mean its ±. Each edge must cut 2 Z in the window, for a force has a
+jump and a drift, and gives each mean its ±. Each edge must cut 1.5 Z in it, for a force has a
 memory of about Z, the length of the cables that the edge drags. A jump within the first Z is the
 end of the start: that length is left out, once.
 
@@ -172,7 +172,7 @@ def _tested(
         return SteadyWindow(
             reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
             f"{cuts[k].name} cuts {done[k]:.3g} mm; a mean with its ± takes "
-            f"{0.5 * LEAST * cuts[k].zone:.3g} mm, {0.5 * LEAST:.0f} process zones"
+            f"{0.5 * LEAST * cuts[k].zone:.3g} mm, {0.5 * LEAST:g} process zones"
         )
     change = change_in(way[rows], _resistance_sum(history)[rows], pieces)
     if change is None:
