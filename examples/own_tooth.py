@@ -28,7 +28,7 @@ options = parser.parse_args()
 # -----
 # Keys of the model ``opening``; what is not named keeps its default.
 
-SETTINGS = {"membrane.mesh": "quick", "motion.angle_deg": 50.0, "motion.duration": "3.1 ms"}
+SETTINGS = {"membrane.mesh": "quick", "motion.angle_deg": 58.0, "motion.duration": "3.6 ms"}
 TOOLS = {"four": {}, "five": {"tool.teeth": 5, "tool.edge_inclination_deg": 40.0}}
 
 # %%

@@ -328,11 +328,17 @@ def shown(unit: str) -> tuple[str, float]:
     return (new, float(size / parsed(new)[0])) if new else (unit, 1.0)
 
 
-def with_unit(value: float, unit: str) -> str:
-    """Return a number with four significant digits and its unit, as shown within `showing`."""
+def with_unit(value: float, unit: str, half_width: float | None = None) -> str:
+    """Return a number with four significant digits and its unit, as shown within `showing`.
+
+    ``half_width`` is what stands after ±, in the same unit.
+    """
     unit, factor = shown(unit)
     value = factor * value + 0.0  # no "-0"
-    return (f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}") + after(unit)
+    number = f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}"
+    if half_width is not None:
+        number += f" ± {factor * half_width:.2g}"
+    return number + after(unit)
 
 
 def pretty(unit: str) -> str:

@@ -43,8 +43,8 @@ def figures(path):
 
 
 def test_opening_test(run_example, tmp_path):
-    # To a third of the way: the torque has reached its plateau and the pictures are there.
-    quick = "--mesh", "quick", "--angle", "40", "--duration", "2.5e-3"
+    # To a half of the way: two process zones of steady cut, and the pictures are there.
+    quick = "--mesh", "quick", "--angle", "56", "--duration", "3.5e-3"
     run_example("opening_test.py", tmp_path, *quick)
     summary = figures(tmp_path / "summary.json")
     assert summary["n_cable_broken"] > 8
@@ -70,7 +70,7 @@ def test_in_a_notebook(run_example, tmp_path):
 
 
 def test_trouser(run_example, tmp_path):
-    run_example("trouser.py", tmp_path, "--size", "0.75", "--length", "15")
+    run_example("trouser.py", tmp_path, "--size", "0.75", "--length", "24")
     summary = figures(tmp_path / "summary.json")
     # G h of both legs within 5 %: discretisation, a crack of eight edges; measured 2.35.
     assert summary["force_plateau_N"] == pytest.approx(2.296, rel=0.05)
@@ -162,7 +162,7 @@ def test_every_example_has_a_test():
 
 
 def test_torque_of_teeth(run_example, tmp_path):
-    options = "--inclinations", "60", "--pitches", "20", "--angle", "40", "--jobs", "1"
+    options = "--inclinations", "60", "--pitches", "20", "--angle", "56", "--jobs", "1"
     said = run_example("torque_of_teeth.py", tmp_path, *options)
     rows = [line.split() for line in said.splitlines()[1:]]
     assert [float(row[1]) for row in rows] == [20.0]
@@ -199,7 +199,7 @@ def test_yielding_film(run_example, tmp_path):
 
 @pytest.mark.slow
 def test_shape_of_the_law(run_example, tmp_path):
-    said = run_example("shape_of_the_law.py", tmp_path, "--angle", "40", "--laws", "2")
+    said = run_example("shape_of_the_law.py", tmp_path, "--angle", "56", "--laws", "2")
     most = re.search(r"differ from the first by ([\d.]+) %", said)
     assert float(most[1]) < 2.0
     assert (tmp_path / "shape_of_the_law.png").stat().st_size > 10_000

@@ -78,7 +78,8 @@ def figures(model, number):
     with tempfile.TemporaryDirectory() as folder:
         summary, _ = run(case, Path(folder))
     summary["broken_ratio"] = float(abs(broken_ratio(case) - 1.0).max())
-    names = [n for begin in FIGURES for n in summary if n.startswith(begin)]
+    means = [n for n in summary if "_half_width_" not in n]
+    names = [n for begin in FIGURES for n in means if n.startswith(begin)]
     return {name: summary[name] for name in names}
 
 

@@ -3,6 +3,8 @@
 Figures of perturbed runs are mean and standard deviation of the twenty runs of ``perturbed.py``.
 """
 
+import re
+
 import numpy as np
 import pytest
 
@@ -61,6 +63,8 @@ def test_quick(tmp_path):
     assert summary["window_from_deg"] == pytest.approx(27.25, abs=0.06)
     assert summary["window_to_deg"] == pytest.approx(68.87, abs=0.06)
     assert summary["torque_plateau_Nmm"] == pytest.approx(140.61, abs=0.1)
+    # Of this sawtooth of 10 % over 9 spacings of the nodes: 1.4 N·mm.
+    assert summary["torque_plateau_half_width_Nmm"] == pytest.approx(1.44, abs=0.1)
     assert summary["axial_force_plateau_N"] == pytest.approx(-0.268, abs=0.01)
     assert summary["imbalance_rel"] < 3e-5
     assert summary["kinetic_rel"] < 0.009
@@ -75,21 +79,29 @@ def short_run(tmp_path, angle, *, teeth=4, pitch=12.0, faster=1.0):
     return run(case, tmp_path)
 
 
-def test_six_teeth_are_steady_until_their_cuts_come_near_each_other(tmp_path):
+def cables_work_between(history, low, high):
+    """Return the cables' work per radian between two angles [N·mm]."""
+    work = np.interp([low, high], history["angle"], history["cohesive_work"])
+    return np.diff(work)[0] / np.radians(high - low)
+
+
+def test_six_teeth_could_be_steady_until_their_cuts_come_near_each_other(tmp_path):
     summary, history = short_run(tmp_path, 48.0, teeth=6)
+    found = re.match(r"it would only last from (\S+) to (\S+) deg", summary["no_window"])
+    low, high = map(float, found.groups())
     # Before each edge has cut two process zones of 2.5 mm (a node more or less) nothing is steady.
-    assert summary["window_from_deg"] > 25.0
+    assert low > 25.0
     # Each cut is 9.84 mm long, and the next begins: the tips are there at 51 degrees. Before, less
     # than a process zone is left ahead of each edge.
     left = min(history[f"uncut_ahead_edge_{k}"][history["angle"] < 46.0][-1] for k in range(1, 7))
     assert 0.0 < left < 2.0
-    assert summary["window_to_deg"] < 46.0
+    assert high < 46.0
     theory = steady_work_per_radian(n_teeth=6)
     # Closed form. Discretisation: the window is three spacings of the nodes, in each of which two
     # cables break at once; measured 1.019, on M1 1.002.
-    assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.035)
-    # Regression: 213.9, of three spacings of 0.82 mm.
-    assert summary["torque_plateau_Nmm"] == pytest.approx(213.5, rel=0.03)
+    assert cables_work_between(history, low, high) == pytest.approx(theory, rel=0.035)
+    # So short a window has no mean and no ±.
+    assert not {"torque_plateau_Nmm", "dWcoh_dtheta_Nmm"} & summary.keys()
 
 
 def test_twelve_teeth_are_steady_nowhere(tmp_path):
@@ -103,11 +115,16 @@ def test_teeth_that_leave_the_film_are_steady_until_then(tmp_path):
     summary, history = short_run(tmp_path, 60.0, pitch=40.0)
     # 5 mm high and 40 mm a turn down, they would leave a flat film at 45 degrees. It goes down with
     # them by 0.24 to 0.38 mm, 2 to 3 degrees.
-    assert 35.0 < summary["window_to_deg"] < 48.0
+    # The torque rises by 6 %: whether that counts as steady in so short a window is chance, where
+    # the window could end is not.
+    ends = [summary[f"window_{end}_deg"] for end in ("from", "to") if "no_window" not in summary]
+    ends = ends or re.findall(r"at (\S+)°", summary["no_window"])
+    low, high = map(float, ends)
+    assert 35.0 < high < 48.0
     assert history["to_spare_edge_1"][-1] == 0.0
     theory = steady_work_per_radian(pitch=40.0)
     # Closed form; measured 0.993.
-    assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
+    assert cables_work_between(history, low, high) == pytest.approx(theory, rel=0.02)
 
 
 @pytest.mark.slow

@@ -68,22 +68,33 @@ def test_the_work_is_the_integral(run):
 
 def test_the_mean_is_of_the_steady_window_of_the_run(tmp_path):
     cut = edge_columns([edge(ANGLE)])
-    run = write_run(tmp_path / "out", "steady", ANGLE, 100.0 + ANGLE, **cut)
-    found = shellcut.compare(run, measured(80.0 + 0.8 * ANGLE[::10]))
+    rises = 100.0 + 0.02 * ANGLE
+    work = np.radians(100.0 * ANGLE + 0.01 * ANGLE**2)
+    run = write_run(tmp_path / "out", "steady", ANGLE, rises, tool_work=work, **cut)
+    found = shellcut.compare(run, measured(0.8 * rises[::10]))
     low, high = found.steady_range
     window = shellcut.read(run).steady_window
     assert (low, high) == (window.low, window.high)
     # Of a straight line: its value in the middle.
-    assert found.mean_simulated == pytest.approx(100.0 + 0.5 * (low + high), rel=1e-12)
+    assert found.mean_simulated == pytest.approx(100.0 + 0.01 * (low + high), rel=1e-12)
+    # Of the rise over the window, by the cosines of a line: sqrt(2) 2/pi² of it, and 1/9.
+    of_line = 2.0 * np.sqrt(2.0) / np.pi**2 * np.sqrt((1.0 + 3.0**-4 + 5.0**-4) / 6.0)
+    expected = 2.4469 * of_line * 0.02 * (high - low)
+    assert found.mean_simulated_half_width == pytest.approx(expected, rel=1e-3)
+    assert found.mean_measured_half_width == pytest.approx(0.8 * expected, rel=1e-3)
     assert found.mean_error == pytest.approx(0.25, rel=1e-12)
     assert found.notes == ()
-    assert re.search(rf"mean over {low:.3g}-{high:.3g}° +1\d\d\S* N·mm +1\d\d", str(found))
+    assert re.search(rf"mean over {low:.3g}-{high:.3g}° +80\.\S* N·mm +10[01]", str(found))
+    assert re.search(r"± of the mean, 95 % +0\.\d+ N·mm +0\.\d+ N·mm", str(found))
     content = json.loads(found.to_json(tmp_path / "c.json").read_text())
     assert content["steady_range"] == [low, high]
     assert content["figures"]["mean_simulated"] == {"value": found.mean_simulated, "unit": "N*mm"}
     # Of what was measured of it only; nothing where nothing of it was.
     part = ANGLE[(ANGLE >= 40.0)]
     assert shellcut.compare(run, measured(part, part)).steady_range == (40.0, high)
+    part = ANGLE[(ANGLE >= 60.0)]
+    (note,) = [n for n in shellcut.compare(run, measured(part, part)).notes if "no mean" in n]
+    assert note.startswith("no mean over the measured part of the steady window: it would only")
     early = ANGLE[ANGLE <= 20.0]
     (note,) = [n for n in shellcut.compare(run, measured(early, early)).notes if "no mean" in n]
     assert (

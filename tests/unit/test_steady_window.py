@@ -1,5 +1,7 @@
 """The steady window is where the history says that every edge cuts steadily, or nowhere."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -13,8 +15,13 @@ ANGLE, PATH = ("angle", "deg"), ("path", "mm")
 
 
 def history(x, edges, coordinate=ANGLE, **columns):
-    named = {"time": np.linspace(0.0, 1e-3, len(x)), coordinate[0]: x}
+    named = {"time": np.linspace(0.0, 1e-3, len(x)), coordinate[0]: x, "tool_work": 140.0 * x}
     return named | edge_columns(edges) | columns
+
+
+def sum_of(x, force):
+    """Return the integral of a force at the middles of the rows."""
+    return np.append(0.0, np.cumsum(force(0.5 * (x[1:] + x[:-1])) * np.diff(x)))
 
 
 X = np.linspace(0.0, 95.0, 1901)
@@ -64,10 +71,10 @@ def test_a_straight_way_has_its_figures_a_millimetre():
     ("edges", "end", "low", "high"),
     [
         # Teeth that enter late are waited for.
-        ([edge(X), edge(X, begins=20.0)], "low", 44.3, 49.0),
+        ([edge(X, arc=17.0), edge(X, begins=10.0)], "low", 34.3, 39.0),
         # It ends where the tool has left the film, or a cable is met at the end of an edge.
-        ([edge(X, leaves=45.0)], "high", 45.0 - 0.4 / 0.18, 45.0),
-        ([(*edge(X)[:3], np.where(X < 45.0, 1.0, 0.0))], "high", 45.0 - 0.8 / 0.18, 44.99),
+        ([edge(X, leaves=60.0)], "high", 60.0 - 0.4 / 0.18, 60.0),
+        ([(*edge(X)[:3], np.where(X < 60.0, 1.0, 0.0))], "high", 60.0 - 0.8 / 0.18, 59.99),
     ],
     ids=["late", "left", "at the end"],
 )
@@ -97,7 +104,7 @@ def test_a_crossing_of_an_earlier_cut_parts_the_window():
     assert window.low >= 5.2 / 0.18
 
 
-@pytest.mark.parametrize("n_row", [700, 900, 1100, 1300, 1500])
+@pytest.mark.parametrize("n_row", [1150, 1200, 1300, 1400, 1500])
 def test_a_run_cut_short_says_the_same_of_what_it_has(n_row):
     whole = steady_window(history(X, [edge(X)] * 4), ANGLE)
     x = X[:n_row]
@@ -133,13 +140,77 @@ def test_where_there_is_none_the_reason_is_said():
     )
     short = X[X < 30.0]
     assert why([edge(short)], short) == (
-        "it would only last from 26.7 to 30 deg, in which cutting edge 1 cuts 0.4 mm; its process "
-        "zone is 2.4 mm"
+        "it would only last from 26.7 to 28.9 deg, in which cutting edge 1 cuts 0.4 mm; a mean "
+        "with its ± takes 3.6 mm, 1.5 process zones"
     )
     # One leaves the film before the other's zone is renewed.
     assert why([edge(X, leaves=30.0), edge(X, begins=20.0)]) == (
         "a cutting edge had left the film, or stopped, before 46.7 deg"
     )
+
+
+LONG = np.linspace(0.0, 60.0, 3001)
+STRAIGHT = [edge(LONG, rate=1.0, arc=58.0)]  # steady from 4.8 to 55.6 mm
+
+
+def steady_straight(force, between=None):
+    h = history(LONG, STRAIGHT, PATH, cohesive_work=3.1 * LONG, tool_work=sum_of(LONG, force))
+    return steady_figures(h | {"strain": 0.0 * LONG}, PATH, ("force", "N"), between)
+
+
+def test_a_force_that_jumps_has_no_mean_and_both_its_levels_are_said():
+    found = steady_straight(lambda x: np.where(x < 18.0, 4.25, 5.15))
+    assert set(found) == {"no_window"}
+    said = re.fullmatch(
+        r"the force jumps at (\S+) mm: its mean is (\S+) N from 4.8 mm on, then (\S+) N to 55.6 mm",
+        found["no_window"],
+    )
+    at, before, after = map(float, said.groups())
+    assert at == pytest.approx(18.0, abs=0.03)  # a row
+    assert (before, after) == pytest.approx((4.25, 5.15), rel=1e-3)
+
+
+def test_a_force_that_drifts_has_none_either():
+    found = steady_straight(lambda x: 3.0 + 0.01 * x)
+    assert found == {"no_window": "the force drifts from 3.048 N at 4.8 mm to 3.556 N at 55.6 mm"}
+    # By 1 % over the window it is steady, and the mean's ± has most of it.
+    found = steady_straight(lambda x: 3.0 + 0.0006 * x)
+    assert found["force_plateau_N"] == pytest.approx(3.0 + 0.0006 * 30.2, abs=1e-4)
+    assert 0.2 < found["force_plateau_half_width_N"] / (0.0006 * 50.8) < 0.5
+
+
+def test_the_end_of_the_start_is_left_out():
+    found = steady_straight(lambda x: np.where(x < 6.8, 2.0, 3.2))
+    # The first process zone, 2.4 mm.
+    assert found["window_from_mm"] == pytest.approx(7.2, abs=0.03)
+    assert found["force_plateau_N"] == pytest.approx(3.2, rel=1e-9)
+    # What lasts longer is no start.
+    found = steady_straight(lambda x: np.where(x < 15.0, 2.0, 3.2))
+    assert "jumps at" in found["no_window"]
+
+
+def test_a_swing_has_a_mean_with_a_wide_half_width():
+    # Of 6 and of 30 mm, 0.8 to 1.4 N: the short one averages out.
+    wide, narrow = (
+        steady_straight(lambda x, length=length: 1.1 + 0.3 * np.sin(2.0 * np.pi * x / length))
+        for length in (15.0, 2.0)
+    )
+    assert wide["force_plateau_half_width_N"] > 0.05
+    assert narrow["force_plateau_half_width_N"] < 0.01
+    for found in (wide, narrow):
+        assert abs(found["force_plateau_N"] - 1.1) < found["force_plateau_half_width_N"]
+
+
+def test_a_window_in_common_is_tested_on_its_own():
+    def force(x):
+        return np.where(x < 30.0, 3.0, 4.0)
+
+    assert "no_window" in steady_straight(force)
+    found = steady_straight(force, (31.0, 50.0))
+    assert found["force_plateau_N"] == pytest.approx(4.0, rel=1e-12)
+    assert (found["window_from_mm"], found["window_to_mm"]) == pytest.approx((31.0, 50.0), abs=0.02)
+    assert "a mean with its ± takes" in steady_straight(force, (31.0, 33.0))["no_window"]
+    assert "no_window" in steady_straight(force, (70.0, 80.0))
 
 
 def test_a_small_run_says_what_it_cut(tmp_path):

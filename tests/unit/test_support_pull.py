@@ -14,7 +14,7 @@ from shellcut.recording.resistance import SupportPull
 def torn(tmp_path_factory):
     """A small trouser test that is torn to its end."""
     folder = tmp_path_factory.mktemp("torn")
-    case = trouser(1.0, length=14.0, notch=4.0, speed=6000.0, ramp=1e-4)
+    case = trouser(1.0, length=20.0, notch=4.0, speed=6000.0, ramp=1e-4)
     case.run(folder, n_row=200, n_frame=4, n_snapshot=2)
     return case, folder
 

@@ -10,7 +10,7 @@ import numpy as np
 from shellcut.arrays import Bools
 from shellcut.results.energy_account import account, trusted_rows
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
-from shellcut.results.summary_figures import window_of
+from shellcut.results.summary_figures import said_of, window_of
 from shellcut.unit import in_unit, pretty, with_unit
 from shellcut.view import Curve, Diagram
 
@@ -43,7 +43,7 @@ def _said_of(run: Gathered) -> str:
         said.append(f"The curve is the {figures['resistance']}. Positive values resist {resists}.")
     mean = f"{first}_plateau_{unit.replace('*', '')}"
     if mean in figures:
-        shown = with_unit(figures[mean], unit)
+        shown = said_of(mean, figures)
         said.append(f"The mean over the steady window, {window_of(figures)}, is {shown}.")
     elif "no_window" in figures:
         said.append(f"There is no steady window, so there is no mean: {figures['no_window']}.")

@@ -12,6 +12,7 @@ import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_type_hints
 
@@ -26,6 +27,8 @@ from shellcut.view import Curve, Diagram, draw_curves
 
 from .measured_curve import MeasuredCurve, read_measured_curve
 from .run_results import Results, read
+from .steady_mean import Mean, mean_of
+from .steady_window import steady_window
 
 _SAME_END = 0.01
 """Relative to the common range: ends of two curves that lie closer together need no note."""
@@ -99,7 +102,10 @@ class Comparison:
     """From -1 to 1."""
     mean_measured: _InY
     """Over the steady part of the common range, nan without it."""
+    mean_measured_half_width: _InY
+    """Half-width of its 95 % interval, as :mod:`.steady_mean` has it."""
     mean_simulated: _InY
+    mean_simulated_half_width: _InY
     mean_error: _Ratio
     pierced_at: _InX
     """Where a cutting edge first pierces whole film, nan outside the common range."""
@@ -156,6 +162,9 @@ class Comparison:
             low, high = (factor * end for end in c.steady_range)
             name = f"mean over {low:.3g}-{high:.3g}{after(unit)}"
             both.insert(2, (name, y, c.mean_measured, c.mean_simulated, _percent(c.mean_error)))
+            spread = "± of the mean, 95 %"
+            widths = c.mean_measured_half_width, c.mean_simulated_half_width
+            both.insert(3, (spread, y, *widths, ""))
         if np.isfinite(c.pierced_at):
             unit, factor = shown(x)
             name = f"at first piercing, {factor * c.pierced_at:.3g}{after(unit)}"
@@ -351,9 +360,9 @@ def _compared(
     work_m, work_s = (to_work * line.integral(a, b) for line in (m, s))
     weights = shares(points)
     rms = float(np.sqrt(weights @ (ours - there) ** 2))
-    steady, why_not = _steady_range(results, x, a, b)
-    means = [line.integral(*steady) / (steady[1] - steady[0]) for line in (m, s)] if steady else []
-    mean_m, mean_s = means or (float("nan"), float("nan"))
+    steady, pieces, why_not = _steady_range(results, x, a, b)
+    none = Mean(float("nan"), float("nan"))
+    mean_m, mean_s = (_mean(line, steady, pieces) if steady else none for line in (m, s))
     pierced = _first_piercing(results, x, a, b)
     pierced_m, pierced_s = (line.at(pierced).item() for line in (m, s))
     return Comparison(
@@ -381,9 +390,11 @@ def _compared(
         work_unit=work_unit,
         correlation=_correlation(weights, there, ours),
         steady_range=steady,
-        mean_measured=mean_m,
-        mean_simulated=mean_s,
-        mean_error=_over(mean_s - mean_m, mean_m),
+        mean_measured=mean_m.value,
+        mean_measured_half_width=mean_m.half_width,
+        mean_simulated=mean_s.value,
+        mean_simulated_half_width=mean_s.half_width,
+        mean_error=_over(mean_s.value - mean_m.value, mean_m.value),
         pierced_at=pierced.item(),
         pierced_measured=pierced_m,
         pierced_simulated=pierced_s,
@@ -397,18 +408,32 @@ def _compared(
 
 def _steady_range(
     results: Results, x: str, a: float, b: float
-) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the steady part of [a, b], or a note with the reason why there is none."""
+) -> tuple[tuple[float, float] | None, float, list[str]]:
+    """Return the steady part of [a, b] and how many process zones are cut in it.
+
+    Or None, 0 and a note with the reason why there is none.
+    """
     if x != results.coordinate_name:
-        return None, []
-    window = results.steady_window
+        return None, 0.0, []
+    unit, window = results.units[x], results.steady_window
     if not window:
-        return None, [f"no steady window, so no mean: {window.reason}"]
+        return None, 0.0, [f"no steady window, so no mean: {window.reason}"]
     low, high = max(window.low, a), min(window.high, b)
     if not low < high:
-        steadily = window.text(results.units[x])
-        return None, [f"no mean: the steady window, {steadily}, lies outside the common range"]
-    return (low, high), []
+        steadily = window.text(unit)
+        return None, 0.0, [f"no mean: the steady window, {steadily}, lies outside the common range"]
+    if (low, high) != (window.low, window.high):
+        window = steady_window(results.history, (x, unit), (low, high))
+    if not window:
+        return None, 0.0, [f"no mean over the measured part of the steady window: {window.reason}"]
+    return (low, high), window.pieces, []
+
+
+def _mean(line: BrokenLine, steady: tuple[float, float], pieces: float) -> Mean:
+    """Return the mean of a curve on a range in which so many process zones are cut."""
+    points = line.points_within(*steady)
+    parts = [line.integral(*ends) for ends in pairwise(points.tolist())]
+    return mean_of(points, np.append(0.0, np.cumsum(parts)), pieces)
 
 
 def _first_piercing(results: Results, x: str, a: float, b: float) -> Floats:

@@ -76,6 +76,8 @@ class ErrorBar:
     """With which it converges over three meshes."""
     values: tuple[float | None, ...]
     """Of all runs, in their order, that as given first."""
+    own: float | None = None
+    """Half-width that the run as given has of its mean by itself; None for what is no mean."""
 
     @property
     def name(self) -> str:
@@ -160,7 +162,11 @@ class ErrorBars:
         less = {**bar.parts, most: 0.5 * bar.parts[most]}
         unit, factor = bar.shown
         left = f"{factor * math.hypot(*less.values()):.2g} {unit}".rstrip()
-        return f"{bar.name}: {order}; most of ± is {most}: {_HALVED[most]} would leave ± {left}"
+        said = f"{bar.name}: {order}; most of ± is {most}: {_HALVED[most]} would leave ± {left}"
+        if bar.own is None:
+            return said
+        own = f"{factor * bar.own:.2g} {unit}".rstrip()
+        return f"{said}; by itself the run as given has ± {own}, which a longer cut would lessen"
 
     def write(self, path: Path) -> None:
         """Write them as JSON."""
@@ -196,12 +202,17 @@ def read_error_bars(path: Path) -> ErrorBars:
 
 
 def error_bar(
-    figure: str, runs: Sequence[Run], values: Sequence[float | None], edge: float = 0.0
+    figure: str,
+    runs: Sequence[Run],
+    values: Sequence[float | None],
+    edge: float = 0.0,
+    own: float | None = None,
 ) -> ErrorBar:
     """Return a figure with its error bar from the companion runs, the model as given first.
 
     The first of its values must be there, others may be None; ``edge`` is the length of the edges
-    of the model as given [mm].
+    of the model as given [mm], ``own`` the half-width that its mean has by itself. Runs that differ
+    by chance differ by that, too: it takes their place where there are none, and is never added.
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
     meshes = sorted((r.size, v) for r, v in others if r.part == MESH)
@@ -222,10 +233,12 @@ def error_bar(
     if (n := len(alike)) > 1:
         t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n - 1))
         parts[CHANCE] = t * float(np.std(alike, ddof=1))
+    elif own is not None:
+        parts[CHANCE] = own
     three = sorted([(1.0, f), *coarser[:1], *finer[-1:]])
     three = three if len(three) == _FEWEST else sorted([(1.0, f), *meshes])[:_FEWEST]
     width = math.hypot(*parts.values())
-    return ErrorBar(figure, value, width, parts, _order(three), tuple(values))
+    return ErrorBar(figure, value, width, parts, _order(three), tuple(values), own)
 
 
 def _order(meshes: Sequence[tuple[float, float]]) -> float | None:

@@ -7,14 +7,18 @@ breaks, its process zone then being full.
 
 Of a length that must reach Z or 2 Z a quarter of a spacing of the joints may be missing, so that
 round-off decides nothing on a regular mesh, where all are multiples of half of it. The film ahead
-ends at the median over the joints of the last 4 Z. The window has whole periods of the edge that is
-the first to meet a cable in it, which must cut half of Z there: what is true of less is true of
-some cables, not of the cut. An edge has stopped if it takes three times its median travel per
-millimetre of cut, and is ignored if it has cut less than a tenth of the longest cut.
+ends at the median over the joints of the last 4 Z. The window begins and ends where the edge that
+is the first to meet a cable in it meets one. An edge has stopped if it takes three times its median
+travel per millimetre of cut, and is ignored if it has cut less than a tenth of the longest cut.
 
 *Without a tool* nothing is met: the window is where the crack grows once its zone is full, from a
 third of its last length on, the first third being the way in which the film takes the shape that
-tears.
+tears. Z is the length of crack when its first cable breaks.
+
+*Tested.* Where the cut could be steady, torque or force must be: :mod:`.steady_mean` tests it for a
+jump and a drift, and gives each mean its ±. Each edge must cut 1.5 Z in it, for a force has a
+memory of about Z, the length of the cables that the edge drags. A jump within the first Z is the
+end of the start: that length is left out, once.
 
 Means are of sums over every step: all rows but the last are written at steps at which cracks are
 looked for, and the mean of their torque is up to 0.3 % too large.
@@ -22,15 +26,17 @@ looked for, and the mean of their torque is up to 0.3 % too large.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.formats.errors import counted
+from shellcut.unit import with_unit
 
 from .energy_account import CABLES, driving_work, growth_shares
+from .steady_mean import LEAST, Change, change_in, mean_of, n_cosine
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -49,8 +55,6 @@ _SHORT = 0.25  # what may be missing of either length, over the spacing of the j
 _STOPPED = 3.0  # travel per millimetre of cut over the median
 _BYSTANDER = 0.1  # relative to the longest cut
 _UP_TO_SPEED = 0.95  # relative to the median speed
-_LEAST_PERIODS = 2
-_LEAST = 0.5  # cut in the window over Z
 _TORN = 1.0 / 3.0  # of the last crack length, without a tool
 _ROUND_OFF = 1e-10  # of lengths, over that of the cut
 
@@ -65,6 +69,8 @@ class SteadyWindow:
     first: int = 0
     last: int = -1
     """First and last row of the history in the window."""
+    pieces: float = 0.0
+    """Cut within it over Z, of the edge of which that is least."""
     reason: str = ""
     """Why there is no window; empty if there is one."""
 
@@ -79,93 +85,187 @@ class SteadyWindow:
         return f"{self.low:.3g} to {self.high:.3g} {unit}"
 
 
+Range: TypeAlias = tuple[float, float]
+"""Ends of a range, in the unit of the coordinate."""
+
+
+def half_width_of(figure: str) -> str:
+    """Return the name of the half-width of a mean's 95 % interval.
+
+    Examples
+    --------
+    >>> half_width_of("torque_plateau_Nmm")
+    'torque_plateau_half_width_Nmm'
+    """
+    name, _, unit = figure.rpartition("_")
+    return f"{name}_half_width_{unit}"
+
+
 def steady_figures(
-    history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
+    history: Mapping[str, Floats],
+    coordinate: tuple[str, str],
+    resistance: tuple[str, str],
+    between: Range | None = None,
 ) -> dict[str, float | str]:
     """Return the figures of a run in its steady window, by names that include the units.
 
     These are the window, the mean of the resistance (and of the axial force), the work of cables
-    and of tool or supports per radian or millimetre, and what that work has become there; or
-    ``no_window``, why there is none.
+    and of tool or supports per radian or millimetre, each with its half-width
+    (:func:`half_width_of`), and what that work has become there; or ``no_window``, why there is
+    none. ``between`` as of :func:`steady_window`.
     """
-    window = steady_window(history, coordinate)
+    window = steady_window(history, coordinate, between)
     if not window:
         return {"no_window": window.reason}
-    (x_name, x_unit), (name, unit) = coordinate, resistance
-    turns = x_unit == "deg"
-
-    def grown(column: Floats) -> float:
-        return float(column[window.last] - column[window.first])
-
+    (_, x_unit), (name, unit) = coordinate, resistance
     work = driving_work(history)
     units = {name: unit.replace("*", ""), "axial_force": "N"}
     sums = {figure: history[figure + INTEGRAL] for figure in units if figure + INTEGRAL in history}
     if "axial_force" not in history and name not in sums:  # all work is that of the one figure
         sums = {name: work}
-    way = np.radians(history[x_name]) if turns else history[x_name]
-    length, done, cables = map(grown, (way, work, CABLES.of(history)))
-    per = "dtheta_Nmm" if turns else "ds_N"
-    figures: dict[str, float | str] = {
-        f"window_from_{x_unit}": window.low,
-        f"window_to_{x_unit}": window.high,
-        **{f"{one}_plateau_{units[one]}": grown(column) / length for one, column in sums.items()},
-        f"dWcoh_{per}": cables / length,
-        f"dW_{per}": done / length,
-    }
+    per = "dtheta_Nmm" if x_unit == "deg" else "ds_N"
+    means = {f"{one}_plateau_{units[one]}": column for one, column in sums.items()}
+    means |= {f"dWcoh_{per}": CABLES.of(history), f"dW_{per}": work}
+    rows = slice(window.first, window.last + 1)
+    way, figures = _way(history, coordinate)[rows], dict[str, float | str]()
+    figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"] = window.low, window.high
+    for figure, column in means.items():
+        mean = mean_of(way, column[rows], window.pieces)
+        figures[figure], figures[half_width_of(figure)] = mean.value, mean.half_width
     return figures | growth_shares(history, window.first, window.last)
 
 
-def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyWindow:
+def steady_window(
+    history: Mapping[str, Floats], coordinate: tuple[str, str], between: Range | None = None
+) -> SteadyWindow:
     """Return the steady window of a run, also of one in progress, or a killed one.
 
-    It follows from the columns of the history, and name and unit of the coordinate.
+    It follows from the columns of the history, and name and unit of the coordinate. With
+    ``between`` it is the part of it in this range of the coordinate, up to a row, or none: the
+    window that several runs have in common.
     """
-    if coordinate[0] == WAY:
-        return _torn(history, coordinate)
+    find = _torn if coordinate[0] == WAY else _cut
+    found = find(history, coordinate, between)
+    if isinstance(found, str):
+        return SteadyWindow(reason=found)
+    return _tested(history, coordinate, *found, from_start=between is None)
+
+
+def _tested(
+    history: Mapping[str, Floats],
+    coordinate: tuple[str, str],
+    cuts: Sequence[_Cut],
+    first: int,
+    last: int,
+    *,
+    from_start: bool,
+) -> SteadyWindow:
+    """Return these rows as a window if torque or force is steady in them.
+
+    ``from_start`` : whether a transient may be left out at the beginning.
+    """
+    (name, unit), way, rows = coordinate, _way(history, coordinate), slice(first, last + 1)
+    x = history[name]
+    done = [float(cut.length[last] - cut.length[first]) for cut in cuts]
+    each = zip(done, cuts, strict=True)
+    pieces, k = min((one / cut.zone, k) for k, (one, cut) in enumerate(each))
+    if n_cosine(pieces) < LEAST:
+        return SteadyWindow(
+            reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
+            f"{cuts[k].name} cuts {done[k]:.3g} mm; a mean with its ± takes "
+            f"{0.5 * LEAST * cuts[k].zone:.3g} mm, {0.5 * LEAST:g} process zones"
+        )
+    if not x[last] > x[first]:
+        return SteadyWindow(reason="the tool does not move along the film")
+    change = change_in(way[rows], _resistance_sum(history)[rows], pieces)
+    if change is None:
+        return SteadyWindow(float(x[first]), float(x[last]), first, last, pieces)
+    later = max(cut.after_zone(first) for cut in cuts)
+    if from_start and change.at is not None and later < last and change.at <= way[later]:
+        rest = _tested(history, coordinate, cuts, later, last, from_start=False)
+        if rest:
+            return rest
+    return SteadyWindow(reason=_not_steady(change, coordinate, float(x[first]), float(x[last])))
+
+
+def _not_steady(change: Change, coordinate: tuple[str, str], low: float, high: float) -> str:
+    """Return in words how torque or force changes between two places."""
+    turns = coordinate[1] == "deg"
+    figure, unit = ("torque", "N*mm") if turns else ("force", "N")
+    before, after = (with_unit(level, unit) for level in (change.before, change.after))
+    start, end = (with_unit(place, coordinate[1]) for place in (low, high))
+    if change.at is None:
+        return f"the {figure} drifts from {before} at {start} to {after} at {end}"
+    at = with_unit(float(np.degrees(change.at)) if turns else change.at, coordinate[1])
+    first, then = f"{before} from {start} on", f"{after} to {end}"
+    return f"the {figure} jumps at {at}: its mean is {first}, then {then}"
+
+
+def _way(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> Floats:
+    """Return the coordinate in rad or mm, shape (n_row,)."""
+    x = history[coordinate[0]]
+    return np.radians(x) if coordinate[1] == "deg" else x
+
+
+def _resistance_sum(history: Mapping[str, Floats]) -> Floats:
+    """Return the integral of torque or force over the way, shape (n_row,)."""
+    sums = [history[one + INTEGRAL] for one in ("torque", "force") if one + INTEGRAL in history]
+    return sums[0] if sums else driving_work(history)
+
+
+def _within(x: Floats, between: Range | None) -> Bools:
+    low, high = between or (-np.inf, np.inf)
+    return np.asarray((x >= low) & (x <= high))
+
+
+_Found: TypeAlias = "tuple[list[_Cut], int, int] | str"
+"""The cuts, the first and the last row of a window, or why there is none."""
+
+
+def _cut(
+    history: Mapping[str, Floats], coordinate: tuple[str, str], between: Range | None
+) -> _Found:
+    """Return where the cut of a tool could be steady."""
     cuts = _cuts(history)
     if isinstance(cuts, str):
-        return SteadyWindow(reason=cuts)
+        return cuts
     name, unit = coordinate
     x, time = history[name], history["time"]
     renewed = np.all([cut.renewed for cut in cuts], axis=0)
     free = np.all([cut.free for cut in cuts], axis=0)
     cutting = np.all([cut.cutting(x) for cut in cuts], axis=0)
-    first, last = _longest(x, renewed & free & cutting & _up_to_speed(x, time))
+    good = renewed & free & cutting & _up_to_speed(x, time) & _within(x, between)
+    first, last = _longest(x, good)
     if first < 0:
-        return SteadyWindow(reason=_why_none(cuts, x, unit, renewed, free))
-    within = [(c, c.joints[(c.joints >= first) & (c.joints <= last)]) for c in cuts]
-    cut, joints = min(within, key=lambda one: one[1][:1].tolist() or [last + 1])
-    done = float(np.ptp(cut.length[joints])) if len(joints) else 0.0
-    if len(joints) <= _LEAST_PERIODS or done < _LEAST * cut.zone - cut.short:
-        return SteadyWindow(
-            reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
-            f"cutting edge {cut.edge} cuts {done:.3g} mm; its process zone is {cut.zone:.3g} mm"
-        )
-    low, high = int(joints[0]), int(joints[-1])
-    if not x[high] > x[low]:
-        return SteadyWindow(reason="the tool does not move along the film")
-    return SteadyWindow(float(x[low]), float(x[high]), low, high)
+        return _why_none(cuts, x, unit, renewed, free)
+    if between is None:
+        within = [c.joints[(c.joints >= first) & (c.joints <= last)] for c in cuts]
+        joints = min(within, key=lambda one: one[:1].tolist() or [last + 1])
+        first, last = (int(joints[0]), int(joints[-1])) if len(joints) else (first, first)
+    return cuts, first, last
 
 
-def _torn(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyWindow:
-    """Return the steady window of a film that is torn without a tool."""
-    crack, x = history["crack_length"], history[coordinate[0]]
+def _torn(
+    history: Mapping[str, Floats], coordinate: tuple[str, str], between: Range | None
+) -> _Found:
+    """Return where the tear of a film without a tool could be steady."""
+    crack, broken = history["crack_length"], history["cables_broken"] > 0.0
     if not crack[-1] > 0.0:
-        return SteadyWindow(reason="nothing was torn")
-    grown = np.flatnonzero(np.diff(crack, prepend=0.0) > _ROUND_OFF * crack[-1])
-    full = (history["cables_broken"][grown] > 0.0) & (crack[grown] >= _TORN * crack[-1])
-    within = grown[full]
-    if len(within) <= _LEAST_PERIODS:
-        return SteadyWindow(
-            reason=f"the crack grew in {counted(len(grown), 'row')} of the history only"
-        )
-    first, last = int(within[0]), int(within[-1])
-    return SteadyWindow(float(x[first]), float(x[last]), first, last)
+        return "nothing was torn"
+    if not broken.any():
+        return "no cable has broken"
+    nothing = np.zeros(len(crack))
+    tear = _Cut(0, crack, nothing, nothing, float(crack[np.argmax(broken)]))
+    full = broken & (crack >= _TORN * crack[-1]) & _within(history[coordinate[0]], between)
+    rows = tear.joints[full[tear.joints]] if between is None else np.flatnonzero(full)
+    if not len(rows):
+        return "the crack did not grow"
+    return [tear], int(rows[0]), int(rows[-1])
 
 
 @dataclass(frozen=True, eq=False)
 class _Cut:
-    """Progress of one edge's cut, row by row."""
+    """Progress of one edge's cut, row by row; of a tear without edges it has the number 0."""
 
     edge: int
     length: Floats
@@ -173,6 +273,14 @@ class _Cut:
     spare: Floats
     zone: float
     """Z [mm]; infinite if no cable has broken."""
+
+    @property
+    def name(self) -> str:
+        return f"cutting edge {self.edge}" if self.edge else "the tear"
+
+    def after_zone(self, row: int) -> int:
+        """Return the row by which it has cut Z more than in another."""
+        return int(np.searchsorted(self.length, self.length[row] + self.zone - self.short))
 
     @property
     def short(self) -> float:

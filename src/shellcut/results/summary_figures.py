@@ -13,6 +13,7 @@ from shellcut.unit import with_unit as number_with_unit
 
 from .cut_quality import LABELS as OF_THE_CUT
 from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP, growth_figure
+from .steady_window import half_width_of
 from .verdict import distrusted_figures
 
 # The end of a name gives the unit; longer ones first.
@@ -102,13 +103,14 @@ def key_figures(
     """Return label and value with unit of the named figures that are there.
 
     By default of all but those that the verdict has: the known ones in order, then others by name.
-    Labels of figures that the verdict distrusts one by one say so.
+    A mean comes with its ±. Labels of figures that the verdict distrusts one by one say so.
     """
     if names is None:
-        names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in _ELSEWHERE]
+        elsewhere = _ELSEWHERE | {half_width_of(key) for key in summary}
+        names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in elsewhere]
     window, doubtful = window_of(summary), distrusted_figures(summary)
     return [
-        (label_of(n, window) + " (distrust)" * (n in doubtful), with_unit(n, summary[n]))
+        (label_of(n, window) + " (distrust)" * (n in doubtful), said_of(n, summary))
         for n in names
         if n in summary
     ]
@@ -128,7 +130,7 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
         if name in ("torque", "force") and which in ("plateau", "peak"):
             over = f"on average over {window_of(summary)}"
             mean = over if which == "plateau" else "at most"
-            takes.append((which, f"{with_unit(key, summary[key])} {mean}", name))
+            takes.append((which, f"{said_of(key, summary)} {mean}", name))
     if not takes:
         return ""
     what = f"A crack of {with_unit('crack_mm', crack)}" if crack else "Moving the film"
@@ -158,6 +160,20 @@ def with_unit(key: str, value: Any) -> str:
         factor, unit = (100.0, "%") if key.endswith("_rel") else (1.0, unit_of(key))
         return number_with_unit(factor * value, unit)
     return f"{value:,}{after(unit_of(key))}" if type(value) is int else str(value)
+
+
+def said_of(key: str, figures: Mapping[str, Any]) -> str:
+    """Return one of some figures with its unit, a mean also with its ±.
+
+    Examples
+    --------
+    >>> said_of("force_plateau_N", {"force_plateau_N": 3.2, "force_plateau_half_width_N": 0.012})
+    '3.2 ± 0.012 N'
+    """
+    half_width = figures.get(half_width_of(key))
+    if half_width is None:
+        return with_unit(key, figures[key])
+    return number_with_unit(figures[key], unit_of(key), half_width)
 
 
 def unit_of(key: str) -> str:

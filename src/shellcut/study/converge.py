@@ -8,9 +8,11 @@ from collections.abc import Mapping, Sequence
 from shellcut.files.file_list import claim, folder_named
 from shellcut.model_file import read_model
 from shellcut.results.error_bars import ERROR_BARS, PICTURE, ErrorBars, error_bar
+from shellcut.results.steady_window import half_width_of
 from shellcut.results.summary_figures import known_figure
 from shellcut.view import can_draw, draw_curves
 
+from .common_window import NOT_COMMON
 from .companions import companions_of
 from .engines import AnyExecutor, Say, engine_of
 from .one_run import Outcome
@@ -79,6 +81,10 @@ def converge(
         reasons = [f"{run.name} is distrusted: {doubt}" for doubt in one.doubts]
         if one.status != "done":
             reasons = [f"{run.name} is not done: {one.reason or one.status}"]
+        if why := one.figures.get("no_window"):
+            reasons.append(f"{run.name} has no mean: {why}")
+        if why := one.figures.get(NOT_COMMON):
+            reasons.append(f"{run.name}: {why}")
         if reasons:
             missing.setdefault(run.part or "doubts", []).extend(reasons)
     there = {name: v for name, v in each[0].figures.items() if isinstance(v, int | float)}
@@ -86,7 +92,10 @@ def converge(
     if lacking or not chosen:
         raise ValueError(f"the run has no {', '.join(lacking)}, but {', '.join(there)}")
     edge = float(there.get("edge_length_mm", 0.0))
-    bars = tuple(error_bar(n, runs, [one.figures.get(n) for one in each], edge) for n in chosen)
+    bars = tuple(
+        error_bar(n, runs, [one.figures.get(n) for one in each], edge, there.get(half_width_of(n)))
+        for n in chosen
+    )
     found = ErrorBars(plan.runs[0].key, runs, bars, missing)
     found.write(folder / ERROR_BARS)
     if can_draw():

@@ -9,6 +9,7 @@ finds those done by the hashes of their inputs, and goes on where it was ended.
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,18 +24,21 @@ from shellcut.files.whole_file import write_text
 from shellcut.model_file.reader import ModelVariants
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
+from shellcut.results.steady_window import half_width_of
 from shellcut.results.summary_figures import (
     figure_name,
     known_figure,
     label_of,
+    said_of,
     unit_of,
     with_unit,
 )
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
+from .common_window import NOT_COMMON, CommonWindow
 from .engines import AnyExecutor, Say, engine_of
 from .factors import Factor, factors_of
-from .one_run import Outcome
+from .one_run import Outcome, outcome_in
 from .plan import PlannedRun
 from .study import FEW_FILES, run_values, taken
 
@@ -66,6 +70,8 @@ class Trial:
     """The figures that have limits."""
     doubts: tuple[str, ...] = ()
     """What the verdict of its run distrusts."""
+    half_width: float | None = None
+    """Of the 95 % interval, if the figure is a mean."""
 
 
 @dataclass(frozen=True)
@@ -92,15 +98,29 @@ class Optimum:
     """The first and the best again, with the settings that confirm them."""
     allow_doubts: bool = False
     """Whether a run that its verdict distrusts may be the best."""
+    compared: tuple[Trial, ...] = field(default=())
+    """If the figure is a mean: the first and the best over their common steady window, if any."""
 
     @property
     def best(self) -> Trial | None:
-        """The best within all limits of those that can be trusted; None if there is none."""
-        return min(
+        """The best within all limits of those that can be trusted; None if there is none.
+
+        It is the model as given if that is as good but for the ± of the means.
+        """
+        first = self.trials[0]
+        best = min(
             (one for one in self.trials if not self.state(one)),
             key=lambda one: self.sign * (one.figure or 0.0),
             default=None,
         )
+        return first if best and not self.state(first) and self._alike(first, best) else best
+
+    def _alike(self, one: Trial, other: Trial) -> bool:
+        """Whether two means differ by less than their ± together."""
+        if None in (one.figure, other.figure, one.half_width, other.half_width):
+            return False
+        spread = math.hypot(one.half_width or 0.0, other.half_width or 0.0)
+        return abs((one.figure or 0.0) - (other.figure or 0.0)) <= spread
 
     def state(self, one: Trial) -> str:
         """Return why a trial cannot be the best; "" if it can."""
@@ -119,7 +139,7 @@ class Optimum:
             return "\n".join([f"no run is the best: {n_run}", *self._why_none(states)])
         lines = [f"{key} = {value}" for key, value in best.values.items()]
         lines = lines or ["the model as given is the best"]
-        lines += self._against(self.trials[0], best)
+        lines += self._against(*(self.compared or (self.trials[0], best)))
         if len(self.confirmed) == 2:
             lines += [f"confirmed: {line}" for line in self._against(*self.confirmed)]
         return "\n".join([*lines, n_run])
@@ -147,12 +167,17 @@ class Optimum:
             return
         change = 100.0 * (best.figure / start.figure - 1.0) if start.figure else float("nan")
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
-        yield (
-            f"{name}: {with_unit(self.figure, start.figure)} as given, "
-            f"{with_unit(self.figure, best.figure)} at best ({change:+.1f} %){beyond}"
-        )
+        given, found = self._said(start), self._said(best)
+        alike = best.folder != start.folder and self._alike(start, best)
+        less = ", less than the ± of both" * alike
+        yield f"{name}: {given} as given, {found} at best ({change:+.1f} %{less}){beyond}"
         for which, one in {"as given": start, "at best": best}.items():
             yield from (f"distrust {which}: {doubt}" for doubt in one.doubts)
+
+    def _said(self, one: Trial) -> str:
+        return said_of(
+            self.figure, {self.figure: one.figure, half_width_of(self.figure): one.half_width}
+        )
 
     def write(self, folder: Path) -> None:
         """Write ``optimum.json`` and, with Matplotlib, ``optimum.png``."""
@@ -286,6 +311,8 @@ def optimise(
             trials += done
         of = tuple(subject_to), tuple(trials)
         found = Optimum(wanted, sign, *of, allow_doubts=allow_doubts)
+        if found.best and found.best.half_width is not None and not found.state(trials[0]):
+            found = replace(found, compared=_in_common(trials[0], found.best, wanted))
         if confirm and found.best:
             found = replace(found, confirmed=tuple(run([{}, found.best.values], confirm)))
         found.write(folder)
@@ -353,4 +380,21 @@ def _trial(
     for key, (_, sign, bound) in zip(keys, limits, strict=True):
         beyond = limited[key] - bound
         missed += {"<=": max(beyond, 0.0), ">=": max(-beyond, 0.0), "==": abs(beyond)}[sign]
-    return Trial(run.values, folder, float(figures[sought]), missed, "", limited, outcome.doubts)
+    spread = figures.get(half_width_of(sought))
+    figure = float(figures[sought])
+    return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
+
+
+def _in_common(first: Trial, best: Trial, figure: str) -> tuple[Trial, ...]:
+    """Return both with their means over the steady window that they have in common, if any."""
+    both = first, best
+    outcomes = {k: outcome_in(Path(one.folder)) or Outcome("stopped") for k, one in enumerate(both)}
+    found = CommonWindow(lambda k: Path(both[k].folder))(outcomes)
+    names = figure, half_width_of(figure)
+    means = [[one.figures.get(name) for name in names] for one in found.values()]
+    if any(NOT_COMMON in one.figures or figure not in one.figures for one in found.values()):
+        return ()
+    return tuple(
+        replace(one, figure=mean, half_width=spread)
+        for one, (mean, spread) in zip(both, means, strict=True)
+    )

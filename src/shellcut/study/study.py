@@ -22,6 +22,7 @@ from shellcut.results.summary_figures import key_figures
 from shellcut.signals import Interruption
 from shellcut.view.progress import duration
 
+from .common_window import CommonWindow
 from .design import Design
 from .engines import AnyExecutor, Engine, Say, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
@@ -53,7 +54,8 @@ class StudyResults:
     plan: Plan
     """Its runs with their inputs."""
     outcomes: Mapping[int, Outcome]
-    """By the number of the run."""
+    """By the number of the run; means are over the steady window that all runs have in common,
+    or :data:`.NOT_COMMON` says why not."""
 
     @property
     def table(self) -> Path:
@@ -151,11 +153,12 @@ def run_study(planned: Plan, folder: Path, engine: Engine, say: Say = None) -> S
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     with taken(folder, [STUDY, TABLE]):
         write_study(folder / STUDY, planned)
+        common = CommonWindow(lambda number: planned.runs[number].folder(folder))
         found, progress = _carried_out(
-            planned, folder, engine, say, lambda found: write_table(folder, planned, found)
+            planned, folder, engine, say, lambda found: write_table(folder, planned, common(found))
         )
         progress.end(found)
-    return StudyResults(folder, planned, found)
+    return StudyResults(folder, planned, common(found))
 
 
 @contextmanager

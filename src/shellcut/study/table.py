@@ -10,6 +10,7 @@ from pathlib import Path
 from shellcut.files.whole_file import write_text
 from shellcut.results.summary_figures import LABELS
 
+from .common_window import NOT_COMMON
 from .one_run import Outcome
 from .plan import Plan, PlannedRun
 
@@ -31,7 +32,9 @@ def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], 
 def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Path:
     """Write the table as CSV: a row a run, a blank where a run has no such figure.
 
-    ``reason`` says why a run failed, what its verdict distrusts, or why it has no mean.
+    Means are over the steady window that all runs have in common, each with its half-width.
+    ``reason`` says why a run failed, what its verdict distrusts, or why its mean is missing or over
+    another window.
     Numbers are written with all their digits, so that the same runs give the same bytes.
     """
     keys, figures = columns_of(plan, outcomes)
@@ -56,4 +59,6 @@ def _row(
     reasons = [outcome.reason] * bool(outcome.reason) + [f"distrust: {d}" for d in outcome.doubts]
     if lacks_mean := outcome.figures.get("no_window"):
         reasons.append(f"no steady window: {lacks_mean}")
+    if own_mean := outcome.figures.get(NOT_COMMON):
+        reasons.append(own_mean)
     return [run.number, *inputs, outcome.status, *given, run.key, "; ".join(reasons)]
