@@ -7,15 +7,19 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.special import k1
 
+from naive import pressed_plate
 from shellcut import (
     CohesiveLaw,
     Elastic,
     Fracture,
     Layer,
+    Linear,
     Orthotropic,
+    Plastic,
     ShellMaterial,
     Simulation,
     Statics,
+    Swift,
 )
 from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
 from shellcut.loads.loads import NodalForce
@@ -234,3 +238,94 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
     assert same == pytest.approx(also, rel=0.01)
     assert along == pytest.approx(same, rel=0.08)
     assert along / across == pytest.approx(2.0, rel=0.12)
+
+
+# --- films that yield, beside a plate whose layers follow deformation theory
+
+PE, FOIL = Elastic(200.0, 0.4, 0.92e-9), Elastic(69000.0, 0.33, 2.7e-9)
+SOFT_PE = Plastic(PE, Linear(10.5, 17.0))
+O_TEMPER = Plastic(FOIL, Swift(164.51, 0.0002951, 0.25704))
+ONE_LAYER = [
+    ((Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(first, slope)), 0.074),)
+    for first, slope in ((17.0, 170.0), (9.0, 500.0), (9.0, 170.0), (5.0, 400.0))
+]
+LAMINATES = [
+    ((PE, 0.03), (O_TEMPER, 0.007), (PE, 0.02)),
+    ((SOFT_PE, 0.03), (O_TEMPER, 0.007), (SOFT_PE, 0.02)),
+    ((PE, 0.05), (O_TEMPER, 0.007)),
+    ((O_TEMPER, 0.007), (PE, 0.05)),
+    ((PE, 0.025), (O_TEMPER, 0.001), (PE, 0.025)),
+    ((O_TEMPER, 0.003), (PE, 0.05), (O_TEMPER, 0.003)),
+]
+
+
+def film_of(layers):
+    return ShellMaterial([Layer(material, thickness) for material, thickness in layers])
+
+
+def secants(layers, tension):
+    """Secant moduli and Poisson's ratios [MPa] where a pull both ways carries a tension."""
+
+    def stresses(strain):
+        each = [plain(*layer).stresses(np.array([strain]), np.array([strain])) for layer in layers]
+        return np.array([one[0] for one, _ in each])
+
+    thickness, low, high = np.array([h for _, h in layers]), 0.0, 1.0
+    for _ in range(60):
+        strain = 0.5 * (low + high)
+        low, high = (low, strain) if thickness @ stresses(strain) > tension else (strain, high)
+    share = stresses(strain) / strain / (stresses(1e-9) / 1e-9)
+    moduli = [getattr(material, "elastic", material) for material, _ in layers]
+    return [
+        (one.young * part, one.poisson, h)
+        for one, part, h in zip(moduli, share, thickness, strict=True)
+    ]
+
+
+def plain(material, thickness):
+    """A layer of the plate."""
+    if not isinstance(material, Plastic):
+        return pressed_plate.Layer(material.young, material.poisson, thickness)
+    strain = np.append(0.0, np.geomspace(1e-6, 5.0, 200))
+    moduli, hard = material.elastic, material.hardening
+    if isinstance(hard, Swift):
+        flow = hard.strength * (hard.start + strain) ** hard.exponent
+    else:
+        flow = hard.yield_stress + hard.modulus * strain
+    return pressed_plate.Layer(moduli.young, moduli.poisson, thickness, (strain, flow))
+
+
+def solved(layers, tension, distance):
+    """The force [N] at which the plate has the tension at a distance from the load."""
+    bent = [pressed_plate.Layer(*one) for one in secants(layers, tension)]
+    length = np.sqrt(pressed_plate.Section(bent).bending() / tension)
+    plate = pressed_plate.Plate(pressed_plate.Section([plain(*one) for one in layers]), length)
+    secant = pressed_plate.Plate(pressed_plate.Section(bent), length)
+    first = 0.3 * tension * length * np.sqrt(tension / 1e3)
+    return plate.force_at(tension, distance, first), secant.force_at(tension, distance, first)
+
+
+def test_the_plate_of_elements_has_the_constant():
+    film = ShellMaterial.homogeneous()
+    tension = 18.0 * 0.074
+    section = pressed_plate.Section([pressed_plate.Layer(1678.0, 0.3, 0.074)])
+    plate = pressed_plate.Plate(section, bending_length(film, CohesiveLaw()))
+    force = plate.force_at(tension, 2e-3, 0.02)
+    assert force == pytest.approx(puncture_force(film, CohesiveLaw()), rel=3e-3)
+
+
+def ratio_to_solved(layers):
+    """The solved force of layers over F_p.
+
+    Both at the thickness from the tip, nearer to which a plate means nothing: there the plate of
+    secant moduli, which are F_p's, does not have the strength at F_p yet.
+    """
+    film = film_of(layers)
+    tension = 18.0 * film.thickness
+    force, secant = solved(layers, tension, film.thickness)
+    return force / secant
+
+
+@pytest.mark.parametrize("layers", [LAMINATES[0], *(pytest.param(x, marks=pytest.mark.slow) for x in LAMINATES[1:])])
+def test_foil_that_yields_carries_what_it_can(layers):
+    assert 0.8 < ratio_to_solved(layers) < 1.2
