@@ -76,11 +76,17 @@ class Section:
                 out[:, 2 + k] += weight * z * stress
         return out
 
+    def bending(self):
+        """Return the bending stiffness about the neutral plane before any layer yields [N·mm]."""
+        rest = np.zeros((1, 4))
+        C = self.tangent(rest, self.forces(rest))[0]
+        return (C[2:, 2:] - C[2:, :2] @ np.linalg.inv(C[:2, :2]) @ C[:2, 2:])[0, 0]
+
     def tangent(self, strain, forces):
         """Return the slopes of the forces, by differences, shape (n, 4, 4)."""
         out = np.zeros((len(strain), 4, 4))
-        for k, step in enumerate(np.array([1.0, 1.0, 1.0, 1.0]) * 1e-7):
-            step = step if k < 2 else step / self.thickness
+        for k in range(4):
+            step = 1e-7 if k < 2 else 1e-7 / self.thickness
             moved = strain.copy()
             moved[:, k] += step
             out[:, :, k] = (self.forces(moved) - forces) / step
@@ -137,9 +143,7 @@ class Plate:
             return rest, None, both
         C = self.section.tangent(strain, forces).reshape(*at.shape, 4, 4)
         k = np.einsum("eg,egij,egik,egkl->ejl", weight, B, C, B)
-        k[:, 3:, 3:] += np.einsum(
-            "eg,eg,gi,gj->eij", weight, both[:, :, 0], self.shape, self.shape
-        )
+        k[:, 3:, 3:] += np.einsum("eg,eg,gi,gj->eij", weight, both[:, :, 0], self.shape, self.shape)
         i, j = np.repeat(rows, 6, axis=1).ravel(), np.tile(rows, (1, 6)).ravel()
         whole = scipy.sparse.csr_matrix((k.ravel(), (i, j)), shape=(2 * self.n, 2 * self.n))
         return rest, whole, both
@@ -176,7 +180,7 @@ class Plate:
             done, radial = self.press(load)
             if not done:
                 growth = growth**0.5
-                load = before[0] * growth
+                load = before[0] * growth if before[0] else 0.25 * load
                 continue
             reached = float(np.interp(distance, self.r.ravel(), radial.ravel())) / tension
             if reached >= 1.0:

@@ -15,8 +15,8 @@ import numpy as np
 
 from shellcut.arrays import norm, off_segments
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.material.nominal_stress import secants_at
 from shellcut.material.plastic import Plastic
+from shellcut.material.secants import secants_at
 
 from .finding import Finding, doubt
 from .sweep import Sweep

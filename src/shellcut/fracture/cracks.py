@@ -481,7 +481,7 @@ class Cracks:
         return np.array(at).reshape(-1, rows.shape[1])
 
     def saved(self) -> dict[str, Any]:
-        """Return what has been cut, tips, the film near the edges and the forces on their tips, a count."""
+        """Return what has been cut, the tips, what is known of the edges, and a count."""
         return {
             "cuts": self.cuts.saved(),
             "tips": saved_tips(self.tips),

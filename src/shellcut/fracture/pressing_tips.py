@@ -74,8 +74,8 @@ class PressingTips:
         np.maximum.at(of[:, _IMPULSE], tips, self._impulse(state, pose, rows))
         pressing = of[:, _IMPULSE] > 0.0
         dt = steps * state.dt
-        delay = np.maximum(of[:, _IMPULSE], np.finfo(float).tiny) / (IMPACT * self._limit)
-        of[:, _FORCE] -= np.expm1(-dt / delay) * (force - of[:, _FORCE])
+        delay = of[:, _IMPULSE] / (IMPACT * self._limit)
+        of[pressing, _FORCE] += (dt / (delay + dt) * (force - of[:, _FORCE]))[pressing]
         of[pressing, _PRESSED] += dt
         of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limit)] = 0.0
 

@@ -26,15 +26,13 @@ section, of bending about the neutral plane.
 
 *Yielding.* F_s is 2 pi N sqrt(D eps / N) / CENTRE, with N = sigma_F h and the strain eps = N / B at
 which the section carries it. Around the tip the strains of stretching and of bending at the faces
-are of this size, so in a film that yields D and B are those of the layers' secant moduli at eps, by
-deformation theory (:func:`shellcut.material.nominal_stress.secants_at`): foil that has yielded
-bends and stretches hardly stiffer than the film without it. D / B of one layer stays h²/12, so its
-F_s needs no modulus and no yield stress. The plate's equations with the section's nonlinear forces
-and moments (``tests/naive/pressed_plate.py``) have their tension N at the distance h from the tip,
-where an elastic film has it at F_s, at 0.93 to 1.06 of this F_s of single layers that yield at 0.3
-to 1.7 of sigma_F, and at 0.77 to 1.05 of laminates with foil, of which elastic moduli give 0.2 to
-1.2. Nearer to the tip than h they mean nothing. Beyond ``FARTHEST_STRAIN`` slopes are large, and F_p
-is a guess.
+are of this size, so in a film that yields D and B are those of the layers' secant moduli there, by
+deformation theory (:mod:`shellcut.material.secants`): foil that has yielded adds what it carries.
+D / B of one layer stays h²/12, so its F_s needs no modulus and no yield stress. The plate's
+equations with the section's nonlinear forces and moments (``tests/naive/pressed_plate.py``) have
+the tension N at the distance h from the tip at BAND of this F_p, over what an elastic plate of the
+same L has; nearer to the tip a plate means nothing. Where strains exceed a tenth, slopes are large,
+and F_p is a guess.
 
 *Energy.* Once the tension is there, the film must also release G: it does where E G / sigma_F² is
 longer than L.
@@ -48,8 +46,8 @@ import numpy as np
 
 from shellcut.arrays import Floats, product
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.material.nominal_stress import secants_at
 from shellcut.material.orthotropic import turned_moduli
+from shellcut.material.secants import secants_at
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.small_matrices import inverse
 

@@ -33,7 +33,7 @@ from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
-from shellcut.arrays import Floats, product
+from shellcut.arrays import Floats
 
 from .elastic import Elastic
 from .hardening import Table
@@ -158,51 +158,6 @@ def nominal_curve(
     return np.expm1(log_strain), force * np.exp(-log_strain) / film.thickness
 
 
-def secants_at(film: ShellMaterial, tension: float) -> tuple[Floats, float]:
-    """Return how stiff each layer still is where a film carries a tension in all directions.
-
-    Parameters
-    ----------
-    film : ShellMaterial
-    tension : float
-        Over the reference film [N/mm].
-
-    Returns
-    -------
-    secants : ndarray, shape (n_layer,)
-        Stress over strain, over what this is before the layer yields, at the strain that all share:
-        1 of layers that do not yield. A law that is none of this package's counts as one of these.
-    strain : float
-        There, logarithmic, along the film's direction; ``FARTHEST`` if the film carries less.
-
-    Examples
-    --------
-    >>> secants, strain = secants_at(ShellMaterial.homogeneous(), 1.0)
-    >>> secants.tolist(), round(strain, 4)
-    ([1.0], 0.0056)
-    """
-    h = np.array([layer.thickness for layer in film.layers])
-    stiffness = [1.0 / _compliance(one.material, "equibiaxial", 0.0, None) for one in film.layers]
-    linear = np.array([0.0, FARTHEST])
-    curves = [
-        known
-        if isinstance(one.material, Plastic)
-        and (known := _true_curve(one.material, "equibiaxial", across=False))
-        else (linear, modulus * linear)
-        for one, modulus in zip(film.layers, stiffness, strict=True)
-    ]
-    strains = np.unique(np.concatenate([np.minimum(strain, FARTHEST) for strain, _ in curves]))
-    carried = product(h, np.array([np.interp(strains, *curve) for curve in curves]))
-    strain = float(np.interp(tension, carried, strains))
-    secants = [
-        float(np.interp(strain, *curve)) / (curve[1][1] / curve[0][1] * strain)
-        if isinstance(one.material, Plastic)
-        else 1.0
-        for one, curve in zip(film.layers, curves, strict=True)
-    ]
-    return np.array(secants), strain
-
-
 def _log_strains() -> Floats:
     fine = np.geomspace(_FIRST, 0.1, _N_STRAIN // 4)
     return np.concatenate([[0.0], fine, np.linspace(0.1, FARTHEST, _N_STRAIN)[1:]])
@@ -237,7 +192,7 @@ def _true_curve(material: Material, pull: Pull, across: bool) -> tuple[Floats, F
 
 
 def _compliance(
-    moduli: Material, pull: Pull, turn: float, ratio: float | None
+    moduli: Elastic | Orthotropic, pull: Pull, turn: float, ratio: float | None
 ) -> float:
     """Return strain over stress of the direction of pull [1/MPa]."""
     R = strain_turn(-turn)
