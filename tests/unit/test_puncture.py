@@ -250,12 +250,12 @@ ONE_LAYER = [
     for first, slope in ((17.0, 170.0), (9.0, 500.0), (9.0, 170.0), (5.0, 400.0))
 ]
 LAMINATES = [
+    ((O_TEMPER, 0.003), (PE, 0.05), (O_TEMPER, 0.003)),
     ((PE, 0.03), (O_TEMPER, 0.007), (PE, 0.02)),
     ((SOFT_PE, 0.03), (O_TEMPER, 0.007), (SOFT_PE, 0.02)),
     ((PE, 0.05), (O_TEMPER, 0.007)),
     ((O_TEMPER, 0.007), (PE, 0.05)),
     ((PE, 0.025), (O_TEMPER, 0.001), (PE, 0.025)),
-    ((O_TEMPER, 0.003), (PE, 0.05), (O_TEMPER, 0.003)),
 ]
 
 

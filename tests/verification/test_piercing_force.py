@@ -74,8 +74,9 @@ def test_a_tip_pierces_at_its_force(film, path, clearance, slower):
     assert record.kind == "puncture"
     # Forces are looked at every ten steps.
     assert 1.0 <= record.measure < 1.06
-    # Measured 0.387 to 0.405 N: at twice the speed it rises by 1 % between two steps.
-    assert force.max() == pytest.approx(F_P, rel=0.06)
+    assert record.force == pytest.approx(F_P, rel=0.06)
+    # With impacts of nodes, which do not pierce: 0.387 to 0.426 N, this at twice the speed.
+    assert force.max() == pytest.approx(F_P, rel=0.06 if slower >= 1.0 else 0.12)
     # All are felt, over skewed quads too; on an irregular mesh not all at the same depth.
     assert force.min() > 0.7 * F_P
 
