@@ -365,7 +365,13 @@ def test_a_film_soft_in_shear_is_doubted():
 @pytest.mark.parametrize(("first", "told"), [(17.0, True), (19.0, False)])
 def test_a_film_that_yields_below_its_strength_is_doubted(first, told):
     film = shellcut.preset_film("pet", yield_stress=first)
-    assert any("probably larger than computed" in said for said in doubts(material=film)) == told
+    assert any("yields before its strength" in said for said in doubts(material=film)) == told
+
+
+def test_a_film_that_is_stretched_far_before_it_parts_has_no_force():
+    (said,) = doubts(material=shellcut.preset_film("ldpe"))
+    assert "is a guess" in said
+    assert "holds up to 10 %" in said
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.25, False), (0.5, True)])

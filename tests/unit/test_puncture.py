@@ -7,15 +7,19 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.special import k1
 
+from naive import pressed_plate
 from shellcut import (
     CohesiveLaw,
     Elastic,
     Fracture,
     Layer,
+    Linear,
     Orthotropic,
+    Plastic,
     ShellMaterial,
     Simulation,
     Statics,
+    Swift,
 )
 from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
 from shellcut.loads.loads import NodalForce
@@ -234,3 +238,130 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
     assert same == pytest.approx(also, rel=0.01)
     assert along == pytest.approx(same, rel=0.08)
     assert along / across == pytest.approx(2.0, rel=0.12)
+
+
+# --- films that yield, beside a plate whose layers follow deformation theory
+
+PE, FOIL = Elastic(200.0, 0.4, 0.92e-9), Elastic(69000.0, 0.33, 2.7e-9)
+SOFT_PE = Plastic(PE, Linear(10.5, 17.0))
+O_TEMPER = Plastic(FOIL, Swift(164.51, 0.0002951, 0.25704))
+ONE_LAYER = [
+    ((Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(first, slope)), 0.074),)
+    for first, slope in ((17.0, 170.0), (9.0, 500.0), (9.0, 170.0), (5.0, 400.0))
+]
+LAMINATES = [
+    ((O_TEMPER, 0.003), (PE, 0.05), (O_TEMPER, 0.003)),
+    ((PE, 0.03), (O_TEMPER, 0.007), (PE, 0.02)),
+    ((SOFT_PE, 0.03), (O_TEMPER, 0.007), (SOFT_PE, 0.02)),
+    ((PE, 0.05), (O_TEMPER, 0.007)),
+    ((O_TEMPER, 0.007), (PE, 0.05)),
+    ((PE, 0.025), (O_TEMPER, 0.001), (PE, 0.025)),
+]
+
+
+def film_of(layers):
+    return ShellMaterial([Layer(material, thickness) for material, thickness in layers])
+
+
+def secants(layers, tension):
+    """Secant moduli and Poisson's ratios [MPa] where a pull both ways carries a tension."""
+
+    def stresses(strain):
+        each = [plain(*layer).stresses(np.array([strain]), np.array([strain])) for layer in layers]
+        return np.array([one[0] for one, _ in each])
+
+    thickness, low, high = np.array([h for _, h in layers]), 0.0, 1.0
+    for _ in range(60):
+        strain = 0.5 * (low + high)
+        low, high = (low, strain) if thickness @ stresses(strain) > tension else (strain, high)
+    share = stresses(strain) / strain / (stresses(1e-9) / 1e-9)
+    moduli = [getattr(material, "elastic", material) for material, _ in layers]
+    return [
+        (one.young * part, one.poisson, h)
+        for one, part, h in zip(moduli, share, thickness, strict=True)
+    ]
+
+
+def plain(material, thickness):
+    """A layer of the plate."""
+    if not isinstance(material, Plastic):
+        return pressed_plate.Layer(material.young, material.poisson, thickness)
+    strain = np.append(0.0, np.geomspace(1e-6, 5.0, 200))
+    moduli, hard = material.elastic, material.hardening
+    if isinstance(hard, Swift):
+        flow = hard.strength * (hard.start + strain) ** hard.exponent
+    else:
+        flow = hard.yield_stress + hard.modulus * strain
+    return pressed_plate.Layer(moduli.young, moduli.poisson, thickness, (strain, flow))
+
+
+def over_solved(layers):
+    """F_p over the force that the plate takes.
+
+    The plate's tension is looked at the film's thickness from the load: nearer a plate means
+    nothing. There an elastic one of the same L needs some more than F_p for the strength, and so
+    may this.
+    """
+    film = film_of(layers)
+    distance, tension = film.thickness, 18.0 * film.thickness
+    bent = pressed_plate.Section([pressed_plate.Layer(*one) for one in secants(layers, tension)])
+    length, force = np.sqrt(bent.bending() / tension), puncture_force(film, CohesiveLaw())
+    elastic = pressed_plate.Section([pressed_plate.Layer(1e3, 0.3, length / 3.0)])
+    carried = elastic.bending() / length**2
+    near, far = (
+        pressed_plate.Plate(elastic, length).force_at(carried, at, 0.1 * carried * length)
+        for at in (0.02 * length, distance)
+    )
+    section = pressed_plate.Section([plain(*one) for one in layers])
+    needed = pressed_plate.Plate(section, length).force_at(tension, distance, 0.05 * force)
+    return force / (needed * near / far)
+
+
+def test_the_plate_of_elements_has_the_constant():
+    film = ShellMaterial.homogeneous()
+    section = pressed_plate.Section([pressed_plate.Layer(1678.0, 0.3, 0.074)])
+    length = bending_length(film, CohesiveLaw())
+    assert length == pytest.approx(np.sqrt(section.bending() / (18.0 * 0.074)), rel=1e-6)
+    force = pressed_plate.Plate(section, length).force_at(18.0 * 0.074, 0.02 * length, 0.05)
+    assert force == pytest.approx(puncture_force(film, CohesiveLaw()), rel=5e-3)
+
+
+def most_slow(cases):
+    return [cases[0], *(pytest.param(one, marks=pytest.mark.slow) for one in cases[1:])]
+
+
+@pytest.mark.parametrize("layers", most_slow(ONE_LAYER))
+def test_a_layer_that_yields_is_pierced_by_the_same_force(layers):
+    elastic = film_of([(layers[0][0].elastic, layers[0][1])])
+    force = puncture_force(elastic, CohesiveLaw())
+    assert puncture_force(film_of(layers), CohesiveLaw()) == pytest.approx(force, rel=1e-9)
+    assert 0.99 < over_solved(layers) < 1.11
+
+
+@pytest.mark.parametrize("layers", most_slow(LAMINATES))
+def test_foil_that_yields_carries_what_it_can(layers):
+    assert 0.85 < over_solved(layers) < 1.2
+
+
+def test_foil_counts_from_nothing_to_elastic():
+    law, half = CohesiveLaw(), (PE, 0.025)
+    without = puncture_force(film_of([half, half]), law)
+    for thickness, off in ((1e-4, 2e-3), (1e-6, 2e-5)):
+        thin = puncture_force(film_of([half, (O_TEMPER, thickness), half]), law)
+        assert thin == pytest.approx(without, rel=off)
+    elastic = puncture_force(film_of([half, (FOIL, 0.007), half]), law)
+    never = Plastic(FOIL, Linear(1e4))
+    assert puncture_force(film_of([half, (never, 0.007), half]), law) == pytest.approx(elastic)
+    # Foil of 7 µm that yields is far from it, and a little below PE alone, which stretches more.
+    yields = puncture_force(film_of([half, (O_TEMPER, 0.007), half]), law)
+    assert 3.5 * elastic < yields < without
+
+
+def test_a_blunt_tip_counts_the_strain_at_the_strength():
+    moduli = Elastic(1678.0, 0.3, 1e-9)
+    law, film = CohesiveLaw(), film_of([(Plastic(moduli, Linear(9.0, 500.0)), 0.074)])
+    # Both ways each layer carries 9 + 500 p = 18, and p is the strain that yielding adds.
+    strain = 18.0 * 0.7 / 1678.0 + 0.5 * (18.0 - 9.0) / 500.0
+    secant = 18.0 / strain * 0.7
+    sharp, blunt = puncture_force(film, law), 4.0 * np.pi * 5.0 * 0.074 * 18.0**2 / secant
+    assert puncture_force(film, law, 5.0) == pytest.approx(np.hypot(sharp, blunt), rel=1e-3)

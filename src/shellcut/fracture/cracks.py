@@ -115,7 +115,9 @@ class Cracks:
             if force is None:
                 force = puncture_force(shell.material, law, tool.edge_radius)
             limits, self._chain = (force, law.strength), tool.edge_chain
-            self._pierce = Pierce(state, self._path, drive, shell, limits, points, self._chain)
+            self._pierce = Pierce(
+                state, self._path, drive, shell, limits, points, self._chain, motion
+            )
 
     def cut_due(self, state: State, pose: Pose, work: float = 0.0) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.
@@ -392,6 +394,7 @@ class Cracks:
         return {
             "edge": int(self._chain[begun.segment]),
             "force": begun.force,
+            "delay": begun.delay,
             "depth": abs(float(product(at.x - reference, at.T))),
         }
 
@@ -405,7 +408,7 @@ class Cracks:
         return np.array(at).reshape(-1, rows.shape[1])
 
     def saved(self) -> dict[str, Any]:
-        """Return what has been cut, the tips, the list of film near the edges, and a count."""
+        """Return what has been cut, the tips, what is known of the edges, and a count."""
         return {
             "cuts": self.cuts.saved(),
             "tips": saved_tips(self.tips),

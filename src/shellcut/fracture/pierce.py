@@ -1,9 +1,10 @@
 """Where a cut begins in film that no crack has reached.
 
 *On its face.* A tooth that comes down in the middle of the sheet presses it by its contact points.
-The film parts under a tip once this carries F_p (:mod:`.puncture`), and along an edge once the mean
-membrane stress across it reaches the strength in the quad under it. The force on a tip does not
-depend on the mesh, which the stress under it does.
+The film parts under a tip once this carries F_p (:mod:`.puncture`) for longer than impacts last
+(:mod:`.pressing_tips`), and along an edge once the mean membrane stress across it reaches the
+strength in the quad under it. The force on a tip does not depend on the mesh, which the stress
+under it does.
 
 *At its rim,* or at the flank of another cut, an edge cuts what it goes through: nothing there holds
 the film against it. So it does everywhere if the tool's points do not press.
@@ -41,11 +42,13 @@ from shellcut.tool.cutting_edge import (
     CuttingEdges,
     segment_part,
 )
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body, turn
 
 from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .open_edges import boundary_edges
+from .pressing_tips import PressingTips
 from .quad_polygon import AWAY, Point, shape_functions
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
@@ -72,6 +75,8 @@ class Begun(NamedTuple):
     """Force or stress over what the film carries on its face, 0 at a rim."""
     force: float = 0.0
     """On the cutting edge, where it presses on the face [N]."""
+    delay: float = 0.0
+    """Of the mean force on a tip, see :mod:`.pressing_tips`."""
 
 
 class Pierce:
@@ -91,6 +96,8 @@ class Pierce:
         By which the tool presses on the film.
     chain : ndarray, shape (n_edge,)
         To which each segment of the cutting edges belongs.
+    motion : Motion
+        Of the tool.
     """
 
     def __init__(
@@ -102,10 +109,12 @@ class Pierce:
         limits: tuple[float, float],
         points: PointContact | None,
         chain: Ints,
+        motion: Motion,
     ) -> None:
         self._path, self._drive, self._shell, self._points = path, drive, shell, points
         self._chain = chain
         self._force, self._strength = limits
+        self._tips = None if points is None else PressingTips(points, motion, self._force)
         size = float(np.sqrt(shell.area.max()))
         self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         self._edges = edges = drive.edges
@@ -161,7 +170,10 @@ class Pierce:
 
     def _pressed(self, state: State, pose: Pose, tips: Floats) -> Iterator[Begun]:
         """Yield where a tip or an edge on the face of the film has reached what this carries."""
-        if self._points is None or not self._points.touch.sums[TOUCHING]:
+        if self._points is None or self._tips is None:
+            return
+        self._tips.follow(state, pose)
+        if not self._points.touch.sums[TOUCHING]:
             return
         on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
         point = self._points.point_of_sheet()
@@ -178,16 +190,17 @@ class Pierce:
             near = _NEAR_A_TIP * math.sqrt(self._shell.area[row])
             if (norm(tips - here) < near).any():
                 continue
-            segment = int(on.segment[k])
+            segment, delay, impact = int(on.segment[k]), 0.0, 0.0
             if on.is_tip[k]:
-                measure = force[i] / self._force
+                measure = self._tips.mean(k) / self._force
+                delay, impact = self._tips.delay(k), force[i] - self._tips.mean(k)
             else:
                 measure = self._across(state, pose, row, segment) / self._strength
             if measure >= 1.0:
                 w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
-                carried = float(force[pressing[chain == edge]].sum())
-                yield Begun(row, place, segment, float(measure), carried)
+                carried = float(force[pressing[chain == edge]].sum() - impact)
+                yield Begun(row, place, segment, float(measure), carried, delay)
 
     def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
         """Return the mean membrane stress across an edge in a row [MPa]."""
@@ -242,7 +255,7 @@ class Pierce:
 
         tips : of all cracks.
         """
-        row, place, edge, measure, _ = begun
+        row, place, edge, measure, *_ = begun
         way, sides_only = self._way(state, row, place, edge), self._path.sides_only
         if not sides_only:
             ends = (self._towards(state, row, place, edge, tips, end) for end in (-1.0, 1.0))
@@ -293,12 +306,15 @@ class Pierce:
         return then.ways[0, 0], then.lean[0]
 
     def saved(self) -> dict[str, Any]:
-        """Return the list of nodes near the edges."""
-        return self._near.saved()
+        """Return the list of nodes near the edges, and the forces on tips."""
+        tips = {} if self._tips is None else self._tips.saved()
+        return {"near": self._near.saved(), "tips": tips}
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, a list of the nodes of ``state``."""
-        self._near.restore(state, saved)
+        self._near.restore(state, saved["near"])
+        if self._tips is not None:
+            self._tips.restore(saved["tips"])
         self._list(state)
 
     def _list(self, state: State) -> None:

@@ -22,9 +22,18 @@ is within +4.3 and -0.1 % of the full problem, which the tests solve.
 stretched by (B_1 / B_2)^(1/4) across the first, if its shear modulus is that of such a film: its
 tensions at the tip are as sqrt(B_1) to sqrt(B_2). So it parts across the stiff axis, and B is the
 largest of all directions; D is the root of D_11 D_22 in its axes. Layers count by B and D of the
-section, of bending about the neutral plane. *Yielding.* F_s needs no modulus, and
-stands for a film that follows a deformation theory with the same stiffness everywhere; in F_m the
-strain sigma_F h / B is the elastic one. Measure ``puncture_force`` where this counts.
+section, of bending about the neutral plane.
+
+*Yielding.* F_s is 2 pi N sqrt(D eps / N) / CENTRE, with N = sigma_F h and the strain eps = N / B at
+which the section carries it. Around the tip the strains of stretching and of bending at the faces
+are of this size, so in a film that yields D and B are those of the layers' secant moduli there, by
+deformation theory (:mod:`shellcut.material.secants`): foil that has yielded adds what it carries.
+D / B of one layer stays h²/12, so its F_s needs no modulus and no yield stress. The plate's
+equations with the section's nonlinear forces and moments (``tests/naive/pressed_plate.py``) have
+the tension N at the distance h from the tip at 0.91 to 1.00 of this F_p in single layers, and at
+0.86 to 1.15 in laminates with foil, over what an elastic plate of the same L needs; elastic moduli
+give 0.3 to 1.6 of the laminates' force. Nearer to the tip a plate means nothing. Where strains
+exceed a tenth, slopes are large, and F_p is a guess.
 
 *Energy.* Once the tension is there, the film must also release G: it does where E G / sigma_F² is
 longer than L.
@@ -36,9 +45,10 @@ import math
 
 import numpy as np
 
-from shellcut.arrays import product
+from shellcut.arrays import Floats, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.orthotropic import turned_moduli
+from shellcut.material.secants import secants_at
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.small_matrices import inverse
 
@@ -66,29 +76,34 @@ def puncture_force(film: ShellMaterial, law: CohesiveLaw, radius: float = 0.0) -
     >>> round(puncture_force(film, CohesiveLaw()), 4)
     0.3905
     """
-    stretching, bending = _stiffnesses(film)
     tension = law.strength * film.thickness
+    secants, _ = secants_at(film, tension)
+    stretching, bending = _stiffnesses(film, secants)
     sharp = 2.0 * math.pi / CENTRE * tension * math.sqrt(bending / stretching)
     blunt = 4.0 * math.pi * radius * tension * tension / stretching
     return math.sqrt(sharp * sharp + blunt * blunt)
 
 
 def bending_length(film: ShellMaterial, law: CohesiveLaw) -> float:
-    """Return L of a film at its strength [mm].
+    """Return L of a film at its strength [mm], of its moduli before it yields.
 
     Examples
     --------
     >>> round(bending_length(ShellMaterial.homogeneous(), CohesiveLaw()), 3)
     0.216
     """
-    _, bending = _stiffnesses(film)
+    _, bending = _stiffnesses(film, np.ones(len(film.layers)))
     return math.sqrt(bending / (law.strength * film.thickness))
 
 
-def _stiffnesses(film: ShellMaterial) -> tuple[float, float]:
-    """Return B in tension [N/mm] along the stiffest axis, and D [N mm] in the film's axes."""
+def _stiffnesses(film: ShellMaterial, secants: Floats) -> tuple[float, float]:
+    """Return B in tension [N/mm] along the stiffest axis, and D [N mm] in the film's axes.
+
+    secants : (n_layer,), of each layer's modulus.
+    """
     z, weight, materials = film.thickness_points()
-    laws = np.array([one.plane_stress() for one in materials])
+    share = np.repeat(secants, len(z) // len(secants))
+    laws = share[:, None, None] * np.array([one.plane_stress() for one in materials])
     membrane = np.einsum("i,ijk->jk", weight, laws)
     coupling = np.einsum("i,ijk->jk", weight * z, laws)
     second = np.einsum("i,ijk->jk", weight * z * z, laws)

@@ -52,17 +52,22 @@ def run_figures(
 
 
 def _piercing(splits: Iterable[SplitRecord]) -> dict[str, float]:
-    """Return force, depth and work of the tool as each cutting edge first pierces whole film."""
+    """Return force, depth and work of the tool as each cutting edge first pierces whole film.
+
+    And the largest delay of these forces, where tips pierce.
+    """
     first: dict[int, SplitRecord] = {}
     for record in splits:
         if record.edge >= 0:
             first.setdefault(record.edge + 1, record)
     figures = (("force", "N"), ("depth", "mm"), ("work", "Nmm"))
-    return {
+    told = {
         f"piercing_{what}_{edge}_{unit}": getattr(record, what)
         for edge, record in sorted(first.items())
         for what, unit in figures
     }
+    delay = max((record.delay for record in first.values()), default=0.0)
+    return told | ({"piercing_delay_rel": delay} if delay else {})
 
 
 def _peak(

@@ -90,7 +90,7 @@ _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm
 _ELSEWHERE |= {f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)}
 _ELSEWHERE |= {"overshoot_rel", "n_split_off_path", "off_path_mm"}
 _ELSEWHERE |= {growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)}
-_ELSEWHERE |= {"crack_lead_mm", "share_done", "options"}
+_ELSEWHERE |= {"piercing_delay_rel", "crack_lead_mm", "share_done", "options"}
 _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 

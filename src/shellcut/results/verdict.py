@@ -7,6 +7,7 @@ To judge a new figure, write a function that yields its line and add it to ``_JU
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -39,6 +40,7 @@ OVERSHOOT_LIMIT = 0.02  # of the distance over which the edge drags its cables
 ASKED_LIMIT = 0.85  # of the dissipated work, to cables, film and friction
 STORED_LIMIT, STORED_NOTE = 0.10, 0.03
 OTHER_LIMIT = 0.10  # of the steady window's work, to neither cables, film nor friction
+DELAY_LIMIT = 0.05  # of the time for which a tip presses before it pierces
 INERTIA_NOTE = 100.0  # scale of the rotary inertia
 
 
@@ -238,6 +240,24 @@ def _inertia(figures: Figures) -> Iterator[Line]:
         f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
         _percent(most),
         remedy,
+    )
+
+
+def _piercing(figures: Figures) -> Iterator[Line]:
+    if "piercing_delay_rel" not in figures:
+        return
+    delay = figures["piercing_delay_rel"]
+    # The delay goes with the mass of a node and with the square of the speed.
+    slower = math.ceil(10.0 * math.sqrt(delay / DELAY_LIMIT)) / 10.0
+    yield _judged(
+        delay <= DELAY_LIMIT,
+        "Tips pierce the film at what it carries, not at the impacts of its nodes",
+        "Depth and work at the first piercing are not those of a slow tip, because impacts of the "
+        "film's nodes are large",
+        f"the force on a tip is a mean over {_percent(delay, DELAY_LIMIT)} of the time for which "
+        "it had pressed",
+        _percent(DELAY_LIMIT),
+        f" Use a motion that is {slower:.1f} times slower, or a finer film near the tips.",
     )
 
 
@@ -516,6 +536,7 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _stopped,
     _ledger,
     _inertia,
+    _piercing,
     _damping,
     _contact,
     _self_contact,

@@ -44,11 +44,13 @@ class SplitRecord:
     edge: int = -1
     """Chain of the cutting edge that has pierced whole film, -1 for none."""
     force: float = 0.0
-    """With which the film pressed on it [N]."""
+    """With which the film pressed on it, on a tip without the impacts of nodes [N]."""
     depth: float = 0.0
     """How far it had pressed the film in there [mm]."""
     work: float = 0.0
     """Of the tool until then [N·mm]."""
+    delay: float = 0.0
+    """By which the force on a tip is late, over the time for which it had pressed."""
 
 
 @dataclass

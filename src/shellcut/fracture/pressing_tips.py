@@ -1,0 +1,113 @@
+"""The force on a tip that counts against F_p: a mean, long against impacts of the film's nodes.
+
+Where a tip meets the film, its mesh takes up the speed node by node. A node of the mass m that the
+tip meets at the speed v gets the impulse m v, or 2 m v if it rebounds, within the time that the
+penalty's spring takes, so the contact force peaks at v sqrt(k m). That says nothing about what the
+film carries: a sheet that bends answers with 8 sqrt(D rho h) v from the first, which is 0.61 of
+(v/c) E/sigma_F of F_p, 2 % at 0.5 m/s in the film of the opening test. A node has more mass the
+larger its quads are, and the peak over F_p goes with v and with the edge length over the thickness.
+
+An impulse is no force until it is spread over a time. The mean force F on a tip follows
+
+    dF/dt = (force - F) / T,      T = 2 m v / (``IMPACT`` F_p),
+
+with the fastest v at which film and tip have met so far, so that one impact adds ``IMPACT`` of F_p
+at most, and what the film carries for longer than T counts in full. Slow tips and fine quads have a
+short T, down to less than a step. The mean is late by T. This *delay* over the time for which the
+tip has pressed goes with m v²; the verdict judges it (``DELAY_LIMIT``).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, product
+from shellcut.contact.sheet_contact import PointContact
+from shellcut.state import State
+from shellcut.tool.motion import Motion
+from shellcut.tool.pose import Pose
+
+IMPACT = 0.1
+"""Share of F_p that the impact of a node may count as."""
+
+# Of a tip: mean force [N], largest impulse 2 m v [N·s], time for which it has pressed [s].
+_FORCE, _IMPULSE, _PRESSED = range(3)
+
+# Share of F_p below which a tip that has left the film is forgotten.
+_FORGOTTEN = 1e-3
+
+
+class PressingTips:
+    """Mean forces on the tips of the cutting edges.
+
+    Parameters
+    ----------
+    points : PointContact
+        By which the tool presses on the film.
+    motion : Motion
+        Of the tool.
+    limit : float
+        F_p [N].
+    """
+
+    def __init__(self, points: PointContact, motion: Motion, limit: float) -> None:
+        self._points, self._motion, self._limit = points, motion, limit
+        self._of_point = np.zeros((len(points.points.place), 3))
+        self._step = 0
+
+    def follow(self, state: State, pose: Pose) -> None:
+        """Take the forces of the last evaluation, with the tool at the given pose.
+
+        Costs nothing where no tip presses or has just pressed.
+        """
+        steps, self._step = state.step - self._step, state.step
+        on, carriers, of = self._points.points, self._points.carriers, self._of_point
+        point = self._points.point_of_sheet()
+        rows = np.flatnonzero((carriers.pressure > 0.0) & on.is_tip[point])
+        if not rows.size and not of.any():
+            return
+        rows = rows[np.argsort(carriers.pressure[rows], kind="stable")]
+        tips, force = point[rows], np.zeros(len(of))
+        force[tips] = carriers.pressure[rows]
+        np.maximum.at(of[:, _IMPULSE], tips, self._impulse(state, pose, rows))
+        pressing = of[:, _IMPULSE] > 0.0
+        dt = steps * state.dt
+        delay = of[:, _IMPULSE] / (IMPACT * self._limit)
+        of[pressing, _FORCE] += (dt / (delay + dt) * (force - of[:, _FORCE]))[pressing]
+        of[pressing, _PRESSED] += dt
+        of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limit)] = 0.0
+
+    def mean(self, point: int) -> float:
+        """Return the mean force on a point of the tool [N]."""
+        return float(self._of_point[point, _FORCE])
+
+    def delay(self, point: int) -> float:
+        """Return T over the time for which a point of the tool has pressed."""
+        _, impulse, pressed = self._of_point[point].tolist()
+        return float(impulse / (IMPACT * self._limit) / pressed) if pressed else 0.0
+
+    def _impulse(self, state: State, pose: Pose, rows: Ints) -> Floats:
+        """Return 2 m v of the place under each of some tips that press [N·s]."""
+        carriers, n = self._points.carriers, state.node
+        node, weight = carriers.node[rows], carriers.weight[rows]
+        place = self._points.points.place[self._points.point_of_sheet()[rows]]
+        spin, velocity = self._motion.twist(state.time)
+        velocity = velocity + np.cross(spin, product(place, pose.rotation.T))
+        film = product(weight[:, None], n.velocity_half[node])[:, 0]
+        gap = state.pace * velocity - film
+        speed = np.abs((gap * product(carriers.normal[rows], pose.rotation.T)).sum(axis=1))
+        # What moves at the place is no more than all that carry it; held nodes do not move.
+        free = (weight > 0.0) & (n.push[node, 0] > 0.0)
+        most = np.where(free, n.mass[node], 0.0).sum(axis=1)
+        gives = (weight * weight * n.push[node, 0]).sum(axis=1)
+        return np.asarray(2.0 * np.minimum(1.0 / np.maximum(gives, 1e-300), most) * speed)
+
+    def saved(self) -> dict[str, Any]:
+        """Return the forces and the step at which they were taken."""
+        return {"of_point": self._of_point, "step": self._step}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._of_point, self._step = saved["of_point"].copy(), int(saved["step"])
