@@ -1,9 +1,13 @@
 """Where a cut begins in film that no crack has reached.
 
 *On its face.* A tooth that comes down in the middle of the sheet presses it by its contact points.
-The film parts under a tip once this carries F_p (:mod:`.puncture`), and along an edge once the mean
-membrane stress across it reaches the strength in the quad under it. The force on a tip does not
-depend on the mesh, which the stress under it does.
+The film parts under a tip, or the lowest place of an arc, once all that presses it there carries
+F_p (:mod:`.puncture`): points of the tool and nodes within the bending length L, and of an arc all
+its points within the width of the contact and an edge length, between which the mesh shares the
+force. Where the edge is straight, the film parts along it once the mean membrane stress across it
+reaches the strength in the quad under it. Of an arc so flat that its F_m exceeds F_s the one or the
+other; one that the contact is wider than is straight. The force on a tip does not depend on the
+mesh, which the stress under it does.
 
 *At its rim,* or at the flank of another cut, an edge cuts what it goes through: nothing there holds
 the film against it. So it does everywhere if the tool's points do not press.
@@ -22,8 +26,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
-from shellcut.contact.contact_tables import TOUCHING
+from shellcut.arrays import Bools, Floats, Ints, Vec3, norm, product, unit
+from shellcut.contact.contact_tables import TOUCHING, ToolPoints
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
@@ -42,10 +46,12 @@ from shellcut.tool.cutting_edge import (
     segment_part,
 )
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .open_edges import boundary_edges
+from .puncture import Puncture, edge_bluntness
 from .quad_polygon import AWAY, Point, shape_functions
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
@@ -56,6 +62,9 @@ _NEAR_A_TIP = 2.0
 
 # Sine of the angle to the film up to which an edge lies on it, and enters over no rim.
 _FLAT = 0.1
+
+# Cosine of the angle between forces that press the film the same way.
+_SAME_WAY = 0.5
 
 # Rows that are looked at, a tooth.
 _CANDIDATES = 4
@@ -74,6 +83,44 @@ class Begun(NamedTuple):
     """On the cutting edge, where it presses on the face [N]."""
 
 
+class PlaceLimits(NamedTuple):
+    """What the film carries under each point of the tool."""
+
+    force: Floats
+    """F_p, inf where the edge is straight, shape (n_of_tool,) [N]."""
+    lies: Bools
+    """Whether the edge lies on the film over more than L there, shape (n_of_tool,)."""
+    width: Floats
+    """Of the contact of an arc at F_p, 0 at a tip, shape (n_of_tool,) [mm]."""
+
+
+class PierceLimits(NamedTuple):
+    """What whole film carries."""
+
+    puncture: Puncture
+    """Under a tip."""
+    strength: float
+    """Along an edge [MPa]."""
+    own: float | None = None
+    """The user's own force of a tip, in place of F_p [N]."""
+
+    def at_points(self, points: ToolPoints, tool: Tool) -> PlaceLimits:
+        """Return what it carries under the points of a tool."""
+        film, edge_radius = self.puncture, tool.edge_radius
+        length = norm(tool.vertices[tool.edges[:, 1]] - tool.vertices[tool.edges[:, 0]])
+        longest = np.bincount(tool.edge_chain, length)[tool.edge_chain[points.segment]]
+        with np.errstate(invalid="ignore"):
+            width = 2.0 * film.slope * points.radius
+        tip = (points.segment >= 0) & (width < longest)
+        force = np.full(len(width), np.inf)
+        lies = ~tip
+        for k in np.flatnonzero(tip).tolist():
+            rho = edge_bluntness(float(points.radius[k]), edge_radius)
+            force[k] = film.force(rho) if self.own is None else self.own
+            lies[k] = self.own is None and points.radius[k] > 0.0 and film.blunt * rho > film.sharp
+        return PlaceLimits(force, lies, np.where(tip, width, 0.0))
+
+
 class Pierce:
     """Finds whole quads in which a cutting edge begins a cut.
 
@@ -85,12 +132,12 @@ class Pierce:
         Where cracks go, and where edges do.
     shell : MITC4Shell
         The film.
-    limits : tuple of float
-        F_p [N] and the strength [MPa].
+    limits : PierceLimits
+        What the film carries on its face.
     points : PointContact, optional
         By which the tool presses on the film.
-    chain : ndarray, shape (n_edge,)
-        To which each segment of the cutting edges belongs.
+    tool : Tool
+        Whose cutting edges these are.
     """
 
     def __init__(
@@ -99,13 +146,14 @@ class Pierce:
         path: CrackPath,
         drive: BladeDrive,
         shell: MITC4Shell,
-        limits: tuple[float, float],
+        limits: PierceLimits,
         points: PointContact | None,
-        chain: Ints,
+        tool: Tool,
     ) -> None:
         self._path, self._drive, self._shell, self._points = path, drive, shell, points
-        self._chain = chain
-        self._force, self._strength = limits
+        self._chain = chain = tool.edge_chain
+        self._limits = limits
+        self._places = None if points is None else limits.at_points(points.points, tool)
         size = float(np.sqrt(shell.area.max()))
         self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         self._edges = edges = drive.edges
@@ -141,48 +189,54 @@ class Pierce:
         return [*self._pressed(state, pose, tips), *entered]
 
     def _tips_on_face(self, state: State) -> list[tuple[int, Floats]]:
-        """Return segments of the cutting edges whose tips press on the film, and where these do."""
-        if self._points is None:
+        """Return chains of the cutting edges whose tips press on the film, and where these do."""
+        if self._points is None or self._places is None:
             return []
         on, carriers = self._points.points, self._points.carriers
         point = self._points.point_of_sheet()
-        pressing = np.flatnonzero((carriers.pressure > 0.0) & on.is_tip[point]).tolist()
+        is_tip = np.isfinite(self._places.force[point])
+        pressing = np.flatnonzero((carriers.pressure > 0.0) & is_tip).tolist()
         places = [product(carriers.weight[i], state.node.x[carriers.node[i]]) for i in pressing]
-        return list(zip(on.segment[point[pressing]].tolist(), places, strict=True))
+        chains = self._chain[on.segment[point[pressing]]].tolist()
+        return list(zip(chains, places, strict=True))
 
     def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats]]) -> bool:
-        """Return whether the tip of an edge is still on the face within an edge length.
+        """Return whether a tip of an edge is still on the face within an edge length.
 
         A tip that starts in the film's plane is above or below it by round-off.
         """
         here = self._path.place_in(state, begun.row, begun.place).x
-        near = math.sqrt(self._shell.area[begun.row])
-        return any(k == begun.segment and norm(at - here) < near for k, at in on)
+        near, chain = math.sqrt(self._shell.area[begun.row]), self._chain[begun.segment]
+        return any(c == chain and norm(at - here) < near for c, at in on)
 
     def _pressed(self, state: State, pose: Pose, tips: Floats) -> Iterator[Begun]:
         """Yield where a tip or an edge on the face of the film has reached what this carries."""
-        if self._points is None or not self._points.touch.sums[TOUCHING]:
+        points, limits = self._points, self._places
+        if points is None or limits is None or not points.touch.sums[TOUCHING]:
             return
-        on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
-        point = self._points.point_of_sheet()
+        on, (node, weight, _, _, force, _) = points.points, points.carriers
+        point = points.point_of_sheet()
         pressing = np.flatnonzero((force > 0.0) & (on.segment[point] >= 0))
         chain = self._chain[on.segment[point[pressing]]]
+        loads = _Loads.of(points, state, pose)
         for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             k = int(point[i])
             there = state.node.quads[node[i, 0], : state.node.n_quad_at[node[i, 0]]]
             rows = there[(state.quads[there] == node[i]).all(axis=1)].tolist()
             if not rows:  # it has been cut since it was pressed
                 continue
-            row = rows[0]
+            row, segment, measure = rows[0], int(on.segment[k]), 0.0
             here = product(weight[i], state.node.x[node[i]])
-            near = _NEAR_A_TIP * math.sqrt(self._shell.area[row])
-            if (norm(tips - here) < near).any():
+            size = math.sqrt(self._shell.area[row])
+            if (norm(tips - here) < _NEAR_A_TIP * size).any():
                 continue
-            segment = int(on.segment[k])
-            if on.is_tip[k]:
-                measure = force[i] / self._force
-            else:
-                measure = self._across(state, pose, row, segment) / self._strength
+            if limits.force[k] < np.inf:
+                wide = limits.width[k] + size if on.radius[k] > 0.0 else 0.0
+                pressed = loads.near(i, self._limits.puncture.length, wide)
+                measure = pressed / limits.force[k]
+            if limits.lies[k]:
+                across = self._across(state, pose, row, segment) / self._limits.strength
+                measure = max(measure, across)
             if measure >= 1.0:
                 w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
@@ -315,6 +369,48 @@ class Pierce:
         may &= self._open[quads].any(axis=1)
         self._rows = np.flatnonzero(may)
         self._first = quads[self._rows, 0].astype(np.int64)
+
+
+class _Loads(NamedTuple):
+    """All that presses on the film at its points, and at its nodes."""
+
+    sheet: Ints
+    """Row among the carriers of points, -1 of a node, shape (n_load,)."""
+    place: Floats
+    """In the body frame, shape (n_load, 3) [mm]."""
+    normal: Floats
+    """Direction on the film, likewise, shape (n_load, 3)."""
+    arc: Ints
+    """Of a cutting edge, -1 for none, shape (n_load,)."""
+    force: Floats
+    """Shape (n_load,) [N]."""
+
+    @classmethod
+    def of(cls, points: PointContact, state: State, pose: Pose) -> _Loads:
+        """Return those of the last evaluation."""
+        on, nodes = points.carriers, points.nodes.carriers
+        sheets, pressed = np.flatnonzero(on.pressure > 0.0), np.flatnonzero(nodes.pressure > 0.0)
+        point = points.point_of_sheet()[sheets]
+        at_nodes = pose.to_body(state.node.x[nodes.node[pressed, 0]])
+        none = np.full(len(pressed), -1)
+        return cls(
+            np.concatenate([sheets, none]),
+            np.concatenate([points.points.place[point], at_nodes]),
+            np.concatenate([on.normal[sheets], nodes.normal[pressed]]),
+            np.concatenate([points.points.arc[point], none]),
+            np.concatenate([on.pressure[sheets], nodes.pressure[pressed]]),
+        )
+
+    def near(self, sheet: int, length: float, wide: float) -> float:
+        """Return what presses the film the same way within a length of a point [N].
+
+        Of the points of its own arc within ``wide``, too [mm].
+        """
+        own = int(np.flatnonzero(self.sheet == sheet)[0])
+        gap = norm(self.place - self.place[own])
+        of_arc = (self.arc >= 0) & (self.arc == self.arc[own]) & (gap <= wide)
+        alike = product(self.normal, self.normal[own]) > _SAME_WAY
+        return float(self.force[alike & ((gap <= length) | of_arc)].sum())
 
 
 @inline
