@@ -152,6 +152,10 @@ class SheetContact(PressTerm):
         """Return the point of every carrier."""
         return self._point_of_sheet
 
+    def knows_side(self) -> Bools:
+        """Return of every carrier whether its point is known to be on one side of the sheet."""
+        return self._memory.side != 0
+
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         """Return the points that look for partners, the quads that may be, and film that moves.
 

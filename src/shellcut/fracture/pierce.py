@@ -52,7 +52,15 @@ from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .open_edges import boundary_edges
 from .puncture import Puncture, edge_bluntness
-from .quad_polygon import AWAY, Point, shape_functions
+from .quad_polygon import (
+    AWAY,
+    WHOLE,
+    Point,
+    corner_at,
+    onto_boundary,
+    shape_functions,
+    side_at,
+)
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
 from .tip import Segment, Tip
@@ -65,6 +73,12 @@ _FLAT = 0.1
 
 # Cosine of the angle between forces that press the film the same way.
 _SAME_WAY = 0.5
+
+# Edge lengths from a tip that faces the film within which an edge has not come over a rim.
+_JUST_THERE = 0.1
+
+# Part of its direction that counts in where an edge goes.
+_ALONG = 1e-6
 
 # Rows that are looked at, a tooth.
 _CANDIDATES = 4
@@ -184,30 +198,37 @@ class Pierce:
             Where the cracks end that an edge drives [mm].
         """
         entered = self._entered(state, pose, tips)
-        if entered and (on := self._tips_on_face(state)):
+        if entered and (on := self._tips_on_face(pose)):
             entered = [one for one in entered if not self._lies_on(state, one, on)]
         return [*self._pressed(state, pose, tips), *entered]
 
-    def _tips_on_face(self, state: State) -> list[tuple[int, Floats]]:
-        """Return chains of the cutting edges whose tips press on the film, and where these do."""
+    def _tips_on_face(self, pose: Pose) -> list[tuple[int, Floats, bool]]:
+        """Return tips of the cutting edges that are on the face of the film.
+
+        The chain of each, where it is, and whether it presses.
+        """
         if self._points is None or self._places is None:
             return []
-        on, carriers = self._points.points, self._points.carriers
-        point = self._points.point_of_sheet()
+        on, point = self._points.points, self._points.point_of_sheet()
         is_tip = np.isfinite(self._places.force[point])
-        pressing = np.flatnonzero((carriers.pressure > 0.0) & is_tip).tolist()
-        places = [product(carriers.weight[i], state.node.x[carriers.node[i]]) for i in pressing]
-        chains = self._chain[on.segment[point[pressing]]].tolist()
-        return list(zip(chains, places, strict=True))
+        pressing = self._points.carriers.pressure > 0.0
+        sheets = np.flatnonzero(is_tip & (pressing | self._points.knows_side()))
+        chains = self._chain[on.segment[point[sheets]]].tolist()
+        places = pose.to_space(on.place[point[sheets]])
+        return list(zip(chains, places, pressing[sheets].tolist(), strict=True))
 
-    def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats]]) -> bool:
-        """Return whether a tip of an edge is still on the face within an edge length.
+    def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats, bool]]) -> bool:
+        """Return whether a tip of an edge is still on the face near a place.
 
-        A tip that starts in the film's plane is above or below it by round-off.
+        Within an edge length if it presses. Else it is there if it has just come to the face: a tip
+        in the film's plane is above or below it by round-off, or by what it moves in a step.
         """
         here = self._path.place_in(state, begun.row, begun.place).x
         near, chain = math.sqrt(self._shell.area[begun.row]), self._chain[begun.segment]
-        return any(c == chain and norm(at - here) < near for c, at in on)
+        return any(
+            c == chain and norm(at - here) < (near if pressing else _JUST_THERE * near)
+            for c, at, pressing in on
+        )
 
     def _pressed(self, state: State, pose: Pose, tips: Floats) -> Iterator[Begun]:
         """Yield where a tip or an edge on the face of the film has reached what this carries."""
@@ -291,8 +312,10 @@ class Pierce:
     ) -> Iterator[tuple[Segment, Segment]]:
         """Yield segments from a place in a row to where an edge was and to where it will be.
 
-        First those that lead to where an oncoming crack ends, if there are any. Cracks along sides
-        only, and those begun so near a side that both ways lead to it, follow the nearest one.
+        First those that lead to where an oncoming crack ends, if there are any. From a place on the
+        boundary of rows one of the segments is that place itself, where the cut ends. Cracks along
+        sides only, and those begun so near a side that both ways lead to it, follow the nearest
+        one.
 
         tips : of all cracks.
         """
@@ -303,11 +326,33 @@ class Pierce:
             for back, ahead in itertools.product(*ends):
                 if measure or self._leads_out(state, back):
                     yield back, ahead
+        around = self._around(state, row, place) if measure else []
+        if not sides_only:
+            for at in around:
+                start = Segment(*at, at[1], side_at(at[1]), corner_at(at[1]))
+                for ahead in self._towards(state, *at, edge, tips, 1.0):
+                    yield start, ahead
+                for back in self._towards(state, *at, edge, tips, -1.0):
+                    yield back, start
         if measure or sides_only:
             within = np.inf if measure and sides_only else NEAR
-            side = self._path.side_near(state, row, place, *way, within)
-            if side is not None and (measure or self._leads_out(state, side.reversed())):
-                yield side.reversed(), side
+            for at in [(row, place), *around]:
+                side = self._path.side_near(state, *at, *way, within)
+                if side is not None and (measure or self._leads_out(state, side.reversed())):
+                    yield side.reversed(), side
+
+    def _around(self, state: State, row: int, place: Point) -> list[tuple[int, Point]]:
+        """Return the whole rows that touch a place on the boundary of one, and where it is in each.
+
+        A ray from there leads through one of them and the opposite one through another.
+        """
+        on = self._path.rows_at(self._path.topology.parent(row), onto_boundary(place))
+        return [
+            at
+            for at in on
+            if self._path.topology.polygon(at[0]) == WHOLE
+            and not state.node.halved[state.quads[at[0]]].any()
+        ]
 
     def _leads_out(self, state: State, back: Segment) -> bool:
         """Return whether an edge has come into a row over the rim, or over a flank next to it."""
@@ -342,7 +387,9 @@ class Pierce:
         """
         at, size = self._path.place_in(state, row, place), np.array([self._path.size(row)])
         then = self._drive.find(at.x[None], size, state.time, edge, reach)
-        heading = product(then.rotation[0], self._edges.segments[edge, BACK]) * -reach
+        # Of an edge that lies on the film, whose back is upright, its direction decides.
+        back = self._edges.segments[edge, BACK] + _ALONG * unit(self._edges.segments[edge, VECTOR])
+        heading = product(then.rotation[0], back) * -reach
         self._drive.direct(at.t[None], heading[None], at.T[None], size)
         return then.ways[0, 0], then.lean[0]
 
