@@ -66,15 +66,15 @@ def contact_points(tool: Tool, edge_length: float, depth: float = np.inf) -> Too
     at_end[tool.edges] = np.arange(tool.n_edge)[:, None]
     segment = np.concatenate([np.where(bow.tip[vertex], at_end[vertex], -1), segments])
     on_edge = segment >= 0
-    radius, arc = np.where(on_edge, bow.radius[segment], np.inf), bow.arc[segment]
-    radius[is_tip], arc[~on_edge] = 0.0, -1
+    radius, arc = np.append(bow.radius, np.inf)[segment], np.append(bow.arc, -1)[segment]
+    radius[is_tip] = 0.0
     # Cutting edges turn the most; of these the more the more they are bowed.
     sharpness = np.concatenate([turn_at_vertex, turns])
     with np.errstate(divide="ignore"):
         sharpness[on_edge] = np.pi + 1.0 / radius[on_edge]
     closest = np.full(len(place), CLOSEST * edge_length)
     bowed = np.isfinite(radius) & ~is_tip
-    closest[bowed] = np.minimum(closest[bowed], np.sqrt(8.0 * radius[bowed] * depth))
+    closest[bowed] = np.minimum(closest[bowed], np.sqrt(2.0 * radius[bowed] * depth))
     kept = _spread(place, sharpness, closest)
     return ToolPoints(
         place=np.ascontiguousarray(place[kept]),

@@ -154,7 +154,7 @@ class SheetContact(PressTerm):
 
     def knows_side(self) -> Bools:
         """Return of every carrier whether its point is known to be on one side of the sheet."""
-        return self._memory.side != 0
+        return np.asarray(self._memory.side != 0)
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         """Return the points that look for partners, the quads that may be, and film that moves.

@@ -77,6 +77,9 @@ _SAME_WAY = 0.5
 # Edge lengths from a tip that faces the film within which an edge has not come over a rim.
 _JUST_THERE = 0.1
 
+# Of the parametric square: a ray from there leaves a quad by two sides.
+_INNER = 0.75
+
 # Part of its direction that counts in where an edge goes.
 _ALONG = 1e-6
 
@@ -340,6 +343,11 @@ class Pierce:
                 side = self._path.side_near(state, *at, *way, within)
                 if side is not None and (measure or self._leads_out(state, side.reversed())):
                     yield side.reversed(), side
+        if measure and not sides_only:  # beside a side that cannot be broken, at the rim
+            for at_row, (xi, eta) in [(row, place), *around]:
+                inner = min(max(xi, -_INNER), _INNER), min(max(eta, -_INNER), _INNER)
+                both = (self._towards(state, at_row, inner, edge, tips, end) for end in (-1.0, 1.0))
+                yield from itertools.product(*both)
 
     def _around(self, state: State, row: int, place: Point) -> list[tuple[int, Point]]:
         """Return the whole rows that touch a place on the boundary of one, and where it is in each.

@@ -107,7 +107,8 @@ def edge_bluntness(bow: float, radius: float) -> float:
     (6.0, 1.0)
     """
     least, most = sorted((bow, radius))
-    return (most + 5.0 * (most * least**3) ** 0.25) / 6.0
+    between = math.sqrt(least * math.sqrt(most * least))
+    return (most + 5.0 * between) / 6.0
 
 
 def puncture_force(film: ShellMaterial, law: CohesiveLaw, radius: float = 0.0) -> float:

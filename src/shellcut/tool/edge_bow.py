@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, each, norm, product, unit
+from shellcut.arrays import Bools, Floats, Ints, each, norm, unit
 
 from .tool import Tool
 
