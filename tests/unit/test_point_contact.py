@@ -114,10 +114,10 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     tip = ends.reshape(-1, 3)[ends.reshape(-1, 3)[:, 2].argmin()]
     away = np.linalg.norm(points.place - tip, axis=1)
     assert away.min() == 0.0
-    assert points.is_tip[away.argmin()]
+    assert points.radius[away.argmin()] == 0.0
     assert points.outward[away.argmin(), 2] < -0.5
     # The others know their segment and lie on it, no farther apart than half an edge of the film.
-    on = np.flatnonzero((points.segment >= 0) & ~points.is_tip)
+    on = np.flatnonzero((points.segment >= 0) & (points.radius > 0.0))
     start, vector = ends[points.segment[on], 0], np.diff(ends, axis=1)[points.segment[on], 0]
     share = ((points.place[on] - start) * vector).sum(axis=1) / (vector**2).sum(axis=1)
     foot = start + share[:, None] * vector
@@ -127,8 +127,8 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     z = np.sort(blade.place[np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9, 2])
     assert abs(z[[0, -1]]).max() == 1.5
     assert np.diff(z).max() < 0.2 + 1e-9
-    at_end = abs(abs(blade.place[blade.is_tip, 2]) - 1.5) < 1e-9
-    assert blade.is_tip.sum() == 2
+    at_end = abs(abs(blade.place[blade.radius == 0.0, 2]) - 1.5) < 1e-9
+    assert (blade.radius == 0.0).sum() == 2
     assert at_end.all()
 
 

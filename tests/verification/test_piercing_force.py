@@ -134,7 +134,7 @@ def test_every_end_of_a_cutting_edge_has_its_point(radius, size):
     points = contact_points(tool, size)
     ends = np.flatnonzero(np.bincount(tool.edges.ravel(), minlength=tool.n_vertex) == 1)
     assert len(ends) >= 4
-    tips = points.place[points.is_tip]
+    tips = points.place[points.radius == 0.0]
     gap = np.linalg.norm(tool.vertices[ends][:, None] - tips[None], axis=2).min(axis=1)
     assert gap.max() == 0.0
 

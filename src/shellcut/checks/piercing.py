@@ -1,8 +1,9 @@
 """Whether the force at which a tip pierces whole film is that of the film's strength.
 
-F_p (:mod:`shellcut.fracture.puncture`) is that of a film that is stretched little, stiff in
-transverse shear and without tension far from the tip, which tears no farther by itself. A force of
-one's own needs none of this, nor do edges that all come in over the rim.
+F_p (:mod:`shellcut.fracture.puncture`) of an end, apex or arc of an edge is that of a film that is
+stretched little, stiff in transverse shear and without tension far from the tip, which tears no
+farther by itself. A force of one's own needs none of this, nor do edges that all come in over the
+rim.
 """
 
 from __future__ import annotations

@@ -7,7 +7,9 @@ apart than half an edge of the film. Where they are closer than 0.4 of an edge, 
 surface finer than the film, some are left out; sharper ones stay.
 
 *Cutting edges* push like all others, for film on whose face they come down carries them until it is
-pierced (:mod:`shellcut.fracture.pierce`). Their ends, the tips of teeth, are never left out.
+pierced (:mod:`shellcut.fracture.pierce`). Their tips (:mod:`shellcut.tool.edge_bow`) are never left
+out, and on an arc they are so close that none of it stands out between two by more than the depth
+over which the contact sets in.
 """
 
 from __future__ import annotations
@@ -17,13 +19,11 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.edge_bow import LEAST_TURN, EdgeBow
 from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
 from .contact_tables import ToolPoints
-
-LEAST_TURN = np.radians(10.0)
-"""Convex edges push that turn by more than this; flatter ones are lines between facets."""
 
 SPACING, CLOSEST = 0.5, 0.4
 """Largest and least distance of points along edges, over an edge length of the film."""
@@ -41,7 +41,7 @@ _SAME_WAY = 0.5
 _PEAKED = 1e-4
 
 
-def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
+def contact_points(tool: Tool, edge_length: float, depth: float = np.inf) -> ToolPoints:
     """Return the points of a tool that push a film.
 
     Parameters
@@ -49,9 +49,11 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     tool : Tool
     edge_length : float
         Of the film's smaller quads [mm].
+    depth : float
+        By which an arc of a cutting edge may stand out between two of its points [mm].
     """
-    surface = Surface(tool.vertices, tool.triangles)
-    vertex, turn_at_vertex, ends_cut = _corners(tool, surface)
+    surface, bow = Surface(tool.vertices, tool.triangles), EdgeBow.of(tool)
+    vertex, turn_at_vertex = _corners(tool, surface, bow.tip)
     spacing = SPACING * edge_length
     places, normals, turns, teeth, segments = _along_edges(tool, surface, spacing)
     at_vertex = np.zeros_like(tool.vertices)
@@ -61,24 +63,37 @@ def contact_points(tool: Tool, edge_length: float) -> ToolPoints:
     place = np.concatenate([tool.vertices[vertex], places])
     outward = np.concatenate([unit(at_vertex[vertex]), normals])
     tooth = np.concatenate([tooth_of[vertex], teeth])
+    is_tip = np.concatenate([bow.tip[vertex], np.zeros(len(turns), np.bool_)])
     at_end = np.full(tool.n_vertex, -1)
     at_end[tool.edges] = np.arange(tool.n_edge)[:, None]
-    segment = np.concatenate([np.where(ends_cut, at_end[vertex], -1), segments])
-    is_tip = np.concatenate([ends_cut, np.zeros(len(turns), np.bool_)])
-    sharpness = np.where(is_tip, np.inf, np.concatenate([turn_at_vertex, turns]))
-    kept = _spread(place, sharpness, CLOSEST * edge_length)
+    segment = np.concatenate([np.where(bow.tip[vertex], at_end[vertex], -1), segments])
+    on_edge = segment >= 0
+    radius, arc = np.append(bow.radius, np.inf)[segment], np.append(bow.arc, -1)[segment]
+    radius[is_tip] = 0.0
+    # Cutting edges turn the most; of these the more the more they are bowed.
+    sharpness = np.concatenate([turn_at_vertex, turns])
+    with np.errstate(divide="ignore"):
+        sharpness[on_edge] = np.pi + 1.0 / radius[on_edge]
+    closest = np.full(len(place), CLOSEST * edge_length)
+    bowed = np.isfinite(radius) & ~is_tip
+    closest[bowed] = np.minimum(closest[bowed], np.sqrt(2.0 * radius[bowed] * depth))
+    kept = _spread(place, sharpness, closest)
     return ToolPoints(
         place=np.ascontiguousarray(place[kept]),
         outward=np.ascontiguousarray(outward[kept]),
         tooth=np.ascontiguousarray(tooth[kept]),
         segment=np.ascontiguousarray(segment[kept]),
-        is_tip=np.ascontiguousarray(is_tip[kept]),
+        radius=np.ascontiguousarray(radius[kept]),
+        arc=np.ascontiguousarray(arc[kept]),
         share=_shares(place[kept], outward[kept], edge_length),
     )
 
 
-def _corners(tool: Tool, surface: Surface) -> tuple[Ints, Floats, Bools]:
-    """Return the vertices that push, their largest turn of an edge, and whether each is a tip."""
+def _corners(tool: Tool, surface: Surface, tip: Bools) -> tuple[Ints, Floats]:
+    """Return the vertices that push, and their largest turn of an edge.
+
+    tip : (n_vertex,), of a cutting edge.
+    """
     lo, hi, turn = surface.lo, surface.hi, surface.turn
     least, most = np.full(tool.n_vertex, np.inf), np.full(tool.n_vertex, -np.inf)
     for ends in (lo, hi):
@@ -89,9 +104,10 @@ def _corners(tool: Tool, surface: Surface) -> tuple[Ints, Floats, Bools]:
     around = np.zeros(tool.n_vertex)
     np.add.at(around, tool.triangles, angles(one, two))
     convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - around > _PEAKED)
-    n_cut = np.bincount(tool.edges.ravel(), minlength=tool.n_vertex)
-    pushes = np.flatnonzero((convex & (n_cut == 0)) | (n_cut == 1))
-    return pushes, most[pushes], n_cut[pushes] == 1
+    on_cut = np.zeros(tool.n_vertex, np.bool_)
+    on_cut[tool.edges] = True
+    pushes = np.flatnonzero((convex & ~on_cut) | tip)
+    return pushes, most[pushes]
 
 
 def _along_edges(
@@ -155,19 +171,16 @@ def _shares(place: Floats, outward: Floats, reach: float) -> Floats:
     return np.asarray(1.0 / crowd)
 
 
-def _spread(place: Floats, sharpness: Floats, closest: float) -> Ints:
-    """Return which points to keep so that none is closer to another: the sharper, then the first.
+def _spread(place: Floats, sharpness: Floats, closest: Floats) -> Ints:
+    """Return which points to keep, the sharper, then the first: none close to one kept before it.
 
-    place : (n, 3).  closest : [mm].
+    place : (n, 3).  closest : (n,), how far each must be from those [mm].
     """
     if not len(place):
         return np.zeros(0, np.int64)
     tree = scipy.spatial.cKDTree(place)
-    left_out = np.zeros(len(place), np.bool_)
+    kept = np.zeros(len(place), np.bool_)
     # Rounded, so that round-off does not choose between equal ones.
     for k in np.lexsort((np.arange(len(place)), -np.round(sharpness, 6))).tolist():
-        if not left_out[k]:
-            near = np.array(tree.query_ball_point(place[k], closest))
-            left_out[near] = True
-            left_out[k] = False
-    return np.flatnonzero(~left_out)
+        kept[k] = not kept[tree.query_ball_point(place[k], closest[k])].any()
+    return np.flatnonzero(kept)

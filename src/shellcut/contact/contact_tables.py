@@ -214,16 +214,19 @@ class ToolPoints(NamedTuple):
     """Tooth of each."""
     segment: Annotated[Ints, "(n_of_tool,)"]
     """Segment of the cutting edge on which each lies, -1 for none."""
-    is_tip: Annotated[Bools, "(n_of_tool,)"]
-    """Whether a cutting edge ends there."""
+    radius: Annotated[Floats, "(n_of_tool,)"]
+    """Of the arc of a cutting edge [mm], 0 at its tips, inf where it is straight or none."""
+    arc: Annotated[Ints, "(n_of_tool,)"]
+    """To which arc of a cutting edge each belongs, -1 for none."""
     share: Annotated[Floats, "(n_of_tool,)"]
     """Stiffness of each over that of a node of the film, less the more of them press together."""
 
     @classmethod
     def none(cls) -> ToolPoints:
         """Return no points."""
-        nothing, never = np.zeros(0, np.int64), np.zeros(0, np.bool_)
-        return cls(np.zeros((0, 3)), np.zeros((0, 3)), nothing, nothing, never, np.zeros(0))
+        nothing, none = np.zeros(0, np.int64), np.zeros(0)
+        of_points = np.zeros((0, 3))
+        return cls(of_points, of_points.copy(), nothing, nothing.copy(), none, nothing.copy(), none)
 
 
 class Waits(NamedTuple):

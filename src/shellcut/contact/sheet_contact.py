@@ -152,6 +152,10 @@ class SheetContact(PressTerm):
         """Return the point of every carrier."""
         return self._point_of_sheet
 
+    def knows_side(self) -> Bools:
+        """Return of every carrier whether its point is known to be on one side of the sheet."""
+        return np.asarray(self._memory.side != 0)
+
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         """Return the points that look for partners, the quads that may be, and film that moves.
 
@@ -293,10 +297,13 @@ class PointContact(SheetContact):
             capture=_CAPTURE * edge_length,
             undecided=_UNDECIDED * edge_length,
         )
-        points, tool = contact_points(contact.tool, edge_length), contact.tool
+        tool = contact.tool
+        points = contact_points(tool, edge_length, contact.law.smoothing_depth)
         super().__init__("points", law, points, tool.n_tooth, _SLACK * edge_length, FilmOutline())
-        self._contact, self._list_is, self._whole = contact, (-1, -1), self._tracked
-        """The contact of nodes, and the whole rows of its list of that number, at that topology."""
+        self.nodes = contact
+        """The contact of nodes."""
+        self._list_is, self._whole = (-1, -1), self._tracked
+        """The whole rows of its list of that number, at that topology."""
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
@@ -323,10 +330,10 @@ class PointContact(SheetContact):
         p, area = self._pose.to_space(self.points.place)[point], nodes.contact_area[node]
         away = np.linalg.norm(nodes.x[node] - p, axis=1) / local_edge_length(area)
         weight = self.points.share[point] * np.clip(1.0 + _SLACK - away, 0.0, 1.0)
-        return node, weight * self._contact.law.steepest(area)
+        return node, weight * self.nodes.law.steepest(area)
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
-        near, place = self._contact.near, pose.to_space(self.points.place)
+        near, place = self.nodes.near, pose.to_space(self.points.place)
         if self._list_is != (near.n_search, state.revision):
             rows, self._list_is = near.rows(state), (near.n_search, state.revision)
             halved = state.node.halved[state.quads[rows]].any(axis=1)
@@ -337,7 +344,7 @@ class PointContact(SheetContact):
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
         point = self._point_of_sheet[self._sheet_of_pair]
-        return self.points.share[point] * self._contact.law.of_nodes(area)
+        return self.points.share[point] * self.nodes.law.of_nodes(area)
 
 
 class SelfContact(SheetContact):

@@ -33,8 +33,8 @@ from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .notch_line import NotchLine, row_at
 from .options import Fracture
-from .pierce import Begun, Pierce
-from .puncture import bending_length, puncture_force
+from .pierce import Begun, Pierce, PierceLimits
+from .puncture import Puncture
 from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
@@ -101,7 +101,8 @@ class Cracks:
             self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
             self.stress = self._sides.stress
         self._direction = FreeDirection(shell, topology, self._path, law, film)
-        self.bending_length = bending_length(shell.material, law)
+        puncture = Puncture.of(shell.material, law)
+        self.bending_length = puncture.length
         """Over which the film bends where its tension is the strength [mm]."""
         self._pierce: Pierce | None = None
         self._drive: BladeDrive
@@ -111,13 +112,9 @@ class Cracks:
             drive = BladeDrive(CuttingEdges.of(tool), motion, moved)
             self._drive = drive
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
-            force = fracture.puncture_force
-            if force is None:
-                force = puncture_force(shell.material, law, tool.edge_radius)
-            limits, self._chain = (force, law.strength), tool.edge_chain
-            self._pierce = Pierce(
-                state, self._path, drive, shell, limits, points, self._chain, motion
-            )
+            self._chain = tool.edge_chain
+            limits = PierceLimits(puncture, law.strength, fracture.puncture_force)
+            self._pierce = Pierce(state, self._path, drive, shell, limits, points, tool, motion)
 
     def cut_due(self, state: State, pose: Pose, work: float = 0.0) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.

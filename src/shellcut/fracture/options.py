@@ -107,9 +107,10 @@ class Fracture:
         float | None,
         Option(
             "N",
-            "on the tip of a cutting edge at which it goes through whole film",
+            "on the tip of a cutting edge, end, apex or lowest place of an arc, at which it goes "
+            "through whole film",
             above=0,
-            unset="from thickness, strength and the radius of the edge",
+            unset="from thickness, strength and the radii of the edge",
         ),
     ] = None
 

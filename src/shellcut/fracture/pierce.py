@@ -1,10 +1,13 @@
 """Where a cut begins in film that no crack has reached.
 
 *On its face.* A tooth that comes down in the middle of the sheet presses it by its contact points.
-The film parts under a tip once this carries F_p (:mod:`.puncture`) for longer than impacts last
-(:mod:`.pressing_tips`), and along an edge once the mean membrane stress across it reaches the
-strength in the quad under it. The force on a tip does not depend on the mesh, which the stress
-under it does.
+The film parts under a tip, or the lowest place of an arc, once all that presses it there carries
+F_p (:mod:`.puncture`) for longer than impacts last (:mod:`.pressing_tips`): points of the tool and
+nodes within the bending length L, and of an arc all its points within the width of the contact and
+an edge length, between which the mesh shares the force. Where the edge is straight, the film parts
+along it once the mean membrane stress across it reaches the strength in the quad under it. Of an
+arc so flat that its F_m exceeds F_s the one or the other; one that the contact is wider than is
+straight. The force on a tip does not depend on the mesh, which the stress under it does.
 
 *At its rim,* or at the flank of another cut, an edge cuts what it goes through: nothing there holds
 the film against it. So it does everywhere if the tool's points do not press.
@@ -23,8 +26,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
-from shellcut.contact.contact_tables import TOUCHING
+from shellcut.arrays import Bools, Floats, Ints, Vec3, norm, product, unit
+from shellcut.contact.contact_tables import TOUCHING, ToolPoints
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
@@ -34,6 +37,7 @@ from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
+from shellcut.state.tables import local_edge_length
 from shellcut.tool.cutting_edge import (
     BACK,
     NORMAL,
@@ -44,12 +48,22 @@ from shellcut.tool.cutting_edge import (
 )
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .open_edges import boundary_edges
 from .pressing_tips import PressingTips
-from .quad_polygon import AWAY, Point, shape_functions
+from .puncture import Puncture, edge_bluntness
+from .quad_polygon import (
+    AWAY,
+    WHOLE,
+    Point,
+    corner_at,
+    onto_boundary,
+    shape_functions,
+    side_at,
+)
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
 from .tip import Segment, Tip
@@ -59,6 +73,18 @@ _NEAR_A_TIP = 2.0
 
 # Sine of the angle to the film up to which an edge lies on it, and enters over no rim.
 _FLAT = 0.1
+
+# Cosine of the angle between forces that press the film the same way.
+_SAME_WAY = 0.5
+
+# Edge lengths from a tip that faces the film within which an edge has not come over a rim.
+_JUST_THERE = 0.1
+
+# Of the parametric square: a ray from there leaves a quad by two sides.
+_INNER = 0.75
+
+# Part of its direction that counts in where an edge goes.
+_ALONG = 1e-6
 
 # Rows that are looked at, a tooth.
 _CANDIDATES = 4
@@ -79,6 +105,44 @@ class Begun(NamedTuple):
     """Of the mean force on a tip, see :mod:`.pressing_tips`."""
 
 
+class PlaceLimits(NamedTuple):
+    """What the film carries under each point of the tool."""
+
+    force: Floats
+    """F_p, inf where the edge is straight, shape (n_of_tool,) [N]."""
+    lies: Bools
+    """Whether the edge lies on the film over more than L there, shape (n_of_tool,)."""
+    width: Floats
+    """Of the contact of an arc at F_p, 0 at a tip, shape (n_of_tool,) [mm]."""
+
+
+class PierceLimits(NamedTuple):
+    """What whole film carries."""
+
+    puncture: Puncture
+    """Under a tip."""
+    strength: float
+    """Along an edge [MPa]."""
+    own: float | None = None
+    """The user's own force of a tip, in place of F_p [N]."""
+
+    def at_points(self, points: ToolPoints, tool: Tool) -> PlaceLimits:
+        """Return what it carries under the points of a tool."""
+        film, edge_radius = self.puncture, tool.edge_radius
+        length = norm(tool.vertices[tool.edges[:, 1]] - tool.vertices[tool.edges[:, 0]])
+        longest = np.bincount(tool.edge_chain, length)[tool.edge_chain[points.segment]]
+        with np.errstate(invalid="ignore"):
+            width = 2.0 * film.slope * points.radius
+        tip = (points.segment >= 0) & (width < longest)
+        force = np.full(len(width), np.inf)
+        lies = ~tip
+        for k in np.flatnonzero(tip).tolist():
+            rho = edge_bluntness(float(points.radius[k]), edge_radius)
+            force[k] = film.force(rho) if self.own is None else self.own
+            lies[k] = self.own is None and points.radius[k] > 0.0 and film.blunt * rho > film.sharp
+        return PlaceLimits(force, lies, np.where(tip, width, 0.0))
+
+
 class Pierce:
     """Finds whole quads in which a cutting edge begins a cut.
 
@@ -90,14 +154,12 @@ class Pierce:
         Where cracks go, and where edges do.
     shell : MITC4Shell
         The film.
-    limits : tuple of float
-        F_p [N] and the strength [MPa].
+    limits : PierceLimits
+        What the film carries on its face.
     points : PointContact, optional
         By which the tool presses on the film.
-    chain : ndarray, shape (n_edge,)
-        To which each segment of the cutting edges belongs.
-    motion : Motion
-        Of the tool.
+    tool, motion : Tool, Motion
+        Whose cutting edges these are, and how they move.
     """
 
     def __init__(
@@ -106,15 +168,19 @@ class Pierce:
         path: CrackPath,
         drive: BladeDrive,
         shell: MITC4Shell,
-        limits: tuple[float, float],
+        limits: PierceLimits,
         points: PointContact | None,
-        chain: Ints,
+        tool: Tool,
         motion: Motion,
     ) -> None:
         self._path, self._drive, self._shell, self._points = path, drive, shell, points
-        self._chain = chain
-        self._force, self._strength = limits
-        self._tips = None if points is None else PressingTips(points, motion, self._force)
+        self._chain = chain = tool.edge_chain
+        self._limits = limits
+        self._places: PlaceLimits | None = None
+        self._tips: PressingTips | None = None
+        if points is not None:
+            self._places = limits.at_points(points.points, tool)
+            self._tips = PressingTips(points, motion, self._places.force)
         size = float(np.sqrt(shell.area.max()))
         self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         self._edges = edges = drive.edges
@@ -145,38 +211,49 @@ class Pierce:
             Where the cracks end that an edge drives [mm].
         """
         entered = self._entered(state, pose, tips)
-        if entered and (on := self._tips_on_face(state)):
+        if entered and (on := self._tips_on_face(pose)):
             entered = [one for one in entered if not self._lies_on(state, one, on)]
         return [*self._pressed(state, pose, tips), *entered]
 
-    def _tips_on_face(self, state: State) -> list[tuple[int, Floats]]:
-        """Return segments of the cutting edges whose tips press on the film, and where these do."""
-        if self._points is None:
+    def _tips_on_face(self, pose: Pose) -> list[tuple[int, Floats, bool]]:
+        """Return tips of the cutting edges that are on the face of the film.
+
+        The chain of each, where it is, and whether it presses.
+        """
+        if self._points is None or self._places is None:
             return []
-        on, carriers = self._points.points, self._points.carriers
-        point = self._points.point_of_sheet()
-        pressing = np.flatnonzero((carriers.pressure > 0.0) & on.is_tip[point]).tolist()
-        places = [product(carriers.weight[i], state.node.x[carriers.node[i]]) for i in pressing]
-        return list(zip(on.segment[point[pressing]].tolist(), places, strict=True))
+        on, point = self._points.points, self._points.point_of_sheet()
+        is_tip = np.isfinite(self._places.force[point])
+        pressing = self._points.carriers.pressure > 0.0
+        sheets = np.flatnonzero(is_tip & (pressing | self._points.knows_side()))
+        chains = self._chain[on.segment[point[sheets]]].tolist()
+        places = pose.to_space(on.place[point[sheets]])
+        return list(zip(chains, places, pressing[sheets].tolist(), strict=True))
 
-    def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats]]) -> bool:
-        """Return whether the tip of an edge is still on the face within an edge length.
+    def _lies_on(self, state: State, begun: Begun, on: list[tuple[int, Floats, bool]]) -> bool:
+        """Return whether a tip of an edge is still on the face near a place.
 
-        A tip that starts in the film's plane is above or below it by round-off.
+        Within an edge length if it presses. Else it is there if it has just come to the face: a tip
+        in the film's plane is above or below it by round-off, or by what it moves in a step.
         """
         here = self._path.place_in(state, begun.row, begun.place).x
-        near = math.sqrt(self._shell.area[begun.row])
-        return any(k == begun.segment and norm(at - here) < near for k, at in on)
+        near, chain = math.sqrt(self._shell.area[begun.row]), self._chain[begun.segment]
+        return any(
+            c == chain and norm(at - here) < (near if pressing else _JUST_THERE * near)
+            for c, at, pressing in on
+        )
 
     def _pressed(self, state: State, pose: Pose, tips: Floats) -> Iterator[Begun]:
         """Yield where a tip or an edge on the face of the film has reached what this carries."""
-        if self._points is None or self._tips is None:
+        points, limits, means = self._points, self._places, self._tips
+        if points is None or limits is None or means is None:
             return
-        self._tips.follow(state, pose)
-        if not self._points.touch.sums[TOUCHING]:
+        loads = _Loads.on_tips(points, limits, self._limits.puncture.length, state, pose)
+        means.follow(state, pose, loads)
+        if not points.touch.sums[TOUCHING]:
             return
-        on, (node, weight, _, _, force, _) = self._points.points, self._points.carriers
-        point = self._points.point_of_sheet()
+        on, (node, weight, _, _, force, _) = points.points, points.carriers
+        point = points.point_of_sheet()
         pressing = np.flatnonzero((force > 0.0) & (on.segment[point] >= 0))
         chain = self._chain[on.segment[point[pressing]]]
         for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
@@ -185,17 +262,19 @@ class Pierce:
             rows = there[(state.quads[there] == node[i]).all(axis=1)].tolist()
             if not rows:  # it has been cut since it was pressed
                 continue
-            row = rows[0]
+            row, segment = rows[0], int(on.segment[k])
+            measure = delay = impact = 0.0
             here = product(weight[i], state.node.x[node[i]])
-            near = _NEAR_A_TIP * math.sqrt(self._shell.area[row])
-            if (norm(tips - here) < near).any():
+            size = math.sqrt(self._shell.area[row])
+            if (norm(tips - here) < _NEAR_A_TIP * size).any():
                 continue
-            segment, delay, impact = int(on.segment[k]), 0.0, 0.0
-            if on.is_tip[k]:
-                measure = self._tips.mean(k) / self._force
-                delay, impact = self._tips.delay(k), force[i] - self._tips.mean(k)
-            else:
-                measure = self._across(state, pose, row, segment) / self._strength
+            if limits.force[k] < np.inf:
+                measure, delay = means.mean(k) / limits.force[k], means.delay(k)
+                impact = loads.get(i, 0.0) - means.mean(k)
+            if limits.lies[k]:
+                across = self._across(state, pose, row, segment) / self._limits.strength
+                if across > measure:
+                    measure, delay, impact = across, 0.0, 0.0
             if measure >= 1.0:
                 w = weight[i]
                 place = 2.0 * float(w[1] + w[2]) - 1.0, 2.0 * float(w[2] + w[3]) - 1.0
@@ -250,8 +329,10 @@ class Pierce:
     ) -> Iterator[tuple[Segment, Segment]]:
         """Yield segments from a place in a row to where an edge was and to where it will be.
 
-        First those that lead to where an oncoming crack ends, if there are any. Cracks along sides
-        only, and those begun so near a side that both ways lead to it, follow the nearest one.
+        First those that lead to where an oncoming crack ends, if there are any. From a place on the
+        boundary of rows one of the segments is that place itself, where the cut ends. Cracks along
+        sides only, and those begun so near a side that both ways lead to it, follow the nearest
+        one.
 
         tips : of all cracks.
         """
@@ -262,11 +343,38 @@ class Pierce:
             for back, ahead in itertools.product(*ends):
                 if measure or self._leads_out(state, back):
                     yield back, ahead
+        around = self._around(state, row, place) if measure else []
+        if not sides_only:
+            for at in around:
+                start = Segment(*at, at[1], side_at(at[1]), corner_at(at[1]))
+                for ahead in self._towards(state, *at, edge, tips, 1.0):
+                    yield start, ahead
+                for back in self._towards(state, *at, edge, tips, -1.0):
+                    yield back, start
         if measure or sides_only:
             within = np.inf if measure and sides_only else NEAR
-            side = self._path.side_near(state, row, place, *way, within)
-            if side is not None and (measure or self._leads_out(state, side.reversed())):
-                yield side.reversed(), side
+            for at in [(row, place), *around]:
+                side = self._path.side_near(state, *at, *way, within)
+                if side is not None and (measure or self._leads_out(state, side.reversed())):
+                    yield side.reversed(), side
+        if measure and not sides_only:  # beside a side that cannot be broken, at the rim
+            for at_row, (xi, eta) in [(row, place), *around]:
+                inner = min(max(xi, -_INNER), _INNER), min(max(eta, -_INNER), _INNER)
+                both = (self._towards(state, at_row, inner, edge, tips, end) for end in (-1.0, 1.0))
+                yield from itertools.product(*both)
+
+    def _around(self, state: State, row: int, place: Point) -> list[tuple[int, Point]]:
+        """Return the whole rows that touch a place on the boundary of one, and where it is in each.
+
+        A ray from there leads through one of them and the opposite one through another.
+        """
+        on = self._path.rows_at(self._path.topology.parent(row), onto_boundary(place))
+        return [
+            at
+            for at in on
+            if self._path.topology.polygon(at[0]) == WHOLE
+            and not state.node.halved[state.quads[at[0]]].any()
+        ]
 
     def _leads_out(self, state: State, back: Segment) -> bool:
         """Return whether an edge has come into a row over the rim, or over a flank next to it."""
@@ -301,7 +409,9 @@ class Pierce:
         """
         at, size = self._path.place_in(state, row, place), np.array([self._path.size(row)])
         then = self._drive.find(at.x[None], size, state.time, edge, reach)
-        heading = product(then.rotation[0], self._edges.segments[edge, BACK]) * -reach
+        # Of an edge that lies on the film, whose back is upright, its direction decides.
+        back = self._edges.segments[edge, BACK] + _ALONG * unit(self._edges.segments[edge, VECTOR])
+        heading = product(then.rotation[0], back) * -reach
         self._drive.direct(at.t[None], heading[None], at.T[None], size)
         return then.ways[0, 0], then.lean[0]
 
@@ -331,6 +441,69 @@ class Pierce:
         may &= self._open[quads].any(axis=1)
         self._rows = np.flatnonzero(may)
         self._first = quads[self._rows, 0].astype(np.int64)
+
+
+class _Loads(NamedTuple):
+    """All that presses on the film at its points, and at its nodes."""
+
+    sheet: Ints
+    """Row among the carriers of points, -1 of a node, shape (n_load,)."""
+    place: Floats
+    """In the body frame, shape (n_load, 3) [mm]."""
+    normal: Floats
+    """Direction on the film, likewise, shape (n_load, 3)."""
+    arc: Ints
+    """Of a cutting edge, -1 for none, shape (n_load,)."""
+    force: Floats
+    """Shape (n_load,) [N]."""
+
+    @classmethod
+    def of(cls, points: PointContact, state: State, pose: Pose) -> _Loads:
+        """Return those of the last evaluation."""
+        on, nodes = points.carriers, points.nodes.carriers
+        sheets, pressed = np.flatnonzero(on.pressure > 0.0), np.flatnonzero(nodes.pressure > 0.0)
+        point = points.point_of_sheet()[sheets]
+        at_nodes = pose.to_body(state.node.x[nodes.node[pressed, 0]])
+        none = np.full(len(pressed), -1)
+        return cls(
+            np.concatenate([sheets, none]),
+            np.concatenate([points.points.place[point], at_nodes]),
+            np.concatenate([on.normal[sheets], nodes.normal[pressed]]),
+            np.concatenate([points.points.arc[point], none]),
+            np.concatenate([on.pressure[sheets], nodes.pressure[pressed]]),
+        )
+
+    @classmethod
+    def on_tips(
+        cls, points: PointContact, limits: PlaceLimits, length: float, state: State, pose: Pose
+    ) -> dict[int, float]:
+        """Return what presses on each place of a tip or an arc [N], by its row among the carriers.
+
+        length : L of the film [mm].
+        """
+        on, point = points.points, points.point_of_sheet()
+        is_tip = np.isfinite(limits.force[point])
+        sheets = np.flatnonzero(is_tip & (points.carriers.pressure > 0.0)).tolist()
+        if not sheets:
+            return {}
+        loads, found = cls.of(points, state, pose), {}
+        for sheet in sheets:
+            k = int(point[sheet])
+            area = state.node.contact_area[points.carriers.node[sheet]].mean()
+            wide = limits.width[k] + local_edge_length(float(area)) if on.radius[k] > 0.0 else 0.0
+            found[sheet] = loads.near(sheet, length, wide)
+        return found
+
+    def near(self, sheet: int, length: float, wide: float) -> float:
+        """Return what presses the film the same way within a length of a point [N].
+
+        Of the points of its own arc within ``wide``, too [mm].
+        """
+        own = int(np.flatnonzero(self.sheet == sheet)[0])
+        gap = norm(self.place - self.place[own])
+        of_arc = (self.arc >= 0) & (self.arc == self.arc[own]) & (gap <= wide)
+        alike = product(self.normal, self.normal[own]) > _SAME_WAY
+        return float(self.force[alike & ((gap <= length) | of_arc)].sum())
 
 
 @inline

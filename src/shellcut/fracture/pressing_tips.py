@@ -19,6 +19,7 @@ tip has pressed goes with m v²; the verdict judges it (``DELAY_LIMIT``).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ _FORGOTTEN = 1e-3
 
 
 class PressingTips:
-    """Mean forces on the tips of the cutting edges.
+    """Mean forces on the tips and arcs of the cutting edges.
 
     Parameters
     ----------
@@ -48,36 +49,36 @@ class PressingTips:
         By which the tool presses on the film.
     motion : Motion
         Of the tool.
-    limit : float
-        F_p [N].
+    limits : ndarray, shape (n_of_tool,)
+        F_p under each of its points [N].
     """
 
-    def __init__(self, points: PointContact, motion: Motion, limit: float) -> None:
-        self._points, self._motion, self._limit = points, motion, limit
-        self._of_point = np.zeros((len(points.points.place), 3))
+    def __init__(self, points: PointContact, motion: Motion, limits: Floats) -> None:
+        self._points, self._motion, self._limits = points, motion, limits
+        self._of_point = np.zeros((len(limits), 3))
         self._step = 0
 
-    def follow(self, state: State, pose: Pose) -> None:
-        """Take the forces of the last evaluation, with the tool at the given pose.
+    def follow(self, state: State, pose: Pose, loads: Mapping[int, float]) -> None:
+        """Take what presses on tips at the last evaluation, with the tool at the given pose.
 
         Costs nothing where no tip presses or has just pressed.
+
+        loads : by their rows among the carriers [N].
         """
         steps, self._step = state.step - self._step, state.step
-        on, carriers, of = self._points.points, self._points.carriers, self._of_point
-        point = self._points.point_of_sheet()
-        rows = np.flatnonzero((carriers.pressure > 0.0) & on.is_tip[point])
-        if not rows.size and not of.any():
+        of = self._of_point
+        if not loads and not of.any():
             return
-        rows = rows[np.argsort(carriers.pressure[rows], kind="stable")]
-        tips, force = point[rows], np.zeros(len(of))
-        force[tips] = carriers.pressure[rows]
+        rows, pressed = np.array(list(loads), int), np.array(list(loads.values()))
+        tips, force = self._points.point_of_sheet()[rows], np.zeros(len(of))
+        np.maximum.at(force, tips, pressed)
         np.maximum.at(of[:, _IMPULSE], tips, self._impulse(state, pose, rows))
         pressing = of[:, _IMPULSE] > 0.0
         dt = steps * state.dt
-        delay = of[:, _IMPULSE] / (IMPACT * self._limit)
+        delay = of[:, _IMPULSE] / (IMPACT * self._limits)
         of[pressing, _FORCE] += (dt / (delay + dt) * (force - of[:, _FORCE]))[pressing]
         of[pressing, _PRESSED] += dt
-        of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limit)] = 0.0
+        of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits)] = 0.0
 
     def mean(self, point: int) -> float:
         """Return the mean force on a point of the tool [N]."""
@@ -86,7 +87,7 @@ class PressingTips:
     def delay(self, point: int) -> float:
         """Return T over the time for which a point of the tool has pressed."""
         _, impulse, pressed = self._of_point[point].tolist()
-        return float(impulse / (IMPACT * self._limit) / pressed) if pressed else 0.0
+        return float(impulse / (IMPACT * self._limits[point]) / pressed) if pressed else 0.0
 
     def _impulse(self, state: State, pose: Pose, rows: Ints) -> Floats:
         """Return 2 m v of the place under each of some tips that press [N·s]."""

@@ -13,7 +13,7 @@ space; on a warped one it is the area seen along n. The shares of all copies sum
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import hypot
+from math import copysign, hypot
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -106,6 +106,12 @@ def side_at(point: Point) -> int:
     return next(
         (k for k in range(4) if _distance(point, on_side(k, along_side(k, point))) < _SAME), -1
     )
+
+
+def onto_boundary(point: Point) -> Point:
+    """Return a point of the parametric square, on the boundary if it is there but for round-off."""
+    xi, eta = (copysign(1.0, c) if abs(c) > 1.0 - 2.0 * AWAY else c for c in point)
+    return xi, eta
 
 
 def side_of(polygon: Polygon, point: Point) -> int | None:
