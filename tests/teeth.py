@@ -23,7 +23,7 @@ def tooth(line, *, height=4.0, half_thickness=0.3, named=None, turn_deg=0.0, at=
         triangles += [(a, d, c), (a, b, d), (a, e, f), (a, f, b), (c, d, f), (c, f, e)]
     triangles += [(0, n, 2 * n), (n - 1, 3 * n - 1, 2 * n - 1)]
     segments = range(n - 1) if named is None else named
-    return [*vertices, *at, 0.0], triangles, [(k, k + 1) for k in segments]
+    return vertices + np.array([*at, 0.0]), triangles, [(k, k + 1) for k in segments]
 
 
 def tool_of(*teeth):

@@ -74,8 +74,10 @@ def test_along_edges_it_takes_the_same(name):
 @pytest.mark.parametrize("name", ["V, turned", "disc"])
 def test_a_force_of_ones_own_is_that_of_every_tip(name):
     force, record = first_split(SHAPES[name][0], 0.8, puncture=0.2)
-    assert force == pytest.approx(0.2 * record.measure, rel=0.04)
+    assert record.force == pytest.approx(0.2 * record.measure, rel=0.04)
     assert record.measure < 1.15
+    # The force itself is ahead of its mean, the more the smaller the force that pierces is.
+    assert record.force < force < 1.12 * record.force
 
 
 def test_each_tooth_of_a_saw_carries_its_own():

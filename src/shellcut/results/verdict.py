@@ -247,8 +247,10 @@ def _piercing(figures: Figures) -> Iterator[Line]:
     if "piercing_delay_rel" not in figures:
         return
     delay = figures["piercing_delay_rel"]
-    # The delay goes with the mass of a node and with the square of the speed.
-    slower = math.ceil(10.0 * math.sqrt(delay / DELAY_LIMIT)) / 10.0
+    # It had pressed for t + T, of which T is the delay: T / t goes with the square of the speed. A
+    # tenth more, because the depth at which the film carries F_p changes with the speed, too.
+    share, limit = (one / (1.0 - one) for one in (min(delay, 0.99), DELAY_LIMIT))
+    slower = math.ceil(11.0 * math.sqrt(share / limit)) / 10.0
     yield _judged(
         delay <= DELAY_LIMIT,
         "Tips pierce the film at what it carries, not at the impacts of its nodes",
