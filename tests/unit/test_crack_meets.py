@@ -181,6 +181,32 @@ def test_a_crack_joins_one_that_ends_near_its_ray_and_both_are_one(beside, joins
     assert pieces_of(sim) == (2 if joins else 1)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [30.0, 60.0, 100.0, 120.0, 130.0, 140.0, 150.0, 170.0])
+@pytest.mark.parametrize("mesh", [rectangle(6.0, 3.2, n_x=15, n_y=8), slanted_strip()], ids="as")
+def test_a_crack_that_comes_to_the_end_of_another_goes_on_unless_that_comes_towards_it(
+    mesh, degrees, side
+):
+    """The second crosses the place where the first ends, at some degrees to its way.
+
+    They come towards each other, and are one, where their ways are more than 134 degrees apart,
+    cos -0.7.
+    """
+    sim = cut_strip(mesh=mesh, notched=False)
+    free, x = sim.cracks, start_of(sim)
+    sim.notch((x - 1.0, 0.17, 0.0), (x + 2.41, 0.17, 0.0))
+    (end,), (first,) = free.at_tips(sim.state.node.X), free.tips
+    turn = np.radians(degrees)
+    way = np.array([np.cos(turn), side * np.sin(turn), 0.0])
+    sim.notch(end - 0.9 * way, end + way)
+    ahead = (free.at_tips(sim.state.node.X) - end) @ way
+    assert not any(tip is first for tip in free.tips)
+    assert len(ahead) == (1 if degrees > 134.0 else 2)
+    assert ahead.min() < -0.7  # where the second begins
+    if degrees < 134.0:
+        assert ahead.max() > 0.8
+
+
 # --- cracks that come towards each other: on one side, with a third there, from a pierced cut
 
 
