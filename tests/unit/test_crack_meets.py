@@ -207,6 +207,23 @@ def test_a_crack_that_comes_to_the_end_of_another_goes_on_unless_that_comes_towa
         assert ahead.max() > 0.8
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [40.0, 60.0, 100.0, 120.0, 130.0, 140.0, 150.0, 170.0])
+@pytest.mark.parametrize("mesh", [rectangle(6.0, 3.2, n_x=15, n_y=8), slanted_strip()], ids="as")
+def test_only_a_crack_that_comes_towards_another_draws_that_to_its_end(mesh, degrees, side):
+    """The second passes 0.22 edges before the end of the first, within JOIN, beyond MERGE."""
+    sim = cut_strip(mesh=mesh, notched=False)
+    free, x = sim.cracks, start_of(sim)
+    sim.notch((x - 1.0, 0.17, 0.0), (x + 2.41, 0.17, 0.0))
+    (end,), (first,) = free.at_tips(sim.state.node.X), free.tips
+    turn = np.radians(degrees)
+    way = np.array([np.cos(turn), side * np.sin(turn), 0.0])
+    passes = end + 0.22 * 0.4 * np.array([np.sin(turn), -side * np.cos(turn), 0.0])
+    sim.notch(passes - 0.8 * way, passes + way)
+    assert any(tip is first for tip in free.tips) == (degrees < 134.0)
+    assert len(free.tips) == (1 if degrees > 134.0 else 3)
+
+
 # --- cracks that come towards each other: on one side, with a third there, from a pierced cut
 
 
@@ -217,7 +234,7 @@ WAY = np.array([-0.8, 0.6, 0.0])
 """Its direction: through the quad that touches the side above only at the node."""
 
 
-def on_one_side(beside):
+def on_one_side(beside, way=WAY):
     """A strip with a crack that ends on the side above a node, by a part of it, and another tip.
 
     The second crack stands before the quad through which it comes to that node.
@@ -225,17 +242,17 @@ def on_one_side(beside):
     sim = cut_strip(mesh=rectangle(6.0, 3.2, n_x=15, n_y=8), notched=False)
     y = NODE[1] + beside * H
     sim.notch((-1.0, y, 0.0), (NODE[0], y, 0.0))
-    sim.notch(NODE - 6.0 * WAY, NODE - 0.55 * WAY)
+    sim.notch(NODE - 6.0 * way, NODE - 0.55 * way)
     assert len(sim.cracks.tips) == 2
     assert pieces_of(sim) == 1
     return sim
 
 
-def advance(sim):
+def advance(sim, way=WAY):
     """Advance the crack that comes last to the node."""
     free, tip = sim.cracks, sim.cracks.tips[-1]
     segment = CrackPath(free.cuts.topology, sim.shell).segment_from(
-        sim.state, tip, WAY, None, free.tips
+        sim.state, tip, way, None, free.tips
     )
     free._advance(sim.state, tip, segment, "criterion", 1.0)
 
@@ -265,6 +282,16 @@ def test_two_that_end_on_one_side_tear_it_between_them(beside, joins):
     on_it = (abs(at[..., 0] - NODE[0]) < 1e-9).all(axis=1)
     ends = np.sort(at[on_it][..., 1], axis=1)
     np.testing.assert_allclose(ends, [[NODE[1], NODE[1] + beside * H]], atol=1e-9)
+
+
+@pytest.mark.parametrize(("degrees", "joins"), [(150.0, True), (140.0, True), (128.0, False)])
+def test_no_side_is_torn_between_cracks_that_do_not_come_towards_each_other(degrees, joins):
+    way = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0])
+    sim = on_one_side(0.2, way)
+    first = sim.cracks.tips[0]
+    advance(sim, way)
+    assert any(tip is first for tip in sim.cracks.tips) != joins
+    assert pieces_of(sim) == (2 if joins else 1)
 
 
 def test_a_torn_side_goes_on_from_a_checkpoint_and_keeps_the_ledger(tmp_path):
