@@ -30,6 +30,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+ID = "place", "line", "was", "is"  # what tells mutants apart in the record
 SMALLEST = 1e-6
 CPU_SECONDS = 1200  # what runs longer is in an endless loop
 ROOMS = {
@@ -294,40 +295,51 @@ class Copy:
                 os.replace(file, known.parent / file.name)
 
 
+def described(name, first, last, text):
+    """Return what a mutant is, the same as long as its line is."""
+    content = (ROOT / name).read_bytes()
+    line = content[:first].count(b"\n")
+    was = {"was": content[first:last].decode(), "is": text}
+    return {"place": f"{name}:{line + 1}", "line": content.splitlines()[line].decode().strip(), **was}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("record", type=Path)
     parser.add_argument("--number", type=int, default=100)
     parser.add_argument("--seed", type=int, default=54)
-    parser.add_argument("--folder", type=Path, default=ROOT / "build/mutants")
+    parser.add_argument("--folder", type=Path, default=ROOT / "build/mutants", help="of the copy")
+    parser.add_argument("--only", type=int, nargs="+", help="of the draw")
     parser.add_argument("--tests", nargs="+", help="instead of those of the room")
     parser.add_argument("--again", action="store_true", help="those that survived")
-    parser.add_argument("--list", action="store_true")
+    parser.add_argument("--list", action="store_true", help="show the draw")
     given = parser.parse_args()
     drawn, n_all = draw(given.number, given.seed)
-    print(f"{len(drawn)} of {n_all} mutants")
     lines = given.record.read_text().splitlines() if given.record.exists() else []
-    known = {one["n"]: one for one in map(json.loads, lines)}
-    copy = None
-    for n, (name, first, last, text) in enumerate(drawn):
-        content = (ROOT / name).read_bytes()
-        line = content[:first].count(b"\n")
-        row = {"n": n, "place": f"{name}:{line + 1}", "was": content[first:last].decode(), "is": text}
-        row["line"] = content.splitlines()[line].decode().strip()
-        print(n, row["place"], f"{row['was']!r} -> {text!r} in {row['line']!r}", flush=True)
-        if given.list or (n in known and (known[n]["result"] == "killed" or not given.again)):
+    known = {tuple(row[name] for name in ID): row for row in map(json.loads, lines)}
+    rows, copy = [], None
+    for n, mutant in enumerate(drawn):
+        row = described(*mutant)
+        found = known.get(tuple(row[name] for name in ID), row)
+        rows.append(found)
+        if given.only is not None and n not in given.only:
             continue
-        copy = copy or Copy(given.folder)
-        began = time.perf_counter()
-        by = copy.run(given.tests or tests_for(name), name, first, last, text)
-        row |= {"result": "killed" if by else "survived", "by": by}
-        row["seconds"] = round(time.perf_counter() - began)
-        print("   ", row["result"], by, row["seconds"], "s", flush=True)
-        known[n] = row
-        with given.record.open("a") as file:
-            file.write(json.dumps(row) + "\n")
-    killed = sum(one["result"] == "killed" for one in known.values())
-    print(f"{killed} of {len(known)} killed")
+        print(n, *(row[name] for name in ID), sep=" | ", flush=True)
+        if not given.list and ("by" not in found or (given.again and not found["by"])):
+            copy = copy or Copy(given.folder)
+            began = time.perf_counter()
+            row["tests"] = given.tests or tests_for(mutant[0])
+            row["by"] = copy.run(row["tests"], *mutant)
+            row["seconds"] = round(time.perf_counter() - began)
+            rows[-1] = row
+            with given.record.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+        if "by" in rows[-1]:
+            print("   ", f"killed by {rows[-1]['by']}" if rows[-1]["by"] else "survived", flush=True)
+    tried = [row for row in rows if "by" in row]
+    killed = sum(bool(row["by"]) for row in tried)
+    print(f"{killed} of {len(tried)} killed, {len(rows) - len(tried)} of the draw not tried yet")
+    print(f"drawn from {n_all}")
 
 
 if __name__ == "__main__":

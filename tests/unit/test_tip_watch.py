@@ -30,8 +30,8 @@ class Rules:
     def __init__(self, sim):
         self.sim, self.topology = sim, sim.cracks.cuts.topology
         self.edges, self.path = CuttingEdges.of(sim.tool), CrackPath(self.topology, sim.shell)
-        self.trial = TrialCut(self.topology, sim.shell, sim.loads, sim.law.strength)
-        self.watch = TipWatch(self.path, self.trial, BladeDrive(self.edges, sim.motion))
+        self.film = trial_cut.Film(self.topology, sim.shell, sim.loads, sim.law.strength)
+        self.watch = TipWatch(self.path, trial_of(sim), BladeDrive(self.edges, sim.motion))
 
     def plain(self, tip, tips):
         """Return segment and measures of a tip, None without, and from which on it is due."""
@@ -45,7 +45,7 @@ class Rules:
             ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
-        measures = segment and trial_cut.measures(self.trial, state, segment)
+        measures = segment and trial_cut.measures(self.film, state, segment)
         return segment, measures, np.inf if edge < 0 else -np.inf if passed else 1.0
 
     def compare(self, tips):
@@ -71,7 +71,7 @@ class Rules:
             found = self.watch.weighed.measure[i], self.watch.weighed.size[i]
             np.testing.assert_allclose(found, measures, rtol=1e-9, atol=1e-12)
             assert due[i] == (measures[0] >= limit)
-            right, _ = trial_cut.shares(self.trial, state, segment)
+            right, _ = trial_cut.shares(self.film, state, segment)
             assert mine.right == pytest.approx(right, rel=1e-9)  # round-off
             kinds.append((segment.corner >= 0, segment.along_side, segment.side < 0))
         return kinds
@@ -256,10 +256,10 @@ def trial_of(sim):
 
 def measures_of(sim, segment):
     """Return the force across the segment, by the plain twin, and that of a tear."""
-    trial = trial_of(sim)
+    film = trial_cut.Film(sim.cracks.cuts.topology, sim.shell, sim.loads, sim.law.strength)
     return (
-        trial_cut.measures(trial, sim.state, segment)[0],
-        TrialSums(trial).of_tear(sim.state, segment),
+        trial_cut.measures(film, sim.state, segment)[0],
+        TrialSums(trial_of(sim)).of_tear(sim.state, segment),
     )
 
 
