@@ -1,10 +1,10 @@
 """Break one line of the method at a time, and see whether a test fails.
 
-``python tests/mutants.py r.jsonl`` draws mutants of the rooms below at random, the same for the same
-``--seed``. It writes each into a copy of the tree, runs the tests of its room there until one fails,
-and adds a line to ``r.jsonl``: ``killed`` and by which test, or ``survived``. It leaves out what
-``r.jsonl`` has, so it goes on where it was stopped. ``--list`` only shows the draw. ``--again`` runs
-those that survived once more, as after new tests; ``--tests FILE ...`` names the tests to run.
+``python tests/mutants.py r.jsonl`` draws mutants of the rooms below at random, the same for the
+same ``--seed``. It writes each into a copy of the tree, runs the tests of its room there until one
+fails, and adds a line to ``r.jsonl``, with the test that killed it, or none. It leaves out what
+``r.jsonl`` has, so it goes on where it was stopped. ``--list`` only shows the draw. ``--again``
+runs those that survived once more, as after new tests; ``--tests FILE ...`` names the tests.
 
 A mutant turns round a comparison, a sum, a product, a sign or ``and``/``or``, swaps two operands or
 arguments, changes a number, negates a condition or leaves out the return of a branch. None is in a
@@ -163,7 +163,7 @@ def mutated(name, first, last, text):
 
 
 # In the copy, the stamp of a stored kernel: none, or the mutant's if the kernel may reach it.
-_STAMP = '''
+_STAMP = """
 import json
 from pathlib import Path
 
@@ -176,7 +176,7 @@ def stamp_of(function, is_ours):
     files = {str(_file_of(one)) for one in _reached((function,))}
     changed = _NOW["mutant"] if files & set(_NOW["reaching"]) or not is_ours else ""
     return changed.encode() + (b"" if is_ours else source_digest(function))
-'''
+"""
 _KEPT = ("src", "tests", "docs", "examples", "pyproject.toml", "README.md", "CHANGELOG.md")
 
 
@@ -209,12 +209,14 @@ def reaches(file, other):
 
 
 def tests_for(name):
-    """Return the tests of the room of a file: of its name, the room's first, those that import it."""
+    """Return the tests of a file: of its name, the first of its room, those that import it."""
     path = Path(name)
     room = next(one for one in ROOMS if name.startswith(f"src/shellcut/{one}"))
     module = ".".join(path.with_suffix("").parts[1:])
     of_room = [f"tests/unit/test_{one}.py" for one in ROOMS[room].split()]
-    every = [p.relative_to(ROOT).as_posix() for p in sorted((ROOT / "tests/unit").glob("test_*.py"))]
+    every = [
+        p.relative_to(ROOT).as_posix() for p in sorted((ROOT / "tests/unit").glob("test_*.py"))
+    ]
     named = [one for one in every if Path(one).stem == f"test_{path.stem}"]
     word = re.compile(rf"\b{re.escape(module)}\b")
     importing = [one for one in of_room + every if word.search((ROOT / one).read_text())]
@@ -236,8 +238,14 @@ class Copy:
         numerics = self.tree / "src/shellcut/numerics"
         self._change(
             numerics / "kernel_cache.py",
-            ("source_digest(*([] if is_ours else [self._function]))", "stamp_of(self._function, is_ours)"),
-            ("from .source_digest import", "from .mutant import stamp_of\nfrom .source_digest import"),
+            (
+                "source_digest(*([] if is_ours else [self._function]))",
+                "stamp_of(self._function, is_ours)",
+            ),
+            (
+                "from .source_digest import",
+                "from .mutant import stamp_of\nfrom .source_digest import",
+            ),
         )
         # Tests run in the order in which they are named.
         self._change(self.tree / "tests/conftest.py", ("items.sort(", "sorted(items, "))
@@ -260,7 +268,10 @@ class Copy:
             (self.tree / name).write_text(mutated(name, *change))
             files = (ROOT / "src/shellcut").rglob("*.py")
             reaching = [one for one in files if reaches(one, ROOT / name)]
-        state = {"mutant": mutant, "reaching": [str(self.tree / p.relative_to(ROOT)) for p in reaching]}
+        state = {
+            "mutant": mutant,
+            "reaching": [str(self.tree / p.relative_to(ROOT)) for p in reaching],
+        }
         self._now.write_text(json.dumps(state))
         shutil.rmtree(self.own, ignore_errors=True)
         shutil.copytree(self.good, self.own, copy_function=os.link)
@@ -280,7 +291,9 @@ class Copy:
         if done.returncode == 0:
             return ""
         named = re.findall(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)
-        return named[0] if named else f"exit {done.returncode}: {(done.stdout + done.stderr)[-300:]}"
+        return (
+            named[0] if named else f"exit {done.returncode}: {(done.stdout + done.stderr)[-300:]}"
+        )
 
     def _keep_kernels(self, mutant):
         """Put new kernels that no mutant reaches into the cache of those without."""
@@ -300,7 +313,11 @@ def described(name, first, last, text):
     content = (ROOT / name).read_bytes()
     line = content[:first].count(b"\n")
     was = {"was": content[first:last].decode(), "is": text}
-    return {"place": f"{name}:{line + 1}", "line": content.splitlines()[line].decode().strip(), **was}
+    return {
+        "place": f"{name}:{line + 1}",
+        "line": content.splitlines()[line].decode().strip(),
+        **was,
+    }
 
 
 def main():
@@ -335,7 +352,9 @@ def main():
             with given.record.open("a") as file:
                 file.write(json.dumps(row) + "\n")
         if "by" in rows[-1]:
-            print("   ", f"killed by {rows[-1]['by']}" if rows[-1]["by"] else "survived", flush=True)
+            print(
+                "   ", f"killed by {rows[-1]['by']}" if rows[-1]["by"] else "survived", flush=True
+            )
     tried = [row for row in rows if "by" in row]
     killed = sum(bool(row["by"]) for row in tried)
     print(f"{killed} of {len(tried)} killed, {len(rows) - len(tried)} of the draw not tried yet")

@@ -46,7 +46,9 @@ def flow(r_values, angle_deg):
     F, G, H = r_0 / (r_90 * (1 + r_0)), 1 / (1 + r_0), r_0 / (1 + r_0)
     N = (r_0 + r_90) * (1 + 2 * r_45) / (2 * r_90 * (1 + r_0))
     c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
-    own = np.array([[c * c, s * s, 2 * c * s], [s * s, c * c, -2 * c * s], [-c * s, c * s, c**2 - s**2]])
+    own = np.array(
+        [[c * c, s * s, 2 * c * s], [s * s, c * c, -2 * c * s], [-c * s, c * s, c**2 - s**2]]
+    )
     return own.T @ np.array([[G + H, -H, 0.0], [-H, F + H, 0.0], [0.0, 0.0, 2 * N]]) @ own
 
 

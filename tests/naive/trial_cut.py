@@ -85,7 +85,9 @@ def pairs(film, segment):
         a, b = ring[segment.side], ring[(segment.side + 1) % 4]
         way = np.subtract([segment.entry, segment.exit], CORNER[segment.side])
         s = np.linalg.norm(way, axis=1) / 2.0
-        on = [(r, k, up) for r, k, up in topology.rows_beside(a, b) if reaches(topology, r, k, s, up)]
+        on = [
+            (r, k, up) for r, k, up in topology.rows_beside(a, b) if reaches(topology, r, k, s, up)
+        ]
         (mine,), (other,) = ([r for r, _, up in on if up == way] for way in (True, False))
         ahead = s[0] < s[1]
         parts = {other: None, mine: None}
@@ -142,7 +144,10 @@ def cables(film, state, segment, members):
             place = start + c.share[k] * (stop - start)
             if row == segment.row and any(side_of(segment, place) == 1 - of for of in own):
                 continue
-            parts = [(1.0 - c.share[k]) * at(start)[corner[row]], c.share[k] * at(stop)[corner[row]]]
+            parts = [
+                (1.0 - c.share[k]) * at(start)[corner[row]],
+                c.share[k] * at(stop)[corner[row]],
+            ]
             if sum(parts) <= NONE:
                 continue
             closed = 0.0

@@ -233,8 +233,9 @@ def test_the_joint_is_on_the_edge_beside_where_the_cable_crosses_the_mid_plane(t
         way = normal + rng.uniform(-0.5, 0.5) * along + rng.uniform(-0.02, 0.02) * tool.edge_back[k]
         share, size = rng.uniform(0.02, 0.98), rng.uniform(0.01, 0.1)
         minus, plus = crossing - share * size * way, crossing + (1.0 - share) * size * way
-        cables, state = CableSet(LAW, tool), state_with(
-            pose.to_space(np.array([minus, plus])), m=pose.rotation @ normal
+        cables, state = (
+            CableSet(LAW, tool),
+            state_with(pose.to_space(np.array([minus, plus])), m=pose.rotation @ normal),
         )
         evaluate(cables, state, pose)
         c = state.cable

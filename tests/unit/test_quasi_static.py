@@ -75,9 +75,7 @@ def test_film_that_swings_is_stopped_below_the_kinetic_energy_that_is_allowed():
         (0.99, 1.0, 1.0, False),
     ],
 )
-def test_a_peak_above_a_quarter_stops_film_once_the_pace_has_halved(
-    kinetic, before, slowed, stops
-):
+def test_a_peak_above_a_quarter_stops_film_once_the_pace_has_halved(kinetic, before, slowed, stops):
     """Kinetic energies over what is allowed, and the pace over the largest since the last stop."""
     share, work = 2e-3, 50.0
     most, pace = share * work, Pace(share)

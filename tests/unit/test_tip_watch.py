@@ -12,7 +12,7 @@ from naive import blade_drive, crack_path, trial_cut
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.pierce import Pierce, parts_quad
-from shellcut.fracture.quad_polygon import WHOLE, common_side, shape_functions
+from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
 from shellcut.fracture.rows_ahead import table_of
 from shellcut.fracture.tip import Tip
@@ -29,20 +29,22 @@ class Rules:
 
     def __init__(self, sim):
         self.sim, self.topology = sim, sim.cracks.cuts.topology
-        self.edges, self.path = CuttingEdges.of(sim.tool), CrackPath(self.topology, sim.shell)
+        self.path = CrackPath(self.topology, sim.shell)
         self.film = trial_cut.Film(self.topology, sim.shell, sim.loads, sim.law.strength)
-        self.watch = TipWatch(self.path, trial_of(sim), BladeDrive(self.edges, sim.motion))
+        self.watch = TipWatch(
+            self.path, trial_of(sim), BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
+        )
 
     def plain(self, tip, tips):
         """Return segment and measures of a tip, None without, and from which on it is due."""
-        state, motion = self.sim.state, self.sim.motion
+        state, tool, motion = self.sim.state, self.sim.tool, self.sim.motion
         at, heading = crack_path.place_of(self.path, state, tip)
-        edge, passed = blade_drive.nearest_edge(self.edges, motion, at.x, at.size, state.time)
+        edge, passed = blade_drive.nearest_edge(tool, motion, at.x, at.size, state.time)
         if edge < 0:
             ways, lean = [heading - (heading @ at.t) * at.t], np.zeros(3)
         else:
-            off, then = blade_drive.beyond(self.edges, motion, at.x, at.size, edge, state.time)
-            ways, lean = blade_drive.directions(self.edges, edge, off, at, heading, then)
+            off, then = blade_drive.beyond(tool, motion, at.x, at.size, edge, state.time)
+            ways, lean = blade_drive.directions(tool, motion, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
         measures = segment and trial_cut.measures(self.film, state, segment)
@@ -162,11 +164,11 @@ def test_chords_part_whole_quads_as_the_rules_say():
         b = np.array([np.cos(angle), np.sin(angle), rng.uniform(-0.2, 0.2)])
         normal, size = tuple(b.tolist()), path.size(row)
         mine = parts_quad(quad, chord, s.node.x, s.node.t, s.quads, row, *place, normal, size)
-        t = np.array(shape_functions(place)) @ s.node.t[s.quads[row]]
+        t = crack_path.shape_functions(place) @ s.node.t[s.quads[row]]
         trace = np.cross(t, b) / np.linalg.norm(np.cross(t, b))
         ends = [crack_path.segment(path, s, row, place, sign * trace) for sign in (-1.0, 1.0)]
         rules = None not in ends and (
-            common_side(WHOLE, *(end.exit for end in ends)) is None
+            crack_path.common_side(WHOLE, *(end.exit for end in ends)) is None
             or (min(end.corner for end in ends) >= 0 and ends[0].corner != ends[1].corner)
         )
         assert mine == rules
@@ -205,9 +207,8 @@ def test_an_edge_drives_the_tips_that_it_will_meet(degrees):
 
 
 def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
-    edges = CuttingEdges.of(sc.tool_shapes.tooth_ring())
-    motion = sc.ScrewMotion(300.0, pitch=12.0)
-    drive, rng = BladeDrive(edges, motion), np.random.default_rng(3)
+    tool, motion = sc.tool_shapes.tooth_ring(), sc.ScrewMotion(300.0, pitch=12.0)
+    drive, rng = BladeDrive(CuttingEdges.of(tool), motion), np.random.default_rng(3)
     ahead, size = np.radians([2.0, 10.0, 20.0, 24.0]), 0.2
     z = 1.0  # where the edge is 60 degrees steep: so far behind the tip of the tooth
     angle = ahead - 1.0 / np.tan(np.radians(60.0)) / 9.4
@@ -216,7 +217,7 @@ def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
     radius, angle = rng.uniform(9.1, 9.7, 600), rng.uniform(-0.5, 0.5, 600)
     places = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0, 4, 600)], 1)
     found = drive.find(places, np.full(600, size), 0.0)
-    plain = [blade_drive.nearest_edge(edges, motion, x, size, 0.0) for x in places]
+    plain = [blade_drive.nearest_edge(tool, motion, x, size, 0.0) for x in places]
     assert list(zip(found.edge_of.tolist(), found.passed.tolist(), strict=True)) == plain
     assert 30 < sum(edge >= 0 for edge, _ in plain) < 500
 

@@ -163,6 +163,28 @@ def test_a_film_folded_flat_gives_numbers():
 # ---------------------------------------------------------------- plain twin
 
 
+@pytest.mark.parametrize(
+    "hardening",
+    [
+        Linear(20.0, 50.0),
+        Voce(20.0, 30.0, 0.05, 5.0),
+        Swift(60.0, 0.002, 0.2),
+        Table((0.0, 0.1, 0.5), (20.0, 30.0, 60.0)),
+    ],
+    ids=lambda one: one.kind,
+)
+def test_rise_and_slopes_of_the_yield_stress_are_those_of_its_formula(hardening):
+    row = np.array([7.0, *hardening.row()])  # a kernel has others before
+    for p in (0.0, 0.003, 0.04, 0.12, 0.3, 0.7):
+        rise, slope = hardening.function(row, 1, p)
+        wanted = naive.yield_stress(hardening, p) - naive.yield_stress(hardening, 0.0)
+        assert rise == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+        h = 1e-7  # ahead only: on a corner of a table the slope of the part that follows
+        ahead = naive.yield_stress(hardening, p + h) - naive.yield_stress(hardening, p)
+        assert slope == pytest.approx(ahead / h, rel=2e-4, abs=1e-6)
+        assert type(hardening).slope(row, 1, p, rise) == pytest.approx(slope, rel=1e-9)
+
+
 @pytest.mark.parametrize("material", KINDS, ids=lambda m: m.law.name)
 def test_steps_of_any_size_are_those_of_the_plain_twin(material):
     rng = np.random.default_rng(7)
