@@ -204,6 +204,9 @@ def test_an_edge_drives_the_tips_that_it_will_meet(degrees):
     found = drive.find(places, np.full(6, 0.1), 0.0).edge_of >= 0
     assert found[:3].all()
     assert found[3:].tolist() == (ahead * np.tan(np.radians(degrees)) <= 0.05).tolist()
+    # Tips farther ahead than twenty edges are not its own yet.
+    far = drive.find(np.array([1.99, 2.01])[:, None] * way / way[0], np.full(2, 0.1), 0.0).edge_of
+    assert (far >= 0).tolist() == [True, False]
 
 
 def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
