@@ -247,7 +247,7 @@ def test_a_needle_between_nodes_is_felt_at_first_touch():
 
 
 def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
-    sim, points, s, k = pressing()
+    _, points, s, k = pressing()
     result = points.forces
     nodes, weights = points.carriers.node[k], points.carriers.weight[k]
     tip = points.points.place[points.point_of_sheet()[k]] - [0.0, 0.0, GAP + 0.02]
