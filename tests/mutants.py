@@ -30,7 +30,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-ID = "place", "line", "was", "is"  # what tells mutants apart in the record
+ID = "place", "column", "line", "was", "is"  # what tells mutants apart in the record
 SMALLEST = 1e-6
 CPU_SECONDS = 1200  # what runs longer is in an endless loop
 ROOMS = {
@@ -312,11 +312,12 @@ def described(name, first, last, text):
     """Return what a mutant is, the same as long as its line is."""
     content = (ROOT / name).read_bytes()
     line = content[:first].count(b"\n")
-    was = {"was": content[first:last].decode(), "is": text}
     return {
         "place": f"{name}:{line + 1}",
+        "column": first - content.rfind(b"\n", 0, first) - 1,
         "line": content.splitlines()[line].decode().strip(),
-        **was,
+        "was": content[first:last].decode(),
+        "is": text,
     }
 
 
