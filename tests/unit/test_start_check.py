@@ -99,8 +99,8 @@ def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
 
 def test_a_tool_is_sent_back_along_its_first_way_wherever_it_goes_later():
     pose = Pose(np.eye(3), np.array([3.5, 0.0, 2.8]))
-    way = [(0.0, 0.0, 0.0), (0.0, 0.0, -3.0), (4.0, 0.0, -3.0)]
-    motion = TableMotion([0.0, 1e-3, 2e-3], way)
+    way = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -3.0), (4.0, 0.0, -3.0)]
+    motion = TableMotion([0.0, 1e-4, 1e-3, 2e-3], way)
     with pytest.raises(ValueError, match=r"start back by \(0, 0, 0\.[23]\d*\) mm"):
         check_tool_outside(MESH, BLADE, ClosestTriangleGrid.build(BLADE), pose, motion)
 
