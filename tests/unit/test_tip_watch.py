@@ -217,12 +217,12 @@ def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
     angle = ahead - 1.0 / np.tan(np.radians(60.0)) / 9.4
     circle = np.stack([9.4 * np.cos(angle), 9.4 * np.sin(angle), 0.0 * angle + z], axis=1)
     assert (drive.find(circle, np.full(4, size), 0.0).edge_of >= 0).all()
-    radius, angle = rng.uniform(9.1, 9.7, 150), rng.uniform(-0.5, 0.5, 150)
-    places = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0, 4, 150)], 1)
-    found = drive.find(places, np.full(150, size), 0.0)
+    radius, angle = rng.uniform(9.1, 9.7, 60), rng.uniform(-0.5, 0.5, 60)
+    places = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0, 4, 60)], 1)
+    found = drive.find(places, np.full(60, size), 0.0)
     plain = [blade_drive.nearest_edge(tool, motion, x, size, 0.0) for x in places]
     assert list(zip(found.edge_of.tolist(), found.passed.tolist(), strict=True)) == plain
-    assert 10 < sum(edge >= 0 for edge, _ in plain) < 140
+    assert 5 < sum(edge >= 0 for edge, _ in plain) < 55
 
 
 def test_list_of_near_rows_never_changes_what_is_pierced():
