@@ -1,7 +1,10 @@
 """Cable forces by the formulae in the docstring of shellcut.cables.directional_cable, one cable at
 a time."""
 
+from types import SimpleNamespace
+
 import numpy as np
+from scipy.optimize import brentq
 
 
 def envelope(opening, law):
@@ -23,6 +26,62 @@ def stress(opening, largest, law):
     cap = law.strength / law.onset if law.onset > 0 else np.inf
     slope = min(peak / largest, cap) if largest > 0 else cap
     return max(peak - slope * (largest - opening), 0.0)
+
+
+def severed(law, area):
+    """The law that a sharp edge cuts off at an area below it [N/mm], found by search for its end.
+
+    It falls as the whole law does, and its plateau ends at the same part of its end. One that ends
+    on the drop falls steeper from there, or else goes down the drop and ends from its foot.
+    """
+    rho = law.opening_p / law.opening_u
+    slope = (law.strength - law.plateau) / law.opening_a
+
+    def ending(end):
+        foot = SimpleNamespace(
+            strength=law.strength,
+            plateau=law.plateau,
+            opening_a=law.opening_a,
+            opening_p=max(rho * end, law.opening_a),
+            opening_u=end,
+            onset=law.onset,
+        )
+        on_drop = law.strength - slope * rho * end
+        if rho * end < law.opening_a and on_drop >= slope * (end - rho * end):
+            foot.plateau, foot.opening_a, foot.opening_p = on_drop, rho * end, rho * end
+        return foot
+
+    def below(end):
+        one = ending(end)
+        ends = [0.0, one.opening_a, one.opening_p, one.opening_u]
+        return np.trapezoid([one.strength, one.plateau, one.plateau, 0.0], ends)
+
+    if below(law.opening_u) <= area:
+        return law
+    return ending(brentq(lambda end: below(end) - area, 1e-12, law.opening_u, xtol=1e-15))
+
+
+def opening(minus, plus, m, onset):
+    """Length measure of a straight cable [mm]."""
+    return np.linalg.norm(plus - minus + onset * m) - onset
+
+
+def fade(largest, start_opening):
+    """What is left of the force of the equilibrium start after the opening ``largest``."""
+    return max(0.0, 1.0 - largest / start_opening)
+
+
+def met(minus, plus, m, onset, start, along, normal):
+    """Joint and slack of a cable that the edge start + s along has just met.
+
+    The joint lies on the edge beside the place where the cable crosses the blade's mid-plane. The
+    slack is what the bend adds to the length.
+    """
+    here, there = (minus - start) @ normal, (plus - start) @ normal
+    crossing = minus + here / (here - there) * (plus - minus)
+    joint = start + ((crossing - start) @ along) * along
+    bent = np.linalg.norm(joint - minus) + np.linalg.norm(plus - joint)
+    return joint, bent - opening(minus, plus, m, onset)
 
 
 def straight(minus, plus, m, area, largest, law):

@@ -20,13 +20,12 @@ def closest_point(p, corners):
 
 def winding_number(p, tool):
     """1 inside, 0 outside: solid angle of the surface over 4 pi (van Oosterom & Strackee 1983)."""
-    total = 0.0
-    for triangle in tool.vertices[tool.triangles]:
-        a, b, c = triangle - p
-        la, lb, lc = np.linalg.norm(a), np.linalg.norm(b), np.linalg.norm(c)
-        below = la * lb * lc + (a @ b) * lc + (b @ c) * la + (c @ a) * lb
-        total += 2.0 * np.arctan2(a @ np.cross(b, c), below)
-    return total / (4.0 * np.pi)
+    a, b, c = np.moveaxis(tool.vertices[tool.triangles] - p, 1, 0)
+    la, lb, lc = (np.linalg.norm(rows, axis=1) for rows in (a, b, c))
+    ab, bc, ca = ((one * other).sum(axis=1) for one, other in ((a, b), (b, c), (c, a)))
+    below = la * lb * lc + ab * lc + bc * la + ca * lb
+    above = (a * np.cross(b, c)).sum(axis=1)
+    return 2.0 * np.arctan2(above, below).sum() / (4.0 * np.pi)
 
 
 def smoothed(g, g_m):

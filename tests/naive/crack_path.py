@@ -1,21 +1,83 @@
-"""Where a crack leaves the row ahead of it: the rules of ``fracture/ray_ahead.py``, one ray."""
+"""Where a crack leaves the row ahead of it: the rules of ``fracture/ray_ahead.py``, one ray.
+
+Rows ahead, ends of other cracks and the polygons of rows are those of ``CrackPath`` and
+``CutTopology``; what a ray does in them is found here.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.fracture.quad_polygon import (
-    AWAY,
-    CORNERS,
-    FLANK,
-    along_side,
-    common_side,
-    corner_at,
-    holds,
-    is_on,
-    on_side,
-    shape_functions,
-)
-from shellcut.fracture.ray_ahead import ALONG, GRAZE, JOIN, MERGE, SNAP
-from shellcut.fracture.tip import Segment
+from .shell import CORNERS, shape
+
+JOIN, MERGE, CORNER, GRAZE = 0.3, 0.15, 0.05, 0.2
+"""Of an edge: how near to a ray ends of oncoming cracks, crossings and corners are met; and of the
+way ahead, how near a ray passes the corner at the end of its own side that it turns around."""
+FLAT = 1.0 / 3.0
+"""Of the way to a corner: a ray to a flank's end that is flatter runs along the crack there."""
+FLANK = -1
+"""Of a polygon's edge that lies on a crack."""
+SAME, AWAY = 1e-9, 1e-6
+"""Of the parametric square: distances of what is one place, and of what is on a line."""
+
+
+class Segment(NamedTuple):
+    """A way through a row, by the names of the code's."""
+
+    row: int
+    entry: tuple
+    exit: tuple
+    side: int
+    corner: int
+    along_side: bool = False
+
+
+def shape_functions(place):
+    return shape(*place)[0]
+
+
+def on_side(side, s):
+    """The place at a fraction of a side, from its first corner."""
+    a, b = np.array(CORNERS[side]), np.array(CORNERS[(side + 1) % 4])
+    return tuple((a + s * (b - a)).tolist())
+
+
+def along_side(side, place):
+    """The fraction of a side at which a place on it lies."""
+    a, b = np.array(CORNERS[side]), np.array(CORNERS[(side + 1) % 4])
+    return float((np.array(place) - a) @ (b - a)) / 4.0
+
+
+def corner_at(place):
+    """The corner at a place, -1 if there is none."""
+    return next((c for c in range(4) if np.hypot(*np.subtract(place, CORNERS[c])) < SAME), -1)
+
+
+def height(place, a, b):
+    """How far a place lies to the left of the line from a to b."""
+    (dx, dy), (x, y) = np.subtract(b, a), np.subtract(place, a)
+    return (dx * y - dy * x) / np.hypot(dx, dy)
+
+
+def is_on(place, a, b):
+    """Whether a place lies on the line through a and b."""
+    return abs(height(place, a, b)) < AWAY
+
+
+def edges(polygon):
+    """Both points of each edge of a polygon, and the side of the quad on which it lies."""
+    return zip(polygon.points, np.roll(polygon.points, -1, axis=0), polygon.sides, strict=True)
+
+
+def common_side(polygon, one, other):
+    """On which side two places of a polygon lie, None if on no common edge."""
+    on = (side for a, b, side in edges(polygon) if is_on(one, a, b) and is_on(other, a, b))
+    return next(on, None)
+
+
+def holds(polygon, place):
+    """Whether a place lies in a polygon or on its boundary."""
+    return all(height(place, a, b) > -SAME for a, b, _ in edges(polygon))
 
 
 def segment_from(
@@ -63,12 +125,12 @@ def segment(path, state, row, entry, direction, lean=None):
     for k in (i, j) if abs(off[i]) <= abs(off[j]) else (j, i):
         end = polygon.points[k]
         corner = corner_at(end)
-        if abs(off[k]) >= (SNAP if corner >= 0 else MERGE) * size:
+        if abs(off[k]) >= (CORNER if corner >= 0 else MERGE) * size:
             continue
         on = common_side(polygon, entry, end)
         if on is None:
             return Segment(row, entry, end, side, corner)
-        if on == FLANK and abs(off[k]) < ALONG * ahead[k]:
+        if on == FLANK and abs(off[k]) < FLAT * ahead[k]:
             return None  # there is a crack already
         start = corner_at(entry)
         if corner >= 0 and start >= 0 and on != FLANK and path.may_break(row, start, corner):
@@ -77,7 +139,7 @@ def segment(path, state, row, entry, direction, lean=None):
         exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
         return Segment(row, entry, exit_, FLANK, -1)
     s_a, s_b = along_side(side, a), along_side(side, b)
-    s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
+    s = s_a + min(max(along, CORNER), 1.0 - CORNER) * (s_b - s_a)
     places = [on_side(side, s)]
     ring = path.ring(row)
     x = state.node.x[state.quads[row]]
@@ -139,8 +201,8 @@ def _past_a_corner(path, row, entry, off, ahead):
     if len(on) != 1 or polygon.sides[on[0]] == FLANK:
         return None
     for k, edge, along in (
-        ((on[0] + 1) % n, (on[0] + 1) % n, SNAP),
-        (on[0], on[0] - 1, 1 - SNAP),
+        ((on[0] + 1) % n, (on[0] + 1) % n, CORNER),
+        (on[0], on[0] - 1, 1 - CORNER),
     ):
         side = polygon.sides[edge]
         if corner_at(points[k]) < 0 or side == FLANK or not abs(off[k]) < GRAZE * ahead[k]:
@@ -148,7 +210,7 @@ def _past_a_corner(path, row, entry, off, ahead):
         s_a, s_b = (along_side(side, points[i % n]) for i in (edge, edge + 1))
         s = s_a + along * (s_b - s_a)
         known = path.topology.crossings(ring[side], ring[(side + 1) % 4])
-        if all(abs(one - s) >= SNAP for one in known):
+        if all(abs(one - s) >= CORNER for one in known):
             return Segment(row, entry, on_side(side, s), side, -1)
     return None
 

@@ -1,4 +1,4 @@
-"""Deflection of a simply supported layered strip under a sine load: elasticity, and a shell.
+"""Deflection of a simply supported layered strip under a sine load, by elasticity.
 
 Exact solution of three-dimensional elasticity in cylindrical bending [Pagano1969], for layers whose
 moduli have a plane of symmetry, the sheet's. With p = π/span all of u_1, u_2, sigma_13, sigma_23 go
@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import expm
 
 from shellcut.material import Elastic
-from shellcut.mitc4.section import point_stiffness
 
 PLANE, THROUGH = np.array([0, 1, 5]), np.array([4, 3])
 
@@ -18,7 +17,7 @@ PLANE, THROUGH = np.array([0, 1, 5]), np.array([4, 3])
 def moduli(material):
     """Stiffness for (e_11, e_22, e_33, 2e_23, 2e_13, 2e_12) in the film's axes, (6, 6) [MPa].
 
-    What plane stress leaves open: E_3 is that across.
+    What plane stress leaves open: E_3 is that across, shear that in the sheet.
     """
     if isinstance(material, Elastic):
         e1 = e2 = material.young
@@ -28,7 +27,8 @@ def moduli(material):
     else:
         e1, e2, nu = material.young_along, material.young_across, material.poisson
         through = nu if material.poisson_through is None else material.poisson_through
-        shear = [material.shear_through_across, material.shear_through, material.shear]
+        shear = material.shear_through_across, material.shear_through, material.shear
+        shear = [one or material.shear for one in shear]
         angle = np.radians(material.angle_deg)
     compliance = np.diag([1 / e1, 1 / e2, 1 / e2, *(1 / np.array(shear))])
     for i, j, ratio in ((0, 1, nu / e1), (0, 2, through / e1), (1, 2, through / e2)):
@@ -62,13 +62,3 @@ def elasticity(film, span):
         through, below = expm(M * layer.thickness) @ through, below + layer.thickness
     bottom = np.linalg.solve(through[3:, :3], [0.0, 0.0, 1.0])
     return (middle[:, :3] @ bottom)[2]
-
-
-def shell(film, span):
-    """The same of a shell with the section of ``film``, in closed form."""
-    corners = np.array([[[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]]])
-    h = point_stiffness(corners, np.tile([0.0, 0.0, 1.0], (1, 4, 1)), film, 0)[0]
-    p, rates = np.pi / span, np.zeros((6, 5))  # strains of the waves u_1, u_2, t_1, t_2, w
-    rates[:4, :4], rates[4, [2, 4]], rates[5, 3] = p * np.eye(4), (1.0, p), 1.0
-    section = h[np.ix_([0, 2, 3, 5, 6, 7], [0, 2, 3, 5, 6, 7])]
-    return np.linalg.solve(rates.T @ section @ rates, [0.0, 0.0, 0.0, 0.0, 1.0])[4]

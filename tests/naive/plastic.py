@@ -7,6 +7,8 @@ the 3 x 3 matrices C and P and a function σ_y(p), with nothing brought to modes
 import numpy as np
 from scipy.optimize import brentq
 
+from .layered_strip import PLANE, moduli
+
 
 def logarithm(E):
     """Logarithmic strain (11, 22, 2·12) of a Green-Lagrange strain."""
@@ -27,6 +29,42 @@ def second_piola_kirchhoff(T, E):
         slope = (8 * (ahead - behind) - (far - back)) / 12e-5
         S[k] = T @ slope
     return S
+
+
+def elastic(material):
+    """Stiffness for (e_11, e_22, 2e_12) with no stress across, in the film's axes [MPa]."""
+    C = moduli(material)
+    return C[np.ix_(PLANE, PLANE)] - np.outer(C[PLANE, 2], C[2, PLANE]) / C[2, 2]
+
+
+def flow(r_values, angle_deg):
+    """P of σ_eq² = T · P T by [Hill1948] with R at 0, 45 and 90° to axes at an angle to the film's.
+
+    Along the first axis σ_eq is the stress; all R = 1 is von Mises' rule.
+    """
+    r_0, r_45, r_90 = r_values
+    F, G, H = r_0 / (r_90 * (1 + r_0)), 1 / (1 + r_0), r_0 / (1 + r_0)
+    N = (r_0 + r_90) * (1 + 2 * r_45) / (2 * r_90 * (1 + r_0))
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    own = np.array(
+        [[c * c, s * s, 2 * c * s], [s * s, c * c, -2 * c * s], [-c * s, c * s, c**2 - s**2]]
+    )
+    return own.T @ np.array([[G + H, -H, 0.0], [-H, F + H, 0.0], [0.0, 0.0, 2 * N]]) @ own
+
+
+def yield_stress(hardening, p):
+    """σ_y(p) [MPa] by the formulae in the docstrings of the kinds of hardening."""
+    h = hardening
+    match type(h).__name__:
+        case "Linear":
+            return h.yield_stress + h.modulus * p
+        case "Swift":
+            return h.strength * (h.start + p) ** h.exponent
+        case "Voce":
+            return h.yield_stress + h.gain * (1.0 - np.exp(-p / h.strain)) + h.modulus * p
+        case "Table":
+            return np.interp(p, h.plastic_strain, h.stress_at)
+    raise TypeError(hardening)
 
 
 def step(C, P, yield_stress, kinematic, strain, history):

@@ -58,8 +58,9 @@ def shear_factor(material):
         return material.shear_factor
     top = np.cumsum([layer.thickness for layer in material.layers])
     spans = list(zip([0.0, *top], top, strict=False))
-    moduli = [layer.material.plane_stress()[0, 0] for layer in material.layers]
-    shear = [layer.material.transverse_shear()[0, 0] for layer in material.layers]
+    film = [layer.material for layer in material.layers]
+    moduli = [one.young / (1 - one.poisson**2) for one in film]
+    shear = [one.young / (2 * (1 + one.poisson)) for one in film]
 
     def integral(polynomials):
         return sum(

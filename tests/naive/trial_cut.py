@@ -1,67 +1,210 @@
-"""The nodal force of a trial cut, by the sums of ``fracture/trial_cut.py`` one side at a time."""
+"""The nodal force of a trial cut, by the sums of ``fracture/trial_cut.py``, corner by corner.
+
+The cut is made on the topology and undone: the classes of corners there say which film is on either
+side. Masses and forces of corners are those of shell and loads.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.fracture.quad_polygon import density, divide, shape_functions, share_of
 from shellcut.state import BROKEN
 
+from .load import pressure_rows_of_part
+from .shell import shape
 
-def measures(trial, state, segment):
+RIGHT, LEFT = 0, 1
+NONE = 1e-9  # of a shape function: the corner has no part in the place
+
+
+class Film(NamedTuple):
+    """What a trial cut is made in; the strength of its cables [MPa]."""
+
+    topology: object
+    shell: object
+    loads: object
+    strength: float
+
+
+def at(place):
+    """Shape functions at a place of a quad, (4,)."""
+    return shape(*place)[0]
+
+
+def measures(film, state, segment):
     """Return F · m and |F| over what the cables would carry; a driven cut is due at 1 of F · m."""
-    if force(trial, state, segment) is None:
+    if force(film, state, segment) is None:
         return -np.inf, -np.inf
     m, length = across(state, segment)
-    found = force(trial, state, segment, held_by=lambda share, closed: share - closed)
-    before = behind(trial, state, segment)
-    carries = trial.carried * 0.5 * (before + length)
+    found = force(film, state, segment, held_by=lambda share, closed: share - closed)
+    carries = film.strength * film.shell.material.thickness
+    carries *= 0.5 * (behind(film, state, segment) + length)
     return float(found @ m) / carries, float(np.linalg.norm(found)) / carries
 
 
-def force(trial, state, segment, held_by=lambda share, closed: share):
+def force(film, state, segment, held_by=lambda share, closed: share):
     """Return F_c [N], shape (3,); None if the cut would part nothing at the tip.
 
     held_by : how much of a cable's force counts.
     """
-    part = np.array([1.0, *shares(trial, state, segment)])
+    part = shares(film, state, segment)
     d, kappa = np.zeros(3), 0.0
-    for weight, sides in trial.pairs(state, segment):
-        for sign, side in zip((-1.0, 1.0), sides, strict=True):
-            share = part[side.part]
-            mass = float(share @ trial.corner_mass(side))
-            total = share @ trial.corner_forces(state, side.rows, side.nodes)
-            for cable, end, held, closed in side.cables:
-                if state.cable.status[cable] != BROKEN:
-                    total += held_by(held, closed) * state.cable.force[cable, end]
+    for weight, sides in pairs(film, segment):
+        for sign, members in zip((-1.0, 1.0), sides, strict=True):
+            mass, total = 0.0, np.zeros(3)
+            for row, corner, of in members:
+                share = 1.0 if of is None else part[of]
+                mass += share * film.shell.mass[row, corner]
+                total += share * corner_force(film, state, row, corner)
+            for cable, end, held, closed in cables(film, state, segment, members):
+                total += held_by(held, closed) * state.cable.force[cable, end]
             d += sign * weight * total / mass
             kappa += weight**2 / mass
     return d / kappa if kappa > 0.0 else None
 
 
-def behind(trial, state, segment):
+def corner_force(film, state, row, corner):
+    """Return the force of a whole row on one of its nodes [N], (3,)."""
+    one = np.array([row]), np.array([state.quads[row, corner]], np.int64)
+    force = film.shell.corner_forces(state, *one)
+    film.loads.add_corner_forces(state, *one, force)
+    return force[0]
+
+
+def pairs(film, segment):
+    """Return for each corner at the tip its shape function, and what is on both sides of the cut.
+
+    Minus and plus side: each a list of rows, which corner it is of them, and RIGHT or LEFT for the
+    parts of the row that is cut.
+    """
+    topology, row = film.topology, segment.row
+    ring = film.shell.mesh_quads[row].tolist()
+    corners = [c for c in range(4) if at(segment.entry)[c] > NONE]
+    if segment.along_side:
+        # The row lies to the left of its own side; the other, if its film is there, to the right.
+        a, b = ring[segment.side], ring[(segment.side + 1) % 4]
+        way = np.subtract([segment.entry, segment.exit], CORNER[segment.side])
+        s = np.linalg.norm(way, axis=1) / 2.0
+        on = [
+            (r, k, up) for r, k, up in topology.rows_beside(a, b) if reaches(topology, r, k, s, up)
+        ]
+        (mine,), (other,) = ([r for r, _, up in on if up == way] for way in (True, False))
+        ahead = s[0] < s[1]
+        parts = {other: None, mine: None}
+        topology.break_side(a, b, min(s), max(s))
+        classes = [topology.classes(ring[c]) for c in corners]
+        topology.mend_side(a, b)
+        sides = (other, mine) if ahead else (mine, other)
+    else:
+        whole = topology.polygon(row)
+        new = topology.cut(row, segment.entry, segment.exit)
+        classes = [topology.classes(ring[c]) for c in corners]
+        topology.mend(row, new, whole)
+        sides, parts = (row, new), {row: RIGHT, new: LEFT}
+    found = []
+    for c, groups in zip(corners, classes, strict=True):
+        both = [next((g for g in groups if any(r == one for r, _ in g)), None) for one in sides]
+        if None not in both and both[0] is not both[1]:
+            members = [
+                [(row if parts.get(r) == LEFT else r, k, parts.get(r)) for r, k in group]
+                for group in both
+            ]
+            found.append((at(segment.entry)[c], members))
+    return found
+
+
+CORNER = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+
+
+def reaches(topology, row, side, s, up):
+    """Whether the film of a row lies along a part of one of its sides."""
+    polygon = topology.polygon(row)
+    on = [
+        np.linalg.norm(np.subtract(point, CORNER[side])) / 2.0
+        for k, point in enumerate(polygon.points)
+        if side in (polygon.sides[k], polygon.sides[k - 1])
+    ]
+    middle = 0.5 * sum(s) if up else 1.0 - 0.5 * sum(s)
+    return len(on) == 2 and min(on) < middle < max(on)
+
+
+def cables(film, state, segment, members):
+    """Return cable, end, how much of its force the corners of a side have, and of that at the tip.
+
+    That is where the flanks have not parted yet: both move with the same nodes.
+    """
+    c, corner, found = state.cable, {row: k for row, k, _ in members}, []
+    own = [of for row, _, of in members if of is not None]
+    for k in range(c.count):
+        for end in (0, 1):
+            row = int(c.row[k, end])
+            if c.status[k] == BROKEN or row not in corner:
+                continue
+            start, stop = c.chord[k, end]
+            place = start + c.share[k] * (stop - start)
+            if row == segment.row and any(side_of(segment, place) == 1 - of for of in own):
+                continue
+            parts = [
+                (1.0 - c.share[k]) * at(start)[corner[row]],
+                c.share[k] * at(stop)[corner[row]],
+            ]
+            if sum(parts) <= NONE:
+                continue
+            closed = 0.0
+            for part, which in zip(parts, (0, 1), strict=True):
+                nodes = [
+                    {int(n) for n, w in zip(state.quads[r], at(place), strict=True) if w > NONE}
+                    for r, place in zip(c.row[k], c.chord[k, :, which], strict=True)
+                ]
+                closed += part if nodes[0] == nodes[1] else 0.0
+            found.append((k, end, sum(parts), closed))
+    return found
+
+
+def side_of(segment, place):
+    """RIGHT or LEFT of a segment, None on it."""
+    way, gap = np.subtract(segment.exit, segment.entry), np.subtract(place, segment.entry)
+    z = way[0] * gap[1] - way[1] * gap[0]
+    return None if abs(z) < 1e-9 or segment.along_side else LEFT if z > 0.0 else RIGHT
+
+
+def behind(film, state, segment):
     """Return L_in [mm]: of one side, and of the corners that part, the area of what holds there."""
-    pairs = trial.pairs(state, segment)
+    every = pairs(film, segment)
     areas = [
         closed * state.cable.area[cable]
-        for _, (minus, _) in pairs
-        for cable, _, _, closed in minus.cables
-        if state.cable.status[cable] != BROKEN
+        for _, (minus, _) in every
+        for cable, _, _, closed in cables(film, state, segment, minus)
     ]
-    return 2.0 * sum(areas) / trial.thickness / sum(weight for weight, _ in pairs)
+    return 2.0 * sum(areas) / film.shell.material.thickness / sum(weight for weight, _ in every)
 
 
-def shares(trial, state, segment):
+def shares(film, state, segment):
     """Return which parts of the row lie to the right and left of a segment."""
     if segment.along_side:
         return 1.0, 1.0
-    J = density(state.node.X[state.quads[segment.row]])
-    whole = trial.topology.polygon(segment.row)
-    right, left = (share_of(p, J) for p in divide(whole, segment.entry, segment.exit))
-    return right / (right + left), left / (right + left)
+    points = np.array(film.topology.polygon(segment.row).points)
+    areas = []
+    for of in (RIGHT, LEFT):
+        ring = []
+        for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
+            sides = [side_of(segment, p) for p in (a, b)]
+            ring += [a] if sides[0] in (of, None) else []
+            if None not in sides and sides[0] != sides[1]:
+                ring.append(segment.entry if _between(segment.entry, a, b) else segment.exit)
+        X = state.node.X[state.quads[segment.row]]
+        areas.append(np.linalg.norm(pressure_rows_of_part(X, ring, 1.0).sum(axis=0)))
+    return areas[RIGHT] / sum(areas), areas[LEFT] / sum(areas)
+
+
+def _between(place, a, b):
+    """Whether a place lies on the way from a to b."""
+    ways = np.linalg.norm(np.subtract(place, a)) + np.linalg.norm(np.subtract(place, b))
+    return ways < np.linalg.norm(b - a) + 1e-6
 
 
 def across(state, segment):
     """Return the unit normal to a segment in the sheet, shape (3,), and its length [mm]."""
-    nodes = state.quads[segment.row]
-    start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
+    nodes, start, stop = state.quads[segment.row], at(segment.entry), at(segment.exit)
     m = np.cross(start @ state.node.t[nodes], (stop - start) @ state.node.x[nodes])
     return m / np.linalg.norm(m), float(np.linalg.norm((stop - start) @ state.node.X[nodes]))

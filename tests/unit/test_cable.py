@@ -85,16 +85,24 @@ def test_straight_cables_match_the_naive_twin(law, loaded):
     assert result.n_broken == 0
 
 
-def jointed_cables(pose, tool=BLADE, law=LAW):
-    """Three cables that the edge has just met, opened further since."""
-    rotation, translation = pose
-    pairs = [
+MET = np.array(
+    [
         ([-0.01, -0.3, 0.5], [-0.01, 0.2, 0.7]),
         ([-0.02, -0.004, -1.0], [-0.01, 0.006, -1.001]),
         ([-0.3, -0.5, 2.0], [-0.2, 0.9, 2.4]),
     ]
-    space = [tuple(rotation @ p + translation for p in pair) for pair in pairs]
-    m = rotation @ [0.0, 1.0, 0.0]
+)
+"""Ends of cables where the edge meets them, in the frame of the blade, and their m there."""
+MET_M = np.array([0.0, 1.0, 0.0])
+EDGE = np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+"""A point of the edge, its direction and the normal to the blade's mid-plane."""
+
+
+def jointed_cables(pose, tool=BLADE, law=LAW):
+    """Three cables that the edge has just met, opened further since."""
+    rotation, translation = pose
+    space = [tuple(rotation @ p + translation for p in pair) for pair in MET]
+    m = rotation @ MET_M
     state = state_with(*space, m=m)
     cables = CableSet(law, tool)
     _, result = evaluate(cables, state, pose)
@@ -108,16 +116,18 @@ def jointed_cables(pose, tool=BLADE, law=LAW):
 @pytest.mark.parametrize("law", [LAW, CohesiveLaw(cutting_energy=30.0)], ids=["whole", "severed"])
 def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool(law):
     cables, state = jointed_cables(FAR, law=law)
-    c = state.cable
-    largest = c.opening_max[:3].copy()
-    joints = c.joint_body[:3] @ FAR[0].T + FAR[1]
+    c, at_edge = state.cable, law
+    if law.cutting_energy is not None:
+        at_edge = naive.severed(law, law.cutting_energy)
     forces, result = evaluate(cables, state, FAR)
-    np.testing.assert_allclose(c.joint[:3], joints, atol=1e-14)
     for k in range(3):
+        joint, slack = naive.met(*MET[k], MET_M, law.onset, *EDGE)
+        joint = FAR[0] @ joint + FAR[1]
+        np.testing.assert_allclose(c.joint[k], joint, atol=1e-14)
+        assert c.joint_slack[k] == pytest.approx(slack, abs=1e-14)
         minus, plus = state.node.x[2 * k : 2 * k + 2]
-        ell, f_minus, f_plus = naive.jointed(
-            minus, plus, joints[k], c.joint_slack[k], AREA, largest[k], law.at_edge(0.0)
-        )
+        largest = naive.opening(*MET[k], MET_M, law.onset)
+        ell, f_minus, f_plus = naive.jointed(minus, plus, joint, slack, AREA, largest, at_edge)
         assert c.opening[k] == pytest.approx(ell, abs=1e-14)
         np.testing.assert_allclose(forces[2 * k], f_minus, rtol=0, atol=1e-12)
         np.testing.assert_allclose(forces[2 * k + 1], f_plus, rtol=0, atol=1e-12)
@@ -207,6 +217,35 @@ def test_joint_is_a_matter_of_positions(minus, plus, met, pose):
     state = state_with(ends)
     evaluate(CableSet(LAW, BLADE, directional=False), state, pose)
     assert state.cable.status[0] == STRAIGHT
+
+
+@pytest.mark.parametrize("tool", [BLADE, tooth_ring()], ids=["blade", "teeth"])
+@pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
+def test_the_joint_is_on_the_edge_beside_where_the_cable_crosses_the_mid_plane(tool, pose):
+    """Wherever on the cable that is, and however it lies: forty cables, each by itself."""
+    rng, found = np.random.default_rng(5), []
+    for _ in range(40):
+        k = int(rng.integers(tool.n_edge))
+        start, stop = tool.vertices[tool.edges[k]]
+        along, normal = (stop - start) / np.linalg.norm(stop - start), tool.edge_normal[k]
+        crossing = tool.point(k, rng.uniform(0.3, 0.7)) + 0.01 * tool.edge_back[k]
+        # From the crossing to the plus side, off the normal; back along the same line by any part.
+        way = normal + rng.uniform(-0.5, 0.5) * along + rng.uniform(-0.02, 0.02) * tool.edge_back[k]
+        share, size = rng.uniform(0.02, 0.98), rng.uniform(0.01, 0.1)
+        minus, plus = crossing - share * size * way, crossing + (1.0 - share) * size * way
+        cables, state = (
+            CableSet(LAW, tool),
+            state_with(pose.to_space(np.array([minus, plus])), m=pose.rotation @ normal),
+        )
+        evaluate(cables, state, pose)
+        c = state.cable
+        assert c.edge[0] == k
+        joint, slack = naive.met(minus, plus, normal, LAW.onset, start, along, normal)
+        np.testing.assert_allclose(c.joint_body[0], joint, atol=1e-12)
+        np.testing.assert_allclose(c.joint[0], pose.to_space(joint[None])[0], atol=1e-12)
+        assert c.joint_slack[0] == pytest.approx(slack, abs=1e-12)
+        found.append(np.linalg.norm(joint - crossing))
+    np.testing.assert_allclose(found, 0.01, rtol=1e-9)
 
 
 def test_joint_is_made_when_the_edge_passes_and_the_law_goes_on():
@@ -415,6 +454,38 @@ def test_equilibrium_start_force_fades_and_its_work_is_booked_apart():
     )
     stored, dissipated = cables.energies(state)
     assert state.cable.work[0] == pytest.approx(stored + dissipated, rel=1e-3)
+
+
+def test_the_start_force_works_by_what_is_left_of_it_over_each_step():
+    """Two cables are opened, closed and opened on in long steps; all four ends move."""
+    m, starts = np.array([0.0, 1.0, 0.0]), np.array([[0.05, -0.1, 0.2], [-0.3, 0.05, 0.1]])
+    state = state_with(([0, 0, 0], [0, 0, 0]), ([1, 0, 0], [1, 0, 0]), m=m)
+    state.cable.start_force[:2] = starts
+    cables, rng = CableSet(LAW, None), np.random.default_rng(4)
+    before, _ = evaluate(cables, state)
+    state.dt, largest, works = 1e-6, np.zeros(2), []
+    for way in (0.012, 0.015, -0.02, 0.016, -0.01, 0.019, 0.025, 0.2, 0.1):
+        moves = 0.2 * abs(way) * rng.standard_normal((2, 2, 3))
+        moves[:, :, 1] += [-0.5 * way, 0.5 * way]
+        state.node.velocity_half[:4] = moves.reshape(4, 3) / state.dt
+        state.node.x[:4] += moves.reshape(4, 3)
+        forces, result = evaluate(cables, state)
+        wanted = np.zeros(2)
+        for k in range(2):
+            left = naive.fade(largest[k], LAW.start_opening)
+            opened = naive.opening(*state.node.x[2 * k : 2 * k + 2], m, LAW.onset)
+            largest[k] = max(largest[k], opened)
+            left += naive.fade(largest[k], LAW.start_opening)
+            wanted[k] = 0.5 * left * starts[k] @ (moves[k, 1] - moves[k, 0])
+        assert result.start_work == pytest.approx(wanted.sum(), rel=1e-11, abs=1e-16)
+        # The nodes give what the law and the start take.
+        given = -0.5 * ((before + forces) * moves.reshape(4, 3)).sum()
+        assert result.work + result.start_work == pytest.approx(given, rel=1e-11)
+        works.append(wanted)
+        before = forces
+    np.testing.assert_allclose(state.cable.start_work[:2], np.sum(works, axis=0), rtol=1e-11)
+    assert (np.abs(works[:6]).min(axis=1) > 1e-6).sum() > 4
+    assert (works[-1] == 0.0).all()
 
 
 # --- stiffness for the stable step -------------------------------------------------------------

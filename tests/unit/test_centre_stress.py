@@ -142,6 +142,31 @@ def test_each_layer_of_a_stretched_film_gets_thinner_by_its_own_ratio(stretch, f
     np.testing.assert_allclose(got.thickness, wanted, rtol=1e-13)  # round-off
 
 
+@pytest.mark.parametrize("place", FACES)
+@pytest.mark.parametrize("material", [cases.FILM, LAMINATE], ids=["film", "laminate"])
+@pytest.mark.parametrize("case", cases.ALL)
+def test_the_linear_change_of_the_stress_is_its_slope(case, material, place):
+    """Of film that is deformed already, for any small motion of nodes and directors."""
+    mesh = cases.ALL[case]()
+    shell, state = cases.set_up(mesh, material)
+    cases.deform(state)
+    n, rng, which = mesh.n_node, np.random.default_rng(9), np.array([4, 0, 3])
+    x, t = state.node.x[:n].copy(), state.node.t[:n].copy()
+    dx, spin = rng.normal(size=(2, n, 3))
+    dt, still = np.cross(spin, t), np.zeros((n, 3))
+    moved, before = (
+        shell.linear_stress(x, t, mesh.quads, *motion, which, place)
+        for motion in ((dx, spin), (still, still))
+    )
+    ends = []
+    for step in (1e-5, -1e-5):
+        state.node.x[:n], state.node.t[:n] = x + step * dx, t + step * dt
+        ends.append(shell.stress(state, which, place=place))
+    # Central differences: truncation 1e-10 of the change, round-off 1e-16 / 1e-5 of the stress.
+    slope = (ends[0] - ends[1]) / 2e-5
+    np.testing.assert_allclose(moved - before, slope, atol=1e-7 * np.abs(slope).max())
+
+
 # --- patch recovery: exact for linear fields, never across a crack, against least squares
 
 

@@ -144,9 +144,11 @@ def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(name):
     assert steps.max() < 2.0 / whole.plateau * 600.0 * radii[1] * (1.0 + 1e-9)
     share = [one.opening_p / one.opening_u for one in cut if one.opening_p > one.opening_a]
     np.testing.assert_allclose(share, whole.opening_p / whole.opening_u, rtol=1e-12)
-    for one in cut[::80]:
+    for one, area in zip(cut[::80], expected[::80], strict=True):
+        plain = naive.severed(whole, area)
         for ell in np.linspace(0.0, whole.opening_u, 200):
             below = one.traction(ell)
+            assert below == pytest.approx(naive.envelope(ell, plain), abs=1e-9 * whole.strength)
             assert below <= whole.traction(ell) + 1e-12 * whole.strength
             if ell <= one.opening_a:
                 assert below == pytest.approx(whole.traction(ell), rel=1e-12)

@@ -104,7 +104,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     depths = state.node.contact_depth[: len(points)]
     assert result.deepest == depths.max()
     np.testing.assert_allclose(result.wrench, wrench, atol=1e-10 * np.abs(wrench).max())
-    energies = [2e4 * AREA * smoothed_integral(max(g, 0.0), g_m) for g in depths]
+    energies = [2e4 * AREA * naive.smoothed_integral(max(g, 0.0), g_m) for g in depths]
     assert result.stored == pytest.approx(shares @ energies, rel=1e-12)
 
 
@@ -332,7 +332,7 @@ def test_what_a_node_flies_into_a_face_is_loaded_at_once(travel):
         depth = (step - 0.5) * travel * np.cos(np.radians(10.0))
         if depth > 0.15:  # beyond the mid-plane
             break
-        size = 1e4 * AREA * smoothed(depth, G_M)
+        size = 1e4 * AREA * naive.smoothed(depth, G_M)
         assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
         assert state.node.contact_offset[0] == 0.0
 
@@ -344,7 +344,7 @@ def test_what_the_tool_moves_is_loaded_at_once():
     state.dt = 1e-7
     evaluate(contact, state)
     forces, _ = evaluate(contact, state, Pose(np.eye(3), np.array([0.0, 0.06, 0.0])))
-    size = 1e4 * AREA * smoothed(0.05 * np.cos(np.radians(10.0)), G_M)
+    size = 1e4 * AREA * naive.smoothed(0.05 * np.cos(np.radians(10.0)), G_M)
     assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
     # Turned about its own edge, too: 0.05 rad at 1 mm are 0.05 mm, and the turn is remembered.
     c, s = np.cos(0.05), np.sin(0.05)
@@ -363,7 +363,7 @@ def test_growth_without_motion_is_a_jump_from_a_fifth_of_g_m_on():
     for y in (0.0035, 0.007, 0.0105):
         state.node.x[0, 1] = slope - y
         forces, _ = evaluate(contact, state)
-        size = 1e4 * AREA * smoothed(y * np.cos(np.radians(10.0)), G_M)
+        size = 1e4 * AREA * naive.smoothed(y * np.cos(np.radians(10.0)), G_M)
         assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
     assert state.node.contact_offset[0] == 0.0
     # A jump later on takes the growth of that step only.
@@ -386,7 +386,7 @@ def test_a_node_that_has_come_out_is_felt_again_at_once():
     # It is nearer to where it jumped, so the offset has grown a little.
     offset = 0.01 * np.exp(0.5 * (0.05**2 - 0.02**2) / (0.5 * EDGE) ** 2)
     cosine = np.cos(np.radians(10.0))
-    size = 1e4 * AREA * smoothed((0.04 - offset) * cosine, G_M)
+    size = 1e4 * AREA * naive.smoothed((0.04 - offset) * cosine, G_M)
     assert forces[0, 0] == pytest.approx(size * np.sin(np.radians(10.0)), rel=1e-3)
     slope = -offset * cosine * 0.02 / (0.5 * EDGE) ** 2
     assert forces[0, 1] == pytest.approx(size * (cosine + slope), rel=1e-3)

@@ -7,7 +7,7 @@ from free_strip import cut_strip, pieces_of, slanted_strip
 from naive import blade_drive
 from shellcut import Mesh, StraightMotion, load_checkpoint, save_checkpoint
 from shellcut.contact.settings import STEEPEST
-from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
+from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.flank_points import hand_on_stiffness
@@ -15,7 +15,7 @@ from shellcut.fracture.pierce import Begun, Pierce
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
-from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges
+from shellcut.tool.cutting_edge import CuttingEdges
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 
@@ -132,7 +132,7 @@ def test_two_tips_at_one_place_on_a_slit_are_none_any_more():
     assert not free.tips
 
 
-@pytest.mark.parametrize("reach", [LOOK_AHEAD[0], -1.0])
+@pytest.mark.parametrize("reach", [1.0, -1.0])
 def test_the_pose_beyond_a_point_is_found_from_within_a_ramp(reach):
     """The speed now is a hundredth of the speed later: the first guess is far too late."""
     sim = cut_strip(notched=False)
@@ -142,11 +142,12 @@ def test_the_pose_beyond_a_point_is_found_from_within_a_ramp(reach):
     x = np.array([motion.coordinate(time) - 0.1 + 0.3, 0.05, 0.0])
     drive = BladeDrive(edges, motion)
     then = drive.find(x[None], np.array([size]), time, 0, reach)
-    _, pose = blade_drive.beyond(edges, motion, x, size, 0, time, reach)
-    gap = pose.to_body(x[None])[0] - edges.segments[0, START]
-    np.testing.assert_allclose(then.rotation[0], pose.rotation)
-    assert then.off[0] == pytest.approx(gap @ edges.segments[0, NORMAL], abs=1e-12)
-    assert gap @ edges.segments[0, BACK] == pytest.approx(reach * size, abs=NEAR * size)
+    off, later = blade_drive.beyond(sim.tool, motion, x, size, 0, time, reach)
+    rotation, translation = motion.pose(later)
+    gap = np.transpose(rotation) @ (x - translation) - sim.tool.vertices[sim.tool.edges[0, 0]]
+    np.testing.assert_allclose(then.rotation[0], rotation)
+    assert then.off[0] == pytest.approx(off, abs=1e-12)
+    assert gap @ sim.tool.edge_back[0] == pytest.approx(reach * size, abs=0.05 * size)
     assert abs(then.off[0]) == pytest.approx(0.05, abs=1e-12)
 
 
@@ -181,6 +182,49 @@ def test_a_crack_joins_one_that_ends_near_its_ray_and_both_are_one(beside, joins
     assert pieces_of(sim) == (2 if joins else 1)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [30.0, 60.0, 100.0, 120.0, 130.0, 140.0, 150.0, 170.0])
+@pytest.mark.parametrize("mesh", [rectangle(6.0, 3.2, n_x=15, n_y=8), slanted_strip()], ids="as")
+def test_a_crack_that_comes_to_the_end_of_another_goes_on_unless_that_comes_towards_it(
+    mesh, degrees, side
+):
+    """The second crosses the place where the first ends, at some degrees to its way.
+
+    They come towards each other, and are one, where their ways are more than 134 degrees apart,
+    cos -0.7.
+    """
+    sim = cut_strip(mesh=mesh, notched=False)
+    free, x = sim.cracks, start_of(sim)
+    sim.notch((x - 1.0, 0.17, 0.0), (x + 2.41, 0.17, 0.0))
+    (end,), (first,) = free.at_tips(sim.state.node.X), free.tips
+    turn = np.radians(degrees)
+    way = np.array([np.cos(turn), side * np.sin(turn), 0.0])
+    sim.notch(end - 0.9 * way, end + way)
+    ahead = (free.at_tips(sim.state.node.X) - end) @ way
+    assert not any(tip is first for tip in free.tips)
+    assert len(ahead) == (1 if degrees > 134.0 else 2)
+    assert ahead.min() < -0.7  # where the second begins
+    if degrees < 134.0:
+        assert ahead.max() > 0.8
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [40.0, 60.0, 100.0, 120.0, 130.0, 140.0, 150.0, 170.0])
+@pytest.mark.parametrize("mesh", [rectangle(6.0, 3.2, n_x=15, n_y=8), slanted_strip()], ids="as")
+def test_only_a_crack_that_comes_towards_another_draws_that_to_its_end(mesh, degrees, side):
+    """The second passes 0.22 edges before the end of the first, within JOIN, beyond MERGE."""
+    sim = cut_strip(mesh=mesh, notched=False)
+    free, x = sim.cracks, start_of(sim)
+    sim.notch((x - 1.0, 0.17, 0.0), (x + 2.41, 0.17, 0.0))
+    (end,), (first,) = free.at_tips(sim.state.node.X), free.tips
+    turn = np.radians(degrees)
+    way = np.array([np.cos(turn), side * np.sin(turn), 0.0])
+    passes = end + 0.22 * 0.4 * np.array([np.sin(turn), -side * np.cos(turn), 0.0])
+    sim.notch(passes - 0.8 * way, passes + way)
+    assert any(tip is first for tip in free.tips) == (degrees < 134.0)
+    assert len(free.tips) == (1 if degrees > 134.0 else 3)
+
+
 # --- cracks that come towards each other: on one side, with a third there, from a pierced cut
 
 
@@ -191,7 +235,7 @@ WAY = np.array([-0.8, 0.6, 0.0])
 """Its direction: through the quad that touches the side above only at the node."""
 
 
-def on_one_side(beside):
+def on_one_side(beside, way=WAY):
     """A strip with a crack that ends on the side above a node, by a part of it, and another tip.
 
     The second crack stands before the quad through which it comes to that node.
@@ -199,17 +243,17 @@ def on_one_side(beside):
     sim = cut_strip(mesh=rectangle(6.0, 3.2, n_x=15, n_y=8), notched=False)
     y = NODE[1] + beside * H
     sim.notch((-1.0, y, 0.0), (NODE[0], y, 0.0))
-    sim.notch(NODE - 6.0 * WAY, NODE - 0.55 * WAY)
+    sim.notch(NODE - 6.0 * way, NODE - 0.55 * way)
     assert len(sim.cracks.tips) == 2
     assert pieces_of(sim) == 1
     return sim
 
 
-def advance(sim):
+def advance(sim, way=WAY):
     """Advance the crack that comes last to the node."""
     free, tip = sim.cracks, sim.cracks.tips[-1]
     segment = CrackPath(free.cuts.topology, sim.shell).segment_from(
-        sim.state, tip, WAY, None, free.tips
+        sim.state, tip, way, None, free.tips
     )
     free._advance(sim.state, tip, segment, "criterion", 1.0)
 
@@ -239,6 +283,16 @@ def test_two_that_end_on_one_side_tear_it_between_them(beside, joins):
     on_it = (abs(at[..., 0] - NODE[0]) < 1e-9).all(axis=1)
     ends = np.sort(at[on_it][..., 1], axis=1)
     np.testing.assert_allclose(ends, [[NODE[1], NODE[1] + beside * H]], atol=1e-9)
+
+
+@pytest.mark.parametrize(("degrees", "joins"), [(150.0, True), (140.0, True), (128.0, False)])
+def test_no_side_is_torn_between_cracks_that_do_not_come_towards_each_other(degrees, joins):
+    way = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0])
+    sim = on_one_side(0.2, way)
+    first = sim.cracks.tips[0]
+    advance(sim, way)
+    assert any(tip is first for tip in sim.cracks.tips) != joins
+    assert pieces_of(sim) == (2 if joins else 1)
 
 
 def test_a_torn_side_goes_on_from_a_checkpoint_and_keeps_the_ledger(tmp_path):

@@ -5,9 +5,10 @@ import pytest
 
 from far_pose import FAR
 from met_cable import AREA, evaluated, met_cable
+from naive import cable
 from naive import edge as naive
 from shellcut import Tool, read_tool
-from shellcut.cables.cohesive_law import CohesiveLaw, area_below
+from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_edge import with_edge_radius
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -129,21 +130,24 @@ def test_the_cable_takes_the_shortest_way_and_its_force_is_the_gradient(ends, ra
     cables, state = one_cable(radius)
     result = evaluated(cables, state, *ends)
     c, x = state.cable, state.node.x[:2].copy()
-    slack = c.joint_slack[0]
-    assert c.opening[0] == pytest.approx(
-        whole_length(x, c.joint_body[0], radius) - slack, abs=1e-12
-    )
+    # It was met at z = 0, where it crosses the mid-plane, and there the law went on.
+    born = np.array([(-1e-6, -0.3, 0.0), (-1e-6, 0.3, 0.0)])
+    slack = whole_length(born, np.zeros(3), radius)
+    slack -= cable.opening(*born, np.array([0.0, 1.0, 0.0]), LAW.onset)
+    np.testing.assert_allclose(c.joint_body[0], 0.0, atol=1e-12)
+    reached = whole_length(x, np.zeros(3), radius) - slack
+    assert c.opening[0] == pytest.approx(reached, abs=1e-12)
+    largest = max(reached, cable.opening(*born, np.array([0.0, 1.0, 0.0]), LAW.onset))
+    stress = cable.stress(reached, largest, LAW)
     # Differences of a length: 1e-6² of truncation over 0.02 mm, round-off 1e-16 / 1e-6.
     for node in (0, 1):
         for axis in np.eye(3):
             shifted = [x.copy(), x.copy()]
             shifted[0][node] += 1e-6 * axis
             shifted[1][node] -= 1e-6 * axis
-            ell = [whole_length(y, c.joint_body[0], radius) - slack for y in shifted]
-            slope = (
-                area_below(ell[0], LAW.parameters()) - area_below(ell[1], LAW.parameters())
-            ) / 2e-6
-            assert c.force[0, node] @ axis == pytest.approx(-AREA * slope, abs=2e-8)
+            ahead, behind = (whole_length(y, np.zeros(3), radius) for y in shifted)
+            slope = (ahead - behind) / 2e-6
+            assert c.force[0, node] @ axis == pytest.approx(-AREA * stress * slope, abs=2e-8)
     np.testing.assert_allclose(result.wrench[0, :3], -c.force[0].sum(axis=0), atol=1e-15)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from naive import cases
+from naive import kick as naive
 from shellcut import Gravity, Simulation, Support
 from shellcut.central_difference import CentralDifference
 from shellcut.loads.supports import SupportSet
@@ -150,6 +151,62 @@ def test_a_held_spin_does_not_turn_and_its_reaction_balances_the_moment():
     assert np.abs(state.node.t[0] - [0, 0, 1]).max() > 1e-4
     # t x g = (0, 0, 1) x (2, 3, 4) = (-3, 2, 0); the reaction is minus that.
     np.testing.assert_allclose(state.node.reaction[2, 3:], [3.0, -2.0, 0.0], atol=4 * EPS)
+
+
+@pytest.mark.parametrize("first", [True, False], ids=["first kick", "later"])
+@pytest.mark.parametrize("alpha", [0.0, 3e5])
+def test_kick_and_drift_are_those_of_the_plain_twin_whatever_is_held(first, alpha):
+    """Twenty-one nodes, each with other components held, at rest or moved, from any velocity."""
+    mesh = rectangle(6.0, 2.0, n_x=6, n_y=2)
+    state, scheme = initial_state(mesh), CentralDifference(damping_alpha=alpha)
+    node, n, rng = state.node, mesh.n_node, np.random.default_rng(12)
+    mass, inertia = rng.uniform(1e-9, 3e-9, n), rng.uniform(1e-10, 3e-10, n)
+    for row in range(n):
+        node.weigh(row, mass[row], inertia[row])
+    axes = ["", "x", "y", "z", "xy", "yz", "xz", "xyz"]
+    supports = [
+        Support([k], axes[k % 8], axes[(k // 2 + k) % 8]) for k in range(n) if k % 8 or k % 3
+    ]
+    SupportSet(mesh, supports).initialise(state)
+    node.t[:n] = rng.standard_normal((n, 3))
+    node.t[:n] /= np.linalg.norm(node.t[:n], axis=1)[:, None]
+    for rows in (node.velocity_half, node.spin_half):
+        rows[:n] = rng.standard_normal((n, 3))
+    held = node.support[:n]
+    node.support_rate[:n] = np.where(held, rng.standard_normal((n, 6)), 0.0)
+    node.reaction[:n] = np.where(held, rng.standard_normal((n, 6)), 0.0)
+    node.force[:n] = 1e-3 * rng.standard_normal((n, 3))
+    node.director_force[:n] = 1e-3 * rng.standard_normal((n, 3))
+    dt_last, dt = (0.0, 2e-6) if first else (1e-6, 2e-6)
+    moment = np.cross(node.t[:n], node.director_force[:n])
+    parts = [
+        (mass, node.velocity_half[:n].copy(), node.force[:n].copy(), slice(0, 3), False),
+        (inertia, node.spin_half[:n].copy(), moment, slice(3, 6), True),
+    ]
+    was, t = node.reaction[:n].copy(), node.t[:n].copy()
+    result = scheme.kick(state, dt_last, dt)
+    energies = np.zeros((2, 3))
+    after = np.zeros((2, n, 3))
+    for k, (m, before, load, own, spins) in enumerate(parts):
+        for i in range(n):
+            rate = node.support_rate[i, own]
+            given = m[i], before[i], load[i], held[i, own], rate, was[i, own]
+            director = t[i] if spins else None
+            after[k, i], reaction, part = naive.kicked(*given, alpha, dt_last, dt, director)
+            np.testing.assert_allclose(node.reaction[i, own], reaction, rtol=1e-11, atol=1e-15)
+            energies[k] += part
+    np.testing.assert_allclose(node.velocity_half[:n], after[0], rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(node.spin_half[:n], after[1], rtol=1e-11, atol=1e-12)
+    assert result.kinetic_translation == pytest.approx(energies[0, 0], rel=1e-12)
+    assert result.kinetic_rotation == pytest.approx(energies[1, 0], rel=1e-12)
+    assert result.mass_damping == pytest.approx(energies[:, 1].sum(), rel=1e-12)
+    assert result.support_work == pytest.approx(energies[:, 2].sum(), rel=1e-12)
+    assert (result.support_work == 0.0) == first
+    x = node.x[:n].copy()
+    scheme.drift(state, 1e-1)
+    np.testing.assert_allclose(node.x[:n], x + 1e-1 * after[0], rtol=0, atol=1e-13)
+    directors = [naive.turned(*pair) for pair in zip(t, 1e-1 * after[1], strict=True)]
+    np.testing.assert_allclose(node.t[:n], directors, rtol=0, atol=1e-12)
 
 
 def test_drift_leaves_spare_rows_alone():

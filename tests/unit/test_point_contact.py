@@ -247,13 +247,17 @@ def test_a_needle_between_nodes_is_felt_at_first_touch():
 
 
 def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
-    sim, points, s, k = pressing()
+    _, points, s, k = pressing()
     result = points.forces
     nodes, weights = points.carriers.node[k], points.carriers.weight[k]
     tip = points.points.place[points.point_of_sheet()[k]] - [0.0, 0.0, GAP + 0.02]
     foot = weights @ s.node.x[nodes]
     depth = np.linalg.norm(tip - foot)
-    size = stiffness_of(sim, points, k) * smoothed(depth, sim.contact.law.smoothing_depth)
+    # The tip has the stiffness of a node, whose area is a quarter of a quad of 1 mm². The needle is
+    # thin: the force sets in over an eighth of the volume over the surface of its twelve sides.
+    slant = np.hypot(2.0, 0.5 * np.cos(np.pi / 12.0))
+    surface = 0.75 + 12.0 * 0.5 * np.sin(np.pi / 12.0) * slant
+    size = 1e4 * 0.25 * smoothed(depth, 0.125 * (0.75 * 2.0 / 3.0) / surface)
     push = size * (tip - foot) / depth
     # Round-off: the foot is found to 1e-12 of the quad, the depth is some micrometres.
     np.testing.assert_allclose(s.node.force[nodes], weights[:, None] * push, rtol=1e-7)

@@ -9,6 +9,7 @@ from shellcut import Support as S
 from shellcut.mesh.structured import disc, rectangle
 from shellcut.models import guillotine
 from shellcut.results.verdict import verdict
+from shellcut.simulation.pace import Pace
 
 DISC, FILM = disc(5.0, n_side=6, n_layer=2), sc.ShellMaterial.homogeneous()
 CENTRE, CLAMPED = DISC.node_set("centre"), [S.clamped("rim")]
@@ -22,7 +23,7 @@ def pressed(share, ramp):
     while sim.state.time < ramp:
         sim.step()
         book = sim.ledger
-        rows.append((book.load_work, book.kinetic, sim.state.tick / sim.state.dt))
+        rows.append((book.load_work, book.kinetic, sim.state.tick / sim.state.dt, sim.pace.n_stop))
     return sim, np.array(rows).T
 
 
@@ -31,7 +32,7 @@ def test_film_under_a_load_that_comes_too_fast_is_where_statics_has_it(ramp):
     """With its inertia it would swing through to twice the deflection."""
     still = sc.Statics(DISC, FILM, supports=CLAMPED, loads=[sc.Pressure(0.01)])
     (rest,) = still.load_steps([1.0])
-    sim, (work, _, pace) = pressed(1e-4, ramp)
+    sim, (work, _, pace, _) = pressed(1e-4, ramp)
     # The swing that is left: the root of the share, 1 %. Measured 0.9996 and 0.9992.
     deflection = sim.state.node.x[CENTRE, 2]
     np.testing.assert_allclose(deflection, rest.displacement[CENTRE, 2], rtol=0.01)
@@ -41,15 +42,64 @@ def test_film_under_a_load_that_comes_too_fast_is_where_statics_has_it(ramp):
     assert abs(sim.ledger.imbalance) < 1e-6 * work[-1]
 
 
-def test_the_kinetic_energy_stays_below_its_share_of_the_work():
-    # Largest energies are those of a quad that is strained by 3 % as long as there is no more.
+def allowed(share, work):
+    """Return the kinetic energy that is allowed [N·mm], of a series of works.
+
+    Largest energies are those of a quad that is strained by 3 % as long as there is no more.
+    """
     least = FILM.stretching_stiffness * np.median(DISC.quad_areas()) * 0.03**2
+    return share * np.maximum(np.maximum.accumulate(work), least)
+
+
+def test_film_that_swings_is_stopped_below_the_kinetic_energy_that_is_allowed():
+    """What half the pace does not calm swings on its own: no pace would ever calm it."""
+    _, (work, kinetic, _, n_stop) = pressed(1e-4, 1e-5)
+    stops = np.flatnonzero(np.diff(n_stop)) + 1
+    # The load comes on at once: the first stops are those of film that is too fast.
+    assert (kinetic[stops - 1] < 0.9 * allowed(1e-4, work)[stops]).any()
+    # Never stopped, the film swings between a quarter of it and all, at the least of paces, which
+    # takes the clock 1e-4 of a step: 14,000 steps become more than 60,000.
+    assert n_stop.size < 3e4
+
+
+@pytest.mark.parametrize(
+    ("kinetic", "before", "slowed", "stops"),
+    [
+        (1.01, 0.9, 1.0, True),
+        (1.01, 1.2, 1.0, True),
+        (0.9, 0.95, 0.49, True),
+        (0.26, 0.27, 0.49, True),
+        (0.24, 0.27, 0.49, False),  # it is calm
+        (0.9, 0.85, 0.49, False),  # no peak
+        (0.9, 0.95, 0.51, False),  # the pace may calm it yet
+        (0.99, 1.0, 1.0, False),
+    ],
+)
+def test_a_peak_above_a_quarter_stops_film_once_the_pace_has_halved(kinetic, before, slowed, stops):
+    """Kinetic energies over what is allowed, and the pace over the largest since the last stop."""
+    share, work = 2e-3, 50.0
+    most, pace = share * work, Pace(share)
+    for _ in range(300):
+        pace.adapt(0.0, work)
+    fastest = pace.now
+    assert fastest == pytest.approx(1e-2 * 1.002**300)
+    while pace.now > slowed * fastest:
+        pace.adapt(0.3 * most, work)  # by 0.04 % a step
+    slow = pace.now
+    assert pace.stops(kinetic * most, before * most, work) == stops
+    assert pace.n_stop == int(stops)
+    assert pace.now == pytest.approx((0.8 if stops else 1.0) * slow)
+    # What has been stopped has the pace of now as its largest.
+    assert not (stops and pace.stops(0.9 * most, 0.95 * most, work))
+
+
+def test_the_kinetic_energy_stays_below_its_share_of_the_work():
     for share in (1e-3, 1e-4):
-        _, (work, kinetic, _) = pressed(share, 1e-5)
-        most = share * np.maximum(np.maximum.accumulate(work), least)
+        _, (work, kinetic, _, _) = pressed(share, 1e-5)
+        most = allowed(share, work)
         # One step adds something.
         assert (kinetic < 1.1 * most).all()
-        assert kinetic.max() > 0.5 * share * least
+        assert kinetic.max() > 0.5 * most[0]
 
 
 def test_supports_that_pull_steadily_are_not_dragged():

@@ -45,16 +45,21 @@ def forces(sim):
 
 
 def by_hand(sim):
-    """Return the same, each fibre alone, from the chord between its flanks' copies."""
+    """Return the same, each fibre alone, from the chord between its flanks' copies.
+
+    They hold equal parts of the segment's film, at the middles of these, and pull across it.
+    """
     s, n, c = sim.state, sim.state.node, sim.state.cable
+    area, m = sim.material.thickness * SIZE / FIBRES, np.array([0.0, 1.0, 0.0])
     wanted = np.zeros((n.count, 3))
     for k in range(c.count):
         weights, nodes = [], [s.quads[row] for row in c.row[k]]
         for chord in c.chord[k]:
             start, stop = (shape(*place)[0] for place in chord)
-            weights.append((1.0 - c.share[k]) * start + c.share[k] * stop)
+            share = (k + 0.5) / FIBRES
+            weights.append((1.0 - share) * start + share * stop)
         minus, plus = (w @ n.x[q] for w, q in zip(weights, nodes, strict=True))
-        _, *force = straight(minus, plus, c.m[k], c.area[k], 0.0, LAW)
+        _, *force = straight(minus, plus, m, area, 0.0, LAW)
         for w, q, one in zip(weights, nodes, force, strict=True):
             np.add.at(wanted, q, np.outer(w, one))
     return wanted

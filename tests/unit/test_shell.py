@@ -7,6 +7,8 @@ from scipy.spatial.transform import Rotation
 from naive import cases
 from naive import shell as naive
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.blocks import build_blocks
 from shellcut.mitc4.shell import MITC4Shell
 
 LAYERED = ShellMaterial(
@@ -231,3 +233,25 @@ def test_thick_quads_keep_their_true_inertia():
     thick = ShellMaterial.homogeneous(thickness=3.0)
     shell = MITC4Shell(cases.skewed_flat(2, 1), thick, damping_beta=0.0)
     assert shell.added_inertia_factor == pytest.approx(1.0, rel=1e-12)
+
+
+def test_strips_of_a_large_film_share_nodes_with_their_neighbours_only():
+    """So that every second one may run on another thread; alike in size, at least 5000 quads."""
+    mesh = rectangle(240.0, 100.0, n_x=240, n_y=100)
+    flat = np.arange(mesh.n_quad) % 7 > 0
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
+    assert blocks.n_strip == 4
+    seen, sizes = np.zeros((4, mesh.n_node), bool), np.zeros(4)
+    for start in (blocks.flat_start, blocks.full_start):
+        for strip in range(4):
+            rows = slice(start[strip], start[strip + 1])
+            quads = blocks.quad[rows][blocks.filled[rows]]
+            sizes[strip] += quads.size
+            seen[strip, mesh.quads[quads]] = True
+    assert sizes.sum() == mesh.n_quad
+    assert sizes.min() == sizes.max() == 6000
+    first, last = seen.argmax(axis=0), 3 - seen[::-1].argmax(axis=0)
+    assert (last - first <= 1).all()
+    assert (last - first == 1).sum() == 3 * 101
+    small = build_blocks(mesh.nodes, mesh.quads[:19_999], flat[:19_999])
+    assert small.n_strip == 1

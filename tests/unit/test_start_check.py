@@ -14,6 +14,7 @@ from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.table_motion import TableMotion
 
 BLADE = straight_blade()  # 3 mm long behind its edge, flanks at y = +-0.3 mm
 MESH = rectangle(8.0, 4.0, n_x=8, n_y=4)
@@ -94,6 +95,14 @@ def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
             [float(x) for x in shift.split(", ")] + 1e-3 * -np.array(direction)
         )
         check_tool_outside(MESH, moved, ClosestTriangleGrid.build(moved), pose, motion)
+
+
+def test_a_tool_is_sent_back_along_its_first_way_wherever_it_goes_later():
+    pose = Pose(np.eye(3), np.array([3.5, 0.0, 2.8]))
+    way = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -3.0), (4.0, 0.0, -3.0)]
+    motion = TableMotion([0.0, 1e-4, 1e-3, 2e-3], way)
+    with pytest.raises(ValueError, match=r"start back by \(0, 0, 0\.[23]\d*\) mm"):
+        check_tool_outside(MESH, BLADE, ClosestTriangleGrid.build(BLADE), pose, motion)
 
 
 def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():

@@ -6,6 +6,7 @@ from scipy.integrate import quad
 
 import shellcut as sc
 from naive import cases
+from naive.shell import shape
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.sheet_stress import sheet_stress
@@ -236,6 +237,48 @@ def test_film_beyond_another_crack_is_no_part_of_the_force_on_a_tip():
     assert wide[0] == pytest.approx(J[0], rel=0.12)
     assert wide[1] == pytest.approx(J[1], abs=0.35 * J[0])
     assert J[1] > 0.5 * J[0]  # towards the slit
+
+
+@pytest.mark.parametrize("fibres", [0, 1, 6])
+@pytest.mark.parametrize("rise", [0.3, 0.0], ids=["through quads", "along a side"])
+def test_cables_slide_as_the_film_does_where_they_are(rise, fibres):
+    """F · q dx/de at both ends, q and dx/de those of the place where the end lies in its quad."""
+    sim = sc.Simulation(
+        rectangle(5.0, 4.0, size=0.5),
+        FILM,
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free", fibres=fibres),
+    )
+    rim = sim.mesh.nodes[:, 0].min()
+    sim.notch((rim - 1.0, 0.5 * rise, 0.0), (rim + 2.2, 0.5 * rise, 0.0))
+    free, state = sim.cracks, sim.state
+    for _ in range(2):
+        (tip,) = free.tips
+        path = CrackPath(free.cuts.topology, sim.shell)
+        segment = path.segment_from(state, tip, tip.heading)
+        free._advance(state, tip, segment, "criterion", 1.0)
+    stretch = np.array([[1.1, 0.2, 0.0], [-0.1, 0.95, 0.0], [0.3, 0.1, 1.0]])
+    drawn(state, stretch)
+    film, c = sim.shell.reference, state.cable
+    assert c.count == 2 * (fibres or 2)
+
+    def q(X):  # even slopes, so that it is the same in all quads at a place
+        return 0.4 + X @ [0.11, -0.17, 0.0]
+
+    rows = np.arange(len(film.quads))
+    domain = TipDomain(rows, q(film.x[film.quads]), 1.0)
+    c.force[: c.count] = np.random.default_rng(6).normal(size=(c.count, 2, 3))
+    wanted = np.zeros(2)
+    for k in range(c.count):
+        for side in (0, 1):
+            start, stop = (shape(*place)[0] for place in c.chord[k, side])
+            weights = (1.0 - c.share[k]) * start + c.share[k] * stop
+            X = weights @ film.x[film.quads[c.row[k, side]]]
+            wanted += q(X) * (BASE @ stretch.T @ c.force[k, side])
+    pulled = TipForce(state, sim.shell, domain, BASE).of(state)
+    c.force[: c.count] = 0.0
+    found = pulled - TipForce(state, sim.shell, domain, BASE).of(state)
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)  # round-off
 
 
 def pressed_strip(load, beside=0.0):

@@ -163,25 +163,50 @@ def test_a_film_folded_flat_gives_numbers():
 # ---------------------------------------------------------------- plain twin
 
 
+@pytest.mark.parametrize(
+    "hardening",
+    [
+        Linear(20.0, 50.0),
+        Voce(20.0, 30.0, 0.05, 5.0),
+        Swift(60.0, 0.002, 0.2),
+        Table((0.0, 0.1, 0.5), (20.0, 30.0, 60.0)),
+    ],
+    ids=lambda one: one.kind,
+)
+def test_rise_and_slopes_of_the_yield_stress_are_those_of_its_formula(hardening):
+    row = np.array([7.0, *hardening.row()])  # a kernel has others before
+    for p in (0.0, 0.003, 0.04, 0.12, 0.3, 0.7):
+        rise, slope = hardening.function(row, 1, p)
+        wanted = naive.yield_stress(hardening, p) - naive.yield_stress(hardening, 0.0)
+        assert rise == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+        h = 1e-7  # ahead only: on a corner of a table the slope of the part that follows
+        ahead = naive.yield_stress(hardening, p + h) - naive.yield_stress(hardening, p)
+        assert slope == pytest.approx(ahead / h, rel=2e-4, abs=1e-6)
+        assert type(hardening).slope(row, 1, p, rise) == pytest.approx(slope, rel=1e-9)
+
+
 @pytest.mark.parametrize("material", KINDS, ids=lambda m: m.law.name)
 def test_steps_of_any_size_are_those_of_the_plain_twin(material):
     rng = np.random.default_rng(7)
-    P, C = material.flow_matrix(), material.plane_stress()
+    P = naive.flow(material.r_values or (1.0, 1.0, 1.0), material.angle_deg)
+    C = naive.elastic(material.elastic)
+
+    def yields_at(p):
+        return naive.yield_stress(material.hardening, p)
+
     for size in (0.02, 0.3):
         point, history = MaterialPoint(material), (0.0, np.zeros(3))
         strain, stored, work = np.zeros(3), 0.0, 0.0
         for _ in range(12):
             strain = strain + size * rng.uniform(-1, 1, 3)
             state = point.strain_to(strain)
-            T, *history = naive.step(
-                C, P, material.hardening.stress, material.kinematic, strain, history
-            )
+            T, *history = naive.step(C, P, yields_at, material.kinematic, strain, history)
             # The last correction is of the first order: 1e-11 of the stress.
             np.testing.assert_allclose(state.stress, T, rtol=0, atol=1e-9 * abs(T).max())
             names = list(state.history.values())
             assert names[0] == pytest.approx(history[0], rel=1e-9)
             # What the next step begins with: the last correction counts here, too.
-            above = float(material.hardening.stress(names[0])) - material.hardening.first_yield
+            above = yields_at(names[0]) - yields_at(0.0)
             assert names[1] == pytest.approx(above, rel=1e-9, abs=1e-10)
             np.testing.assert_allclose(names[2:], history[1], atol=1e-9 * max(history[0], 1e-3))
             elastic = strain - history[1]

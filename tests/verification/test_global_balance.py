@@ -119,7 +119,12 @@ def test_they_do_with_a_slanting_blade_and_the_equilibrium_start() -> None:
             _check_all(sim)
     assert sim.cables.n_joint_made > 0
     assert np.abs(sim.state.node.force[: sim.state.n_node, 2]).max() > 1e-2
-    assert np.abs(sim.state.cable.start_force[: sim.state.n_cable]).max() > 1e-2
+    cable, n = sim.state.cable, sim.state.n_cable
+    assert np.abs(cable.start_force[:n]).max() > 1e-2
+    # The work of these is in the ledger, by itself.
+    assert sim.ledger.cohesive_start_work == pytest.approx(cable.start_work[:n].sum(), rel=1e-9)
+    assert sim.ledger.cohesive_work == pytest.approx(cable.work[:n].sum(), rel=1e-9)
+    assert np.abs(cable.start_work[:n]).max() > 1e-6
 
 
 def test_momentum_is_what_tool_and_supports_gave() -> None:

@@ -1,0 +1,42 @@
+"""A notch follows its line, around all its bends, and ends where that ends."""
+
+import numpy as np
+import pytest
+
+from free_strip import cut_strip, slanted_strip
+from shellcut.arrays import off_segments
+from shellcut.mesh.structured import rectangle
+
+SIZE = 0.4
+LINES = {
+    "straight": [(-1.0, 0.17), (2.3, 0.17)],
+    "slanted": [(-1.0, -0.9), (3.7, 0.7)],
+    "a bend": [(-1.0, 0.17), (2.3, 0.17), (4.1, 1.0)],
+    "back and forth": [(-1.0, 0.17), (1.3, -0.9), (2.5, 0.9), (4.1, -0.6)],
+    "a sharp bend at its end": [(-1.0, 0.17), (2.3, 0.17), (2.5, -1.0)],
+    "a turn back": [(-1.0, 0.17), (3.5, 0.17), (3.9, 0.9), (1.2, 1.0)],
+    "many": [(-1.0, 0.17), (1.5, 0.17), (2.2, 0.6), (2.9, 0.17), (3.6, -0.6), (4.8, -0.3)],
+}
+
+
+@pytest.mark.parametrize("mesh", [rectangle(6.0, 3.2, n_x=15, n_y=8), slanted_strip()], ids="as")
+@pytest.mark.parametrize("line", LINES.values(), ids=LINES)
+def test_a_notch_lies_on_its_line_from_the_rim_to_the_end(mesh, line):
+    sim = cut_strip(mesh=mesh, notched=False)
+    rim = sim.mesh.nodes[:, 0].min()
+    points = np.array([(rim + x, y, 0.0) for x, y in line])
+    sim.notch(*points)
+    places = np.array([cut.reference for cut in sim.state.split_log])
+    (tip,) = sim.cracks.at_tips(sim.state.node.X)
+    starts, legs = points[:-1], np.diff(points, axis=0)
+    gaps, _ = off_segments(places[:, None], starts, legs)
+    # A segment is straight through its quad, and sides are met off their corners.
+    assert np.linalg.norm(gaps, axis=2).min(axis=1).max() < 0.5 * SIZE
+    # It ends on the first side behind the end of the line.
+    assert np.linalg.norm(tip - points[-1]) < SIZE
+    # No part of the line is left out: a segment is no longer than a quad.
+    along = (starts + np.linspace(0.0, 1.0, 21)[:, None, None] * legs).reshape(-1, 3)
+    along = along[along[:, 0] > rim]
+    every = np.concatenate([places, [tip]])
+    nearest = np.linalg.norm(along[:, None] - every, axis=2).min(axis=1)
+    assert nearest.max() < SIZE
