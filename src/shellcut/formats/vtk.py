@@ -23,15 +23,13 @@ from shellcut.arrays import Ints
 
 from . import vtk_process
 from .budget import Budget
-from .errors import FileError, as_file, named, read_bytes
-from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
-from .losses import unused_note
+from .errors import FileError, as_file, read_bytes
+from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, unused_note
 from .own_process import OwnProcess
 
 _KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD, "pixel": QUAD}
 _POLYGONS = {3: TRIANGLE, 4: QUAD}
 _QUADRATIC = {"line3": LINE, "triangle6": TRIANGLE, "quad8": QUAD, "quad9": QUAD}
-_FEW = 3  # up to this many values other than 0 and 1 look like slips
 _MOST_VALUES = 64  # an array with more distinct values is data, not a group
 _VTK = OwnProcess(
     "VTK",
@@ -144,12 +142,11 @@ def _mesh_of(path: Path, mesh: Any, unused: Counter[str]) -> FileMesh:
         labels = range(first, first + count)
         blocks.append(CellBlock(kind, labels, nodes, _QUADRATIC.get(kind, "")))
         first += count
-    notes: list[str] = []
     unused.update(f"array {name!r} of the field data" for name in mesh.field_data)
-    of_points = _groups(mesh.point_data, notes, unused)
+    of_points = _groups(mesh.point_data, unused)
     cell_data = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
-    of_cells = _groups(cell_data, notes, unused)
-    notes += unused_note(unused)
+    of_cells = _groups(cell_data, unused)
+    notes = unused_note(unused)
     return FileMesh(path, points, range(len(points)), blocks, of_points, of_cells, notes)
 
 
@@ -172,22 +169,16 @@ def _cause(reason: BaseException) -> str:
     )
 
 
-def _groups(data: dict[str, Any], notes: list[str], unused: Counter[str]) -> dict[str, Ints]:
+def _groups(data: dict[str, Any], unused: Counter[str]) -> dict[str, Ints]:
     groups: dict[str, Ints] = {}
     for name, array in data.items():
         values = np.asarray(array)
         if values.ndim == 2 and values.shape[1] == 1:
             values = values[:, 0]
-        distinct, counts = np.unique(values, return_counts=True)
+        distinct = np.unique(values)
         if values.ndim != 1 or values.dtype.kind not in "iub" or len(distinct) > _MOST_VALUES:
             unused[f"array {name!r}"] += 1
             continue
-        marks = np.isin(distinct, (0, 1))
-        if marks.all() != marks.any() and (n := int(counts[~marks].sum())) <= _FEW:
-            notes.append(
-                f"array {name!r} contains 0 and 1, except for {n} of its {len(values)} values "
-                f"({named(distinct[~marks].tolist())}): is it damaged?"
-            )
         if set(distinct.tolist()) <= {0, 1}:
             groups[name] = np.flatnonzero(values).astype(np.int64)
         else:

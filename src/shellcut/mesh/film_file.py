@@ -28,7 +28,6 @@ from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
 from .checks import check_film_size, check_quads
-from .film_doubts import film_doubts
 from .mesh import Mesh, MeshError
 from .quad_geometry import coincident
 
@@ -129,7 +128,7 @@ def read_film(
     try:
         check_quads(film.nodes, film.quads)
         film.turn()
-        mesh = Mesh.from_arrays(
+        return Mesh.from_arrays(
             film.nodes,
             film.quads,
             node_sets=film.node_sets,
@@ -140,8 +139,6 @@ def read_film(
         raise MeshError(
             f"{path} holds no film (ids count from 0 in the order of the file): {problem}"
         ) from None
-    film.say(*film_doubts(mesh))
-    return mesh
 
 
 class _Film:
