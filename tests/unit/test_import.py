@@ -12,7 +12,6 @@ import shellcut
 LATER = (
     *("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial"),
     *("ezdxf", "gmsh", "matplotlib", "meshio", "pandas", "PIL", "rich", "svgpathtools"),
-    "vtkmodules",
 )
 
 

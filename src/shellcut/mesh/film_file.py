@@ -109,7 +109,11 @@ def read_film(
     path = Path(path)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
+        raise FileError(
+            path,
+            f"the name must end in one of {', '.join(READERS)}; 'meshio convert {path.name} "
+            f"{path.stem}.vtu' converts many other formats",
+        )
     file = reader(path)
     film = _Film(file, leave_out, straight=quadratic == "corners")
     film.say(*file.notes)
