@@ -31,7 +31,7 @@ _EXTRAS = {
     "imageio-ffmpeg": ("movies as mp4", "movie"),
     "gmsh": ("meshes of outlines, tools from STEP and IGES", "mesh"),
     "ezdxf": ("outlines from DXF", "outline"),
-    "svgpathtools": ("outlines from SVG", "outline"),
+    "shapely": ("outlines", "outline"),
     "optuna": ("search for the best values", "optimise"),
     "distributed": ("studies on Dask", "sweep"),
 }
