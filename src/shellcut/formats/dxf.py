@@ -166,8 +166,8 @@ def _curves(
                     others[kind] += 1
                     continue
                 where = f"{kind} on layer {outer.dxf.layer!r}"
-                if kind == "SPLINE" and len(entity.control_points) and not _is_clamped(entity):
-                    yield where, _OpenSpline(entity.construction_tool())
+                if kind == "SPLINE" and not (spline := entity.construction_tool()).is_clamped:
+                    yield where, _OpenSpline(spline)
                 else:
                     yield where, make_path(entity, segments=_n_cubic(entity, kind))
         except FileError:
@@ -217,12 +217,6 @@ def _n_cubic(entity: Any, kind: str) -> int:
         angle = (entity.dxf.end_angle - entity.dxf.start_angle) % 360.0 or 360.0
         return int(np.ceil(angle / _ARC))
     return int(360.0 / _ARC) if kind in ("CIRCLE", "ELLIPSE") else int(180.0 / _ARC)
-
-
-def _is_clamped(entity: Any) -> bool:
-    # whether the curve begins and ends in its first and last control points
-    order, knots = entity.dxf.degree + 1, np.array(entity.knots)
-    return len(knots) < 2 * order or not (np.ptp(knots[:order]) or np.ptp(knots[-order:]))
 
 
 @dataclass(frozen=True)

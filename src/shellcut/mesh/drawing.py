@@ -233,7 +233,7 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
     # `apart`: least distance of two loops by which their curves are sure not to touch
     if not loops:
         raise FileError(path, "curves must form closed loops with an area, got none")
-    if flat := [p for p in loops if len(p) < 3 or _is_flat(p)]:
+    if flat := [p for p in loops if len(p) < 3]:
         told = named(flat, lambda p: " to ".join(map(point_text, p[:2])))
         raise FileError(
             path,
@@ -250,11 +250,3 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
             "mend the drawing",
         )
     return FilmOutline(loops[largest], tuple(p for k, p in enumerate(loops) if k != largest))
-
-
-def _is_flat(loop: Floats) -> bool:
-    # whether it runs there and back; unlike its signed area, that of a loop that crosses itself
-    # is not zero once it is made valid
-    shapely = shapely_or_error()
-    area = float(shapely.make_valid(shapely.Polygon(loop)).area)
-    return area <= _JOIN * extent_of(loop) ** 2
