@@ -1,1 +1,1 @@
-"""Damaged files and nonsense numbers: what becomes of them. ``python -m damaged`` counts it."""
+"""Small files of every format, and seeded damage to them: no reader may crash, whatever comes."""

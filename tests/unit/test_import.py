@@ -11,8 +11,7 @@ import shellcut
 # the import took. The others are optional, or of one file format only.
 LATER = (
     *("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial"),
-    *("ezdxf", "gmsh", "matplotlib", "meshio", "pandas", "PIL", "rich", "svgpathtools"),
-    "vtkmodules",
+    *("ezdxf", "gmsh", "matplotlib", "meshio", "pandas", "PIL", "rich", "shapely"),
 )
 
 

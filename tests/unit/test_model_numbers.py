@@ -1,6 +1,6 @@
 """Numbers that nobody means: every one of them is refused in words, or makes a model that steps.
 
-A small part, seeded; ``python -m damaged numbers 9000`` in tests takes all of them.
+A small part of all, seeded.
 """
 
 import re
@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from damaged import model_numbers
+import model_numbers
 from shellcut import ModelFileError, read_model
 from shellcut.command_line import main
 

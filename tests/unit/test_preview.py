@@ -12,6 +12,7 @@ from shellcut import (
     Stepping,
     Support,
     Tool,
+    guillotine,
     mesh_quality,
     opening_test,
     preview,
@@ -43,6 +44,12 @@ def test_a_picture_of_both_poses_and_a_report(tmp_path):
     squared = sim.shell.frequencies.squared
     assert squared[int(worst[0][0])] == squared.max()
     assert [share for _, share in worst] == sorted(share for _, share in worst)
+
+
+def test_sets_are_counted_with_their_pieces(tmp_path):
+    case = guillotine(1.0, length=6.0, width=4.0, notch=1.0)
+    report = preview(case.simulation, tmp_path / "model.png")
+    assert "sets   of nodes: left 6 in 2 pieces, right 5, bottom 7, top 7" in report
 
 
 @pytest.mark.parametrize("pitch", [12.0, 40.0])

@@ -1,15 +1,12 @@
 """VTK files, written by VTK itself and by meshio; arrays as groups; counts."""
 
 import re
-import sys
 
 import meshio
 import numpy as np
 import pytest
 
-from damaged.mutations import mutated
 from known_film import LEFT, NODES, QUADS, RIGHT_PART, check_film
-from other_script import run_instead
 from shellcut.formats.errors import FileError
 from shellcut.mesh.film_file import read_film
 
@@ -64,38 +61,57 @@ def write_by_vtk(path, *, mode="Binary", compressor="ZLib", polygons=False):
 
 
 @pytest.mark.parametrize(
-    ("name", "mode", "compressor", "by_vtk"),
+    ("name", "mode", "compressor", "readable"),
     [
-        ("film.vtu", "Binary", "ZLib", False),
-        ("film.vtu", "Ascii", "None", False),
-        ("film.vtu", "Appended of BigEndian", "LZMA", False),
-        ("film.vtu", "RawAppended", "ZLib", False),
-        ("film.vtu", "Binary of version 2", "ZLib", True),
-        ("film.vtu", "Appended", "LZ4", True),
-        ("film.vtp", "RawAppended", "None", True),
-        ("film.vtp", "Binary", "LZ4", True),
-        ("film.vtk", "Binary", "", False),
-        ("film.vtk", "Ascii", "", False),
-        ("film.vtk", "Binary of version 5", "", True),
-        ("polygons.vtk", "Binary", "", True),
-        ("polygons.vtk", "Ascii of version 5", "", True),
+        ("film.vtu", "Binary", "ZLib", True),
+        ("film.vtu", "Ascii", "None", True),
+        ("film.vtu", "Appended of BigEndian", "LZMA", True),
+        ("film.vtu", "RawAppended", "ZLib", True),
+        ("film.vtu", "Binary of version 2", "ZLib", False),
+        ("film.vtu", "Appended", "LZ4", False),
+        ("film.vtp", "RawAppended", "None", False),
+        ("film.vtp", "Binary", "LZ4", False),
+        ("film.vtk", "Binary", "", True),
+        ("film.vtk", "Ascii", "", True),
+        ("film.vtk", "Binary of version 5", "", False),
+        ("polygons.vtk", "Binary", "", False),
+        ("polygons.vtk", "Ascii of version 5", "", False),
     ],
 )
-def test_a_grid_written_by_vtk(tmp_path, name, mode, compressor, by_vtk, caplog, monkeypatch):
+def test_a_grid_written_by_vtk(tmp_path, name, mode, compressor, readable, caplog):
     path = tmp_path / name
     polygons = name.endswith("p") or name.startswith("p")
     write_by_vtk(path, mode=mode, compressor=compressor, polygons=polygons)
+    if not readable:
+        with pytest.raises(FileError, match=r"meshio (cannot|leaves).*; open it in ParaView"):
+            read_film(path, unit="mm")
+        path = saved_as_told(path)
     mesh = read_film(path, unit="mm")
     check_film(mesh, right_part="right part")
     assert list(mesh.node_sets) == ["left"]  # a temperature is no group
     assert "1 array 'temperature'" in caplog.text
     assert len(mesh.quad_set("part_3")) + len(mesh.quad_set("part_4")) == 10
-    monkeypatch.setitem(sys.modules, "vtkmodules", None)
-    if by_vtk:
-        with pytest.raises(FileError, match=r"meshio cannot read it: .*'shellcut\[vtk\]'"):
-            read_film(path, unit="mm")
-    else:
-        assert np.array_equal(read_film(path, unit="mm").quads, mesh.quads)
+
+
+def saved_as_told(path):
+    """Do what the refusal says, by VTK as ParaView does it."""
+    import vtk
+
+    reader = (
+        vtk.vtkDataSetReader() if path.suffix == ".vtk" else vtk.vtkXMLGenericDataObjectReader()
+    )
+    if path.suffix == ".vtk":
+        reader.ReadAllScalarsOn()
+        reader.ReadAllFieldsOn()
+    reader.SetFileName(str(path))
+    joined = vtk.vtkAppendFilter()
+    joined.SetInputConnection(reader.GetOutputPort())
+    writer = vtk.vtkXMLUnstructuredGridWriter()
+    writer.SetInputConnection(joined.GetOutputPort())
+    writer.SetCompressorTypeToZLib()
+    writer.SetFileName(str(path.with_suffix(".saved.vtu")))
+    assert writer.Write() == 1
+    return path.with_suffix(".saved.vtu")
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
@@ -131,48 +147,21 @@ def test_cells_beyond_the_points_are_refused(tmp_path):
 
 
 def test_no_vtk_file_is_refused(tmp_path):
-    pytest.importorskip("vtk")
     for suffix in (".vtu", ".vtk"):
         path = tmp_path / f"film{suffix}"
         path.write_text("hello\n")
-        with pytest.raises(FileError, match=r"meshio cannot read it: \w.*VTK cannot read it: \w"):
+        with pytest.raises(FileError, match=r"meshio cannot read it: \w.*; open it in"):
             read_film(path)
 
 
-def test_pieces_are_one_film(tmp_path, caplog):
-    pytest.importorskip("vtk")
-
-    def array(name, values, kind="Int64", n=1):
-        text = " ".join(map(str, np.ravel(values)))
-        head = f'Name="{name}" type="{kind}" NumberOfComponents="{n}" format="ascii"'
-        return f"<DataArray {head}>{text}</DataArray>"
-
-    def piece(x, marks):
-        points = array("Points", [[x, 0, 0], [x + 3, 0, 0], [x + 3, 3, 0], [x, 3, 0]], "Float32", 3)
-        cells = array("connectivity", range(4)) + array("offsets", [4]) + array("types", [9])
-        return (
-            f'<Piece NumberOfPoints="4" NumberOfCells="1"><Points>{points}</Points><Cells>{cells}'
-            f"</Cells><PointData>{array('left', [1, 0, 0, 1])}{marks}</PointData></Piece>"
-        )
-
-    pieces = piece(0, array("odd", [1, 0, 0, 0])) + piece(3, "")
+def test_several_pieces_are_refused(tmp_path):
     path = tmp_path / "film.vtu"
-    path.write_text(
-        '<VTKFile type="UnstructuredGrid" version="2.2"><UnstructuredGrid><FieldData>'
-        f"{array('t', [1])}</FieldData>{pieces}</UnstructuredGrid></VTKFile>"
-    )
-    mesh = read_film(path, unit="mm", merge=1e-6)
-    assert (mesh.n_quad, mesh.n_node, len(mesh.node_set("left"))) == (2, 6, 4)
-    assert "sets only: 1 array 'odd', 1 array 't' of the field data" in caplog.text
-
-
-def test_a_breakdown_of_vtk_is_told(tmp_path, monkeypatch):
-    run_instead(monkeypatch, tmp_path, "import os; os.abort()")
-    monkeypatch.setitem(sys.modules, "vtkmodules", np)  # whatever is installed
-    path = tmp_path / "film.vtp"
-    path.write_text('<VTKFile type="PolyData"/>')
-    with pytest.raises(FileError, match=r"found PolyData; VTK broke down on it \(code -6\)"):
-        read_film(path)
+    meshio.Mesh(NODES, {"quad": QUADS}).write(path, binary=False)
+    text = path.read_text()
+    (piece,) = re.findall(r"<Piece.*</Piece>", text, re.DOTALL)
+    path.write_text(text.replace(piece, piece * 2))
+    with pytest.raises(FileError, match=r"20 cells are declared, got 10.*open it in ParaView"):
+        read_film(path, unit="mm")
 
 
 @pytest.mark.parametrize(
@@ -183,7 +172,6 @@ def test_a_breakdown_of_vtk_is_told(tmp_path, monkeypatch):
             "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1000000000 float\n",
         ),
         (".vtu", '<VTKFile><Piece NumberOfPoints="4" NumberOfCells="999999996"/></VTKFile>'),
-        (".vtp", '<VTKFile><Piece NumberOfPoints="4" NumberOfPolys="999999996"/></VTKFile>'),
     ],
 )
 def test_what_is_declared_is_counted_first(tmp_path, suffix, content):
@@ -206,60 +194,18 @@ def test_a_structured_grid(tmp_path):
     assert mesh.nodes[mesh.node_set("left rim")].tolist() == [[0, 0, 0], [0, 2, 0], [0, 4, 0]]
 
 
-@pytest.mark.parametrize("suffix", [".vtk", ".vtu"])
-def test_polygons_of_three_or_four_corners_are_cells(tmp_path, suffix):
-    """And keep their arrays, which meshio leaves out in legacy files."""
-    vtk = pytest.importorskip("vtk")
-    grid = vtk.vtkUnstructuredGrid()
-    points = vtk.vtkPoints()
-    for x, y in ((0, 0), (3, 0), (3, 3), (0, 3), (6, 0), (6, 3), (4, 5)):
-        points.InsertNextPoint(x, y, 0)
-    grid.SetPoints(points)
-    marks = vtk.vtkIntArray()
-    marks.SetName("first")
-    for mark, cell in ((1, (0, 1, 2, 3)), (0, (1, 4, 5, 2)), (0, (2, 5, 6))):
-        grid.InsertNextCell(7, len(cell), cell)
-        marks.InsertNextValue(mark)
-    grid.GetCellData().AddArray(marks)
+def test_polygons_of_three_or_four_corners_are_cells(tmp_path):
+    points = [(0, 0, 0), (3, 0, 0), (3, 3, 0), (0, 3, 0), (6, 0, 0), (6, 3, 0), (4, 5, 0)]
+    cells = [[(0, 1, 2, 3), (1, 4, 5, 2)], [(2, 5, 6)], [(0, 1, 4, 6, 3)]]
+    path = tmp_path / "film.vtu"
 
-    def read():
-        kind = "XML" if suffix == ".vtu" else ""
-        writer = getattr(vtk, f"vtk{kind}UnstructuredGridWriter")()
-        writer.SetFileName(str(tmp_path / f"film{suffix}"))
-        writer.SetInputData(grid)
-        writer.Write()
-        return read_film(tmp_path / f"film{suffix}", unit="mm", triangles="split")
+    def written(n_block):
+        blocks = [("polygon", np.array(block)) for block in cells[:n_block]]
+        marks = [np.arange(len(block)) + (k > 0) for k, block in enumerate(cells[:n_block])]
+        meshio.Mesh(np.array(points, float), blocks, cell_data={"later": marks}).write(path)
+        return path
 
-    mesh = read()
-    assert (mesh.n_quad, len(mesh.quad_set("first"))) == (2 * 4 + 3, 4)
-    grid.InsertNextCell(7, 5, (0, 1, 4, 6, 3))
-    marks.InsertNextValue(0)
+    mesh = read_film(written(2), unit="mm", triangles="split")
+    assert (mesh.n_quad, len(mesh.quad_set("later"))) == (2 * 4 + 3, 4 + 3)
     with pytest.raises(FileError, match="1 cells of kind 'polygon'"):
-        read()
-
-
-@pytest.mark.parametrize(
-    ("name", "mode", "compressor"),
-    [
-        ("film.vtu", "Binary", "ZLib"),
-        ("film.vtu", "RawAppended", "LZ4"),
-        ("film.vtp", "Ascii", "None"),
-        ("polygons.vtk", "Binary", ""),
-    ],
-)
-@pytest.mark.filterwarnings("ignore")  # NumPy's, of numbers out of range
-def test_what_vtk_reads_of_damaged_files(tmp_path, capsys, name, mode, compressor):
-    path = tmp_path / name
-    write_by_vtk(path, mode=mode, compressor=compressor, polygons=name != "film.vtu")
-    content, rng = path.read_bytes(), np.random.default_rng(7)
-    n_refused = 0
-    for _ in range(10):
-        damaged, way = mutated(rng, content, text=mode == "Ascii")
-        path.write_bytes(damaged)
-        try:
-            mesh = read_film(path, unit="mm")
-        except ValueError:  # FileError, MeshError
-            n_refused += 1
-        else:
-            assert (mesh.n_quad, mesh.n_node) == (10, 18), way
-    assert n_refused > 0
+        read_film(written(3), unit="mm", triangles="split")

@@ -28,11 +28,10 @@ _REQUIRED = ("shellcut", "numpy", "scipy", "numba", "h5py", "meshio")
 # What goes without an optional package, and the extra that brings it.
 _EXTRAS = {
     "matplotlib": ("pictures", "plot"),
-    "vtk": ("VTK files beyond those of meshio", "vtk"),
     "imageio-ffmpeg": ("movies as mp4", "movie"),
     "gmsh": ("meshes of outlines, tools from STEP and IGES", "mesh"),
     "ezdxf": ("outlines from DXF", "outline"),
-    "svgpathtools": ("outlines from SVG", "outline"),
+    "shapely": ("outlines", "outline"),
     "optuna": ("search for the best values", "optimise"),
     "distributed": ("studies on Dask", "sweep"),
 }

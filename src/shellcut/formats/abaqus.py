@@ -18,13 +18,11 @@ import scipy
 
 from shellcut.arrays import norm, product
 
-from . import numerals
 from .abaqus_deck import DataLine, Keyword, read_deck
 from .abaqus_model import KINDS, QUADRATIC, Entry, Instance, Model, Scope, Transform
 from .deck import Deck
 from .errors import named
-from .file_mesh import FileMesh
-from .losses import blank_note, ragged_note, repeat_note, unused_note
+from .file_mesh import FileMesh, unused_note
 
 _SILENT = ("HEADING", "END STEP", "PREPRINT")
 _MAKES_MESH = (
@@ -135,7 +133,7 @@ class _Reader(Deck):
     def _nodes(self, keyword: Keyword) -> None:
         if keyword.parameters.get("SYSTEM", "R").upper() != "R":
             raise keyword.error("coordinates must be Cartesian (SYSTEM=R); write them out so")
-        nodes, ids, given, n_normal = self.scope.nodes, [], [], 0
+        nodes, ids, n_normal = self.scope.nodes, [], 0
         for line in keyword.data:
             label = line.integer(0)
             if len(line.entries) > 7:
@@ -146,10 +144,8 @@ class _Reader(Deck):
                     f"node {label} must have one place, got {place} and {nodes[label]}"
                 )
             ids.append((line, label))
-            given.append(sum(map(bool, line.entries[1:4])))
             n_normal += any(line.entries[4:])
         self.unused["normals of nodes"] += n_normal
-        self.notes += blank_note("nodes", given, [label for _, label in ids])
         self._named_on(keyword, "NSET", "node", ids)
 
     def _elements(self, keyword: Keyword) -> None:
@@ -209,14 +205,10 @@ class _Reader(Deck):
             entries.append(
                 Entry(where, other=keyword.required("ELSET"), kind="element", instance=instance)
             )
-        rows = [(line.line, len(line.entries)) for line in keyword.data if any(line.entries)]
         name = f"{kind} set {keyword.required(keyword.name)!r}"
-        if not rows and "ELSET" not in keyword.parameters.keys() - {keyword.name}:
+        is_empty = not any(any(line.entries) for line in keyword.data)
+        if is_empty and "ELSET" not in keyword.parameters.keys() - {keyword.name}:
             self.notes.append(f"{name} in line {keyword.line} is empty")
-        elif "GENERATE" not in keyword.parameters:
-            self.notes += ragged_note(name, rows)
-            ids = [t for line in keyword.data for t in line.entries if t.isdigit()]
-            self.notes += repeat_note(name, map(numerals.whole, ids))
         for line in keyword.data:
             if "GENERATE" in keyword.parameters:
                 first, last = line.integer(0), line.integer(1)

@@ -16,9 +16,7 @@ from pathlib import Path
 
 from .deck import Block, Deck, Line, attached
 from .errors import FileError, read_lines
-from .losses import comment_note, end_note, is_numbers
 
-_DATA = frozenset(["NODE", "ELEMENT", "NSET", "ELSET"])  # keywords with no blank after the star
 _CLOSE = 0.75  # similarity to a known keyword: that of NSET with one letter changed
 
 
@@ -98,13 +96,10 @@ def _near(name: str, known: frozenset[str]) -> list[str]:
 
 def _parts(deck: Deck, path: Path, lines: list[str]) -> Iterator[Keyword | DataLine]:
     # without blank lines and comments
-    off: list[int] = []  # comments that look like data
     pending: tuple[int, str] | None = None
     for number, line in enumerate(lines, start=1):
         text = line.strip()
         if text.startswith("**") or not text:
-            if is_numbers(text[2:]) or text[2:].split(",")[0].rstrip().upper() in _DATA:
-                off.append(number)
             continue
         if pending is not None:
             number, text = pending[0], pending[1] + text
@@ -122,7 +117,6 @@ def _parts(deck: Deck, path: Path, lines: list[str]) -> Iterator[Keyword | DataL
         raise FileError(
             path, "a keyword line that ends in a comma must continue: cut short?", line=pending[0]
         )
-    deck.notes += comment_note(off) + end_note(path)
 
 
 def _keyword(path: Path, number: int, text: str) -> Keyword:

@@ -17,7 +17,6 @@ from .abaqus_deck import DataLine
 from .deck import Deck
 from .errors import FileError, named
 from .file_mesh import LINE, QUAD, TRIANGLE, CellBlock, FileMesh
-from .losses import gap_note
 
 KINDS: dict[str, tuple[str, int]] = {
     **dict.fromkeys(["S4", "S4R", "S4RS", "S4RSW", "S4R5", "S4T", "S4RT"], (QUAD, 4)),
@@ -94,8 +93,6 @@ class Model:
         """Add a scope: an instance by its upper-case name, or the assembly with ""."""
         self.scopes[key].append(scope)
         prefix = f"{scope.name}." if scope.name else ""
-        self.notes += gap_note(f"{prefix}node", scope.nodes)
-        self.notes += gap_note(f"{prefix}element", scope.elements)
         positions = np.array(list(scope.nodes.values()), dtype=np.float64).reshape(-1, 3)
         if transform is not None:
             positions = product(positions, transform[0].T) + transform[1]

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from . import cad_process
 from .errors import FileError, as_file, read_bytes
-from .own_process import gmsh
+from .own_process import GmshProcess
 from .surface_file import SurfaceFile
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
@@ -51,7 +51,7 @@ _IGES_NAMES = {
 }
 _FLAG = 13  # of the unit, among the parameters of the global section
 
-_GMSH = gmsh(
+_GMSH = GmshProcess(
     cad_process.__file__,
     "is it damaged, of a kind that OpenCASCADE cannot read, or chord_deviation too small? write it "
     "anew, or as STL",

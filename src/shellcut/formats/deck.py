@@ -68,7 +68,7 @@ class Deck:
         self.folders = [path.parent]
         """Where included files are searched, beside the folder of the file that includes them."""
         self.notes: list[str] = []
-        """Signs of lost data."""
+        """What is left out, or not defined."""
         self.unused: Counter[str] = Counter()
         """How often there is what no film takes."""
         self._within: list[Path] = []

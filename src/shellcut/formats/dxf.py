@@ -1,22 +1,24 @@
-"""Curves of a DXF file, read by ezdxf (``pip install 'shellcut[outline]'``, MIT)."""
+"""Curves of a DXF file, read and flattened by ezdxf (``pip install 'shellcut[outline]'``, MIT)."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
-from itertools import pairwise
+from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, norm
 from shellcut.unit import LENGTH
 
 from .budget import LIMITS, Budget
-from .drawing import DEVIATION, FEWER_POINTS, LARGEST_FILE, Curve, Drawing, extent_of
-from .errors import FileError, as_file, named, read_bytes
+from .errors import FileError, as_file, check_finite, named, read_bytes
+
+LARGEST_FILE = 50_000_000
+"""Largest size of a drawing [bytes]."""
 
 # $INSUNITS; 0 is without a unit, others (miles, light years) are no films
 _UNITS = {
@@ -37,45 +39,60 @@ _FEWEST = 8  # sides of each cubic: a turn of 6 degrees
 _FLAT = 1e-6  # over the diagonal: heights of points in one plane differ by less
 
 
-def read_dxf(
-    path: str | Path, layers: Collection[str] = (), chord_deviation: float | None = None
-) -> Drawing:
+@dataclass(frozen=True)
+class DxfDrawing:
+    """Curves as they are in the file."""
+
+    path: Path
+    curves: list[tuple[str, Any]]
+    """Kind and layer, and the path of ezdxf."""
+    unit_mm: float | None
+    """Length of the file's unit [mm]; None if the file does not state it."""
+    left_out: str
+    """What the reader has left out, with numbers; empty if nothing."""
+
+    def polygons(self, deviation: float = inf) -> list[tuple[str, Floats]]:
+        """Return kind and layer, and points of each curve, shape (n, 2), in the file's unit.
+
+        A chord is ``deviation`` off the curve at most; by default the turn alone counts.
+        """
+        budget, found = Budget(self.path), []
+        for where, curve in self.curves:
+            points = np.array([list(p) for p in curve.flattening(deviation, segments=_FEWEST)])
+            budget.take("points of curves", len(points), "enlarge chord_deviation, choose layers")
+            check_finite(self.path, points, f"point {{}} of {where}".format)
+            if len(points) > 1:
+                found.append((where, points))
+        if found:
+            places = np.concatenate([points for _, points in found])
+            low, high = places[:, 2].min(), places[:, 2].max()
+            if high - low > _FLAT * extent_of(places[:, :2]):
+                raise FileError(
+                    self.path,
+                    f"the drawing must be flat, got heights z of {low:g} to {high:g}; project it "
+                    "in the CAD program, or choose layers",
+                )
+        return [(where, points[:, :2]) for where, points in found]
+
+
+def extent_of(points: Floats) -> float:
+    """Return the diagonal of the box around points, shape (n, 2)."""
+    return float(norm(np.ptp(points, axis=0)))
+
+
+def read_dxf(path: Path, layers: Collection[str] = ()) -> DxfDrawing:
     """Read the curves of the model space: lines, polylines, arcs, ellipses, splines, blocks.
 
-    Layers are named in any case; by default those that are switched on are read. The chord
-    deviation is in the file's unit, by default :data:`drawing.DEVIATION` of the diagonal.
+    Layers are named in any case; by default those that are switched on are read.
     """
-    path = Path(path)
     content = read_bytes(path, LARGEST_FILE)
     document = _document(path, content)
-    chosen = _layers(path, document, layers)
-    kinds: Counter[str] = Counter()
-    budget = Budget(path)
-    paths = list(_paths(path, document, chosen, kinds, budget))
-    if chord_deviation is None:
-        corners = [list(p)[:2] for _, c in paths for p in c.control_vertices()]
-        box = np.array(corners or [[0.0, 0.0]])
-        chord_deviation = DEVIATION * (extent_of(box) or 1.0)
-    curves, heights = [], [0.0]
-    for where, curve in paths:
-        points = np.array([list(p) for p in curve.flattening(chord_deviation, segments=_FEWEST)])
-        budget.take("points of curves", len(points), FEWER_POINTS)
-        if len(points) > 1:
-            curves.append(Curve(points[:, :2], where))
-            heights += points[:, 2].tolist()
-    if curves:
-        flat = _FLAT * extent_of(np.concatenate([curve.points for curve in curves]))
-        if np.ptp(heights[1:]) > flat:
-            raise FileError(
-                path,
-                f"the drawing must be flat, got heights z of {min(heights[1:]):g} to "
-                f"{max(heights[1:]):g}; project it in the CAD program, or choose layers",
-            )
+    others: Counter[str] = Counter()
+    curves = list(_curves(path, document, _layers(path, document, layers), others))
     # ezdxf takes metres where the file has no header, or no unit in it
     stated = document.header.get("$INSUNITS", 0) if b"$INSUNITS" in content else 0
-    drawing = Drawing(path, curves, _UNITS.get(stated))
-    drawing.left_out(kinds)
-    return drawing
+    left_out = ", ".join(f"{n} {kind}" for kind, n in sorted(others.items()))
+    return DxfDrawing(path, curves, _UNITS.get(stated), left_out)
 
 
 def _document(path: Path, content: bytes) -> Any:
@@ -127,12 +144,13 @@ def _layers(path: Path, document: Any, wanted: Collection[str]) -> set[str]:
     return {name.lower() for name in wanted}
 
 
-def _paths(
-    path: Path, document: Any, layers: set[str], others: Counter[str], budget: Budget
+def _curves(
+    path: Path, document: Any, layers: set[str], others: Counter[str]
 ) -> Iterator[tuple[str, Any]]:
-    # paths of ezdxf with their place; entities that are no curves are counted
+    # entities that are no curves are counted
     from ezdxf.path import make_path
 
+    budget = Budget(path)
     for layout in document.layouts:
         if n := sum(one.dxftype() != "VIEWPORT" for one in layout if not layout.is_modelspace):
             others[f"entities in paper space {layout.name!r}"] = n
@@ -148,8 +166,8 @@ def _paths(
                     others[kind] += 1
                     continue
                 where = f"{kind} on layer {outer.dxf.layer!r}"
-                if kind == "SPLINE" and len(entity.control_points) and not _is_clamped(entity):
-                    yield where, _OpenSpline(entity)
+                if kind == "SPLINE" and not (spline := entity.construction_tool()).is_clamped:
+                    yield where, _OpenSpline(spline)
                 else:
                     yield where, make_path(entity, segments=_n_cubic(entity, kind))
         except FileError:
@@ -201,45 +219,29 @@ def _n_cubic(entity: Any, kind: str) -> int:
     return int(360.0 / _ARC) if kind in ("CIRCLE", "ELLIPSE") else int(180.0 / _ARC)
 
 
-def _is_clamped(entity: Any) -> bool:
-    # whether the curve begins and ends in its first and last control points
-    order, knots = entity.dxf.degree + 1, np.array(entity.knots)
-    return len(knots) < 2 * order or not (np.ptp(knots[:order]) or np.ptp(knots[-order:]))
-
-
+@dataclass(frozen=True)
 class _OpenSpline:
     """A spline whose end knots are simple, as CAD programs write closed ones.
 
-    ezdxf 1.4 draws it beyond the range in which it is defined.
+    ezdxf 1.4 flattens it beyond the range in which it is defined.
     """
 
-    def __init__(self, entity: Any) -> None:
-        points = np.array([list(p) for p in entity.control_points], dtype=np.float64)
-        weights = np.array(entity.weights if len(entity.weights) else np.ones(len(points)))
-        self._points, self._degree = points, int(entity.dxf.degree)
-        homogeneous = np.column_stack([points * weights[:, None], weights])
-        self._spline = scipy.interpolate.BSpline(
-            np.array(entity.knots), homogeneous, self._degree, extrapolate=False
-        )
-        self._range = self._spline.t[self._degree : len(points) + 1]
+    spline: Any
 
-    def control_vertices(self) -> Floats:
-        """Return the control points, shape (n, 3)."""
-        return self._points
-
-    def flattening(self, deviation: float, segments: int) -> Floats:
-        """Return points on the curve, shape (n, 3), between which no chord is farther off."""
-        spans = np.unique(self._range)
+    def flattening(self, deviation: float, segments: int) -> list[Any]:
+        """Return points on the curve between which no chord is farther off."""
+        knots = np.array(self.spline.knots())
+        spans = np.unique(knots[self.spline.degree : self.spline.count + 1])
         while True:
-            at = np.concatenate([np.linspace(a, b, segments + 1)[:-1] for a, b in pairwise(spans)])
-            at = np.append(at, spans[-1])
-            points, middles = self._at(at), self._at(0.5 * (at[1:] + at[:-1]))
-            off = np.linalg.norm(middles - 0.5 * (points[1:] + points[:-1]), axis=1)
-            if off.max() <= deviation or len(at) > LIMITS["points of curves"]:
+            parameters = np.interp(
+                np.arange(segments * (len(spans) - 1) + 1) / segments, np.arange(len(spans)), spans
+            )
+            points = list(self.spline.points(parameters))
+            middles = self.spline.points(0.5 * (parameters[1:] + parameters[:-1]))
+            off = (
+                middle.distance(a.lerp(b))
+                for a, b, middle in zip(points[:-1], points[1:], middles, strict=True)
+            )
+            if max(off) <= deviation or len(points) > LIMITS["points of curves"]:
                 return points
             segments *= 2
-
-    def _at(self, parameter: Floats) -> Floats:
-        values = self._spline(parameter)
-        points: Floats = values[:, :3] / values[:, 3:]
-        return points

@@ -7,7 +7,7 @@ labels for messages.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,8 @@ POINT, LINE, TRIANGLE, QUAD = "point", "line", "triangle", "quad"
 """Kinds of cell that a film can have; other kinds have the file's own name."""
 
 N_CORNER = {LINE: 2, TRIANGLE: 3, QUAD: 4}
+
+_MOST_KINDS = 50  # named in a note
 
 
 @dataclass(frozen=True)
@@ -118,3 +120,19 @@ def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:
         name if n_group[name] == 1 else f"{name} ({label})": np.unique(members)
         for name, label, members in groups
     }
+
+
+def unused_note(counts: Mapping[str, int]) -> list[str]:
+    """Return a note on all that a reader of meshes passes over, because no film takes it.
+
+    Examples
+    --------
+    >>> unused_note({"*ELASTIC": 1, "*BOUNDARY": 2})
+    ['not used, a film takes nodes, quads and sets only: 2 *BOUNDARY, 1 *ELASTIC']
+    """
+    if not counts:
+        return []
+    names = sorted(counts)
+    listed = ", ".join(f"{counts[name]} {name}" for name in names[:_MOST_KINDS])
+    more = f" and {len(names) - _MOST_KINDS} more kinds" if len(names) > _MOST_KINDS else ""
+    return [f"not used, a film takes nodes, quads and sets only: {listed}{more}"]

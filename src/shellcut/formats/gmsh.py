@@ -17,8 +17,16 @@ from shellcut.files.text_content import decoded
 
 from .declared_content import Content
 from .errors import named
-from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering
-from .losses import unused_note
+from .file_mesh import (
+    LINE,
+    POINT,
+    QUAD,
+    TRIANGLE,
+    CellBlock,
+    FileMesh,
+    Numbering,
+    unused_note,
+)
 
 # Gmsh's element types: name, number of nodes. Only the four kinds of a film have constants.
 _TYPES: dict[int, tuple[str, int]] = {

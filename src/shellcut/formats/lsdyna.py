@@ -31,21 +31,11 @@ from shellcut.arrays import Ints
 
 from .deck import Block, Deck, Line, attached
 from .errors import FileError, named
-from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
-from .losses import (
-    blank_note,
-    comment_note,
-    gap_note,
-    is_numbers,
-    ragged_note,
-    repeat_note,
-    unused_note,
-)
+from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names, unused_note
 
 Layout = Literal["standard", "i10", "long"]
 _MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
 _CHOSEN: dict[str, Layout] = {"LONG=Y": "long", "LONG=S": "standard", "I10=Y": "i10"}
-_DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
 
 # Field widths of node cards, shell cards and cards of eight fields.
 _NODE: dict[Layout, list[int]] = {
@@ -73,7 +63,6 @@ _CLOSE = 0.85  # similarity from which an unknown keyword is taken for a misspel
 _OTHER_SETS = ("BEAM", "SOLID", "TSHELL", "DISCRETE", "SEGMENT", "2D", "BOX", "MODE", "PERI")
 _CLOSE_SET = 0.6
 _NONE: Ints = np.empty(0, dtype=np.int64)
-_HEAD = 5  # entries of a set's id card: the id and four attributes
 
 
 def read_lsdyna(path: str | Path) -> FileMesh:
@@ -138,17 +127,15 @@ class _Reader(Deck):
         self.unused[f"*{block.name}"] += 1
 
     def _nodes(self, block: CardBlock) -> None:
-        given, n_held = [], 0
+        n_held = 0
         for card in block.data:
             entries = card.fields(_NODE[block.layout])
             if not any(entries):
                 continue
             self.node_ids.append(_id(card, entries[0], "the node id"))
             self.positions.append([card.decimal(e, "a coordinate") for e in entries[1:4]])
-            given.append(sum(map(bool, entries[1:4])))
             n_held += any(entry.strip("0.") for entry in entries[4:])
         self.unused["constraints TC, RC on cards of nodes"] += n_held
-        self.notes += blank_note("nodes", given, self.node_ids[-len(given) :])
 
     def _shells(self, block: CardBlock) -> None:
         options = [option for option in block.name.split("_")[2:] if option]
@@ -210,8 +197,7 @@ class _Reader(Deck):
             self.budget.take("ids in its sets", len(shells))
             return shells
 
-        self.notes += unused_note(+self.unused) + gap_note("node", self.node_ids)
-        self.notes += gap_note("shell", shells.labels.tolist())
+        self.notes += unused_note(+self.unused)
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
 
@@ -259,11 +245,6 @@ class _Reader(Deck):
             entries = head.fields(_EIGHT[block.layout])
             sid = _id(head, entries[0], "the set id")
             name = title or f"{kind}_set_{sid}"
-            if all(entry.isdigit() for entry in entries[: _HEAD + 1]):
-                self.notes.append(
-                    f"{kind} set {name!r}: the card of its id, line {head.line}, looks like "
-                    "one of members: is a line lost?"
-                )
             how = "_".join(option for option in options if option != "COLLECT") or "LIST"
             rows = self._rows(block, how, cards, numbers)
             if rows is None:
@@ -276,11 +257,7 @@ class _Reader(Deck):
         self, block: CardBlock, how: str, cards: list[Card], numbers: Numbering | None
     ) -> Ints | None:
         if how == "LIST":
-            ids = _integers(block, cards)
-            what = f"*{block.name} in line {block.line}"
-            counts = [(card.line, len(_integers(block, [card]))) for card in cards]
-            self.notes += ragged_note(what, counts) + repeat_note(what, ids)
-            return _found(block, ids, numbers)
+            return _found(block, _integers(block, cards), numbers)
         if how == "COLUMN":
             widths = _EIGHT[block.layout]
             ids = [_id(card, card.fields(widths)[0], "an id") for card in cards]
@@ -375,13 +352,10 @@ def _blocks(deck: Deck, path: Path, layout: Layout) -> Iterator[CardBlock]:
 
 def _parts(deck: Deck, path: Path, lines: list[str], layout: Layout) -> Iterator[CardBlock | Card]:
     # without comments and blank lines at the beginning; below a keyword a blank line is a card
-    off: list[int] = []  # comments that look like data
     begun = False
     for number, line in enumerate(lines, start=1):
         text = line.rstrip()
         if text.startswith("$") or (not text and not begun):
-            if is_numbers(text[1:]) or text[1:].startswith(_DATA):
-                off.append(number)
             continue
         if not text.startswith("*"):
             yield Card(path, number, text.expandtabs(8))
@@ -392,7 +366,6 @@ def _parts(deck: Deck, path: Path, lines: list[str], layout: Layout) -> Iterator
             layout = block.layout
         if block.name == "END":
             break
-    deck.notes += comment_note(off)
 
 
 def _keyword(path: Path, number: int, text: str, layout: Layout) -> CardBlock:

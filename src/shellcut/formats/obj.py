@@ -6,7 +6,6 @@ from pathlib import Path
 
 from . import numerals
 from .errors import FileError, read_lines
-from .losses import end_note
 from .surface_file import SurfaceFile, surface_of_polygons
 
 # Statements other than faces: texture, normals, groups, materials, points, lines.
@@ -44,9 +43,7 @@ def read_obj(path: str | Path) -> SurfaceFile:
             raise FileError(path, f"{words[0]!r} is not read; save plain faces", line=number)
     if pending:
         raise FileError(path, "the last line must not continue: the file is cut short")
-    surface = surface_of_polygons(path, vertices, faces)
-    surface.notes += end_note(path)
-    return surface
+    return surface_of_polygons(path, vertices, faces)
 
 
 def _position(path: Path, words: list[str], n_number: int, line: int) -> list[float]:

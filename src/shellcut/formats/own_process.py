@@ -1,4 +1,4 @@
-"""A library that crashes or hangs on damaged input takes it in a process of its own."""
+"""Gmsh, which crashes or hangs on some input, takes it in a process of its own."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ import numpy as np
 from .errors import FileError
 
 LONGEST = 600.0
-"""Time after which a reader is ended [s]."""
+"""Time after which the process is ended [s]."""
+
+_SYSTEM = "libglu1-mesa libxcursor1 libxft2 libxinerama1"  # what Gmsh needs of Debian and Ubuntu
 
 # The folder of the script and the working folder do not come on the path of modules: the former
 # holds another gmsh.py.
@@ -27,46 +29,35 @@ _START = (
 
 
 @dataclass(frozen=True)
-class OwnProcess:
-    """A script that takes a file to a library."""
+class GmshProcess:
+    """A script that takes a file to Gmsh, an optional extra."""
 
-    library: str
-    """Its name in messages."""
-    module: str
-    """What the script imports of it."""
     script: str
     """Path of the script; it imports nothing of shellcut, so that it starts at once."""
     remedy: str
-    """What to do about a file on which the library breaks down or hangs."""
-    system: str
-    """Packages of Debian and Ubuntu that the library needs."""
-    missing: str = ""
-    """What to say where the library is not installed."""
-
-    @property
-    def installed(self) -> bool:
-        """Whether the library is installed."""
-        return importlib.util.find_spec(self.module) is not None
+    """What to do about a file on which Gmsh breaks down or hangs."""
+    task: str
+    """What cannot be done without Gmsh."""
 
     def answer(self, path: Path, *arguments: str) -> dict[str, Any]:
         """Run the script with the file, a place for its answer, and further arguments.
 
-        Returns the arrays that it wrote by ``numpy.savez``; raises as :meth:`run`, and ImportError
-        if the library is not installed.
+        Returns the arrays that it wrote by ``numpy.savez``. Raises FileError if the script refuses
+        the file, breaks down or does not end, and ImportError if Gmsh is not installed or cannot be
+        loaded.
         """
-        if not self.installed:
-            raise ImportError(self.missing)
+        if importlib.util.find_spec("gmsh") is None:
+            raise ImportError(
+                f"{self.task} needs Gmsh, an optional extra under the GPL: "
+                "pip install 'shellcut[mesh]'"
+            )
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "answer.npz"
-            self.run(path, str(out), *arguments)
+            self._run(path, str(out), *arguments)
             with np.load(out) as held:
                 return dict(held)
 
-    def run(self, path: Path, *arguments: str) -> str:
-        """Run the script with the file and further arguments; return its standard output.
-
-        Raises FileError if it refuses the file, breaks down or does not end.
-        """
+    def _run(self, path: Path, *arguments: str) -> None:
         command = [sys.executable, "-X", "utf8", "-c", _START, self.script, str(path.resolve())]
         try:
             done = subprocess.run(
@@ -78,30 +69,15 @@ class OwnProcess:
             )
         except subprocess.TimeoutExpired:
             raise FileError(
-                path, f"{self.library} did not finish within {LONGEST:g} s: {self.remedy}"
+                path, f"Gmsh did not finish within {LONGEST:g} s: {self.remedy}"
             ) from None
         if done.returncode < 0 or (done.returncode and not done.stderr):
-            raise FileError(
-                path, f"{self.library} broke down on it (code {done.returncode}): {self.remedy}"
-            )
+            raise FileError(path, f"Gmsh broke down on it (code {done.returncode}): {self.remedy}")
         if done.returncode:
             said = done.stderr.strip().splitlines()[-1]
             if re.match("(OS|Import|ModuleNotFound)Error", said):  # a system library is missing
                 raise ImportError(
-                    f"{self.library} is installed but cannot be loaded: {said}; on Debian and "
-                    f"Ubuntu: apt install {self.system}"
+                    f"Gmsh is installed but cannot be loaded: {said}; on Debian and Ubuntu: "
+                    f"apt install {_SYSTEM}"
                 )
-            raise FileError(path, f"{self.library} cannot read it: {said}")
-        return done.stdout
-
-
-def gmsh(script: str, remedy: str, task: str) -> OwnProcess:
-    """Return a script that uses Gmsh, an optional extra; ``task`` is what cannot do without it."""
-    return OwnProcess(
-        "Gmsh",
-        "gmsh",
-        script,
-        remedy,
-        "libglu1-mesa libxcursor1 libxft2 libxinerama1",
-        f"{task} needs Gmsh, an optional extra under the GPL: pip install 'shellcut[mesh]'",
-    )
+            raise FileError(path, f"Gmsh cannot read it: {said}")

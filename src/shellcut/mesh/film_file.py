@@ -28,7 +28,6 @@ from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
 from .checks import check_film_size, check_quads
-from .film_doubts import film_doubts
 from .mesh import Mesh, MeshError
 from .quad_geometry import coincident
 
@@ -110,7 +109,11 @@ def read_film(
     path = Path(path)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
+        raise FileError(
+            path,
+            f"the name must end in one of {', '.join(READERS)}; 'meshio convert {path.name} "
+            f"{path.stem}.vtu' converts many other formats",
+        )
     file = reader(path)
     film = _Film(file, leave_out, straight=quadratic == "corners")
     film.say(*file.notes)
@@ -129,7 +132,7 @@ def read_film(
     try:
         check_quads(film.nodes, film.quads)
         film.turn()
-        mesh = Mesh.from_arrays(
+        return Mesh.from_arrays(
             film.nodes,
             film.quads,
             node_sets=film.node_sets,
@@ -140,8 +143,6 @@ def read_film(
         raise MeshError(
             f"{path} holds no film (ids count from 0 in the order of the file): {problem}"
         ) from None
-    film.say(*film_doubts(mesh))
-    return mesh
 
 
 class _Film:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, each
 from shellcut.formats.errors import FileError
-from shellcut.formats.own_process import gmsh
+from shellcut.formats.own_process import GmshProcess
 
 from . import outline_process
 from .checks import check_film_size
@@ -33,7 +33,7 @@ CORNER_DEG = 30.0
 _MOST_EDGES = 50_000
 """Limit along outline and holes."""
 
-_GMSH = gmsh(
+_GMSH = GmshProcess(
     outline_process.__file__,
     "change size a little, or check narrow parts of the outline",
     "meshing an outline",

@@ -114,7 +114,7 @@ OUTLINE = Kind(
     deferred=True,
 )
 DRAWING = Kind(
-    "A mesh of the outline in a drawing, DXF or SVG, by Gmsh; node sets outline, hole_1, ...",
+    "A mesh of the outline in a DXF drawing, by Gmsh; node sets outline, hole_1, ...",
     keys_of(mesh_from_drawing, renamed={"path": "drawing"}),
     mesh_from_drawing,
     name="drawing",

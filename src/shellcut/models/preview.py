@@ -15,7 +15,6 @@ from shellcut.checks.finding import Finding
 from shellcut.formats.errors import counted
 from shellcut.loads.film_motion import SeenFromFilm
 from shellcut.loads.supports import Support, choose_nodes
-from shellcut.mesh.film_doubts import film_doubts
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import CLEARLY, MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
@@ -88,9 +87,9 @@ def preview(
     Returns
     -------
     str
-        One line each: parts of the model, sizes of its sets, signs of lost quads or nodes, the
-        first time step and its cause, what the run will cost, where cracks will go, the quads with
-        the shortest steps, and the findings of the checks.
+        One line each: parts of the model, sizes of its sets, the first time step and its cause,
+        what the run will cost, where cracks will go, the quads with the shortest steps, and the
+        findings of the checks.
 
     Raises
     ------
@@ -257,7 +256,7 @@ def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
 
 
 def _film_lines(mesh: Mesh) -> Iterator[str]:
-    """Yield the sizes of the sets, and signs of lost quads or nodes."""
+    """Yield the sizes of the sets."""
     for kind, sets, joined in (
         ("nodes", mesh.node_sets, mesh.edges().nodes),
         ("quads", mesh.quad_sets, mesh.edges().quads),
@@ -266,8 +265,6 @@ def _film_lines(mesh: Mesh) -> Iterator[str]:
             n = mesh.n_node if kind == "nodes" else mesh.n_quad
             counts = (f"{name} {_extent(ids, joined, n)}" for name, ids in sets.items())
             yield f"sets   of {kind}: {', '.join(counts)}"
-    for doubt in film_doubts(mesh):
-        yield f"doubt  {doubt}"
 
 
 def _extent(ids: Ints, joined: Ints, n: int) -> str:
