@@ -253,7 +253,6 @@ LAMINATES = [
     ((O_TEMPER, 0.003), (PE, 0.05), (O_TEMPER, 0.003)),
     ((PE, 0.03), (O_TEMPER, 0.007), (PE, 0.02)),
     ((SOFT_PE, 0.03), (O_TEMPER, 0.007), (SOFT_PE, 0.02)),
-    ((PE, 0.05), (O_TEMPER, 0.007)),
     ((O_TEMPER, 0.007), (PE, 0.05)),
     ((PE, 0.025), (O_TEMPER, 0.001), (PE, 0.025)),
 ]
@@ -340,7 +339,8 @@ def test_a_layer_that_yields_is_pierced_by_the_same_force(layers):
 
 @pytest.mark.parametrize("layers", most_slow(LAMINATES))
 def test_foil_that_yields_carries_what_it_can(layers):
-    assert 0.85 < over_solved(layers) < 1.2
+    # The band that the check before a run and the pages name.
+    assert 0.87 < 1.0 / over_solved(layers) < 1.13
 
 
 def test_foil_counts_from_nothing_to_elastic():

@@ -39,7 +39,7 @@ deformation theory (:mod:`shellcut.material.secants`): foil that has yielded add
 D / B of one layer stays h²/12, so its F_s needs no modulus and no yield stress. The plate's
 equations with the section's nonlinear forces and moments (``tests/naive/pressed_plate.py``) have
 the tension N at the distance h from the tip at 0.91 to 1.00 of this F_p in single layers, and at
-0.86 to 1.15 in laminates with foil, over what an elastic plate of the same L needs; elastic moduli
+0.87 to 1.13 in laminates with foil, over what an elastic plate of the same L needs; elastic moduli
 give 0.3 to 1.6 of the laminates' force. Nearer to the tip a plate means nothing. Where strains
 exceed a tenth, slopes are large, and F_p is a guess.
 
