@@ -140,3 +140,7 @@ def test_relative_is_to_the_tool_or_else_to_all():
     assert Ledger(load_work=8.0).relative(1.0) == 0.125
     assert Ledger().relative(1.0) == 0.0
     assert Ledger(tool_work=2.0).relative(-1.0) == pytest.approx(-0.5)
+
+
+def test_a_new_ledger_is_empty():
+    assert all(getattr(Ledger(), f.name) == 0.0 for f in fields(Ledger))

@@ -7,6 +7,7 @@ from shellcut.contact.near_nodes import NearNodes
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.pose import Pose
 
 LOW, HIGH = (
     np.array([[0.0, 0.0, -1.0], [3.0, 1.0, -0.5]]),
@@ -80,3 +81,21 @@ def test_a_split_and_another_state_are_searched_at_once():
     other.step = 1
     assert near.renew(other, pose)
     assert new not in near.ids
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_the_list_lasts_as_long_as_the_tool_has_not_gone_half_the_margin(turn):
+    """A tool that goes 4 mm past film at rest, twenty times half the margin, and then stays."""
+    _, state = sheet()
+    near, renewals = NearNodes(LOW, HIGH, MARGIN), []
+    rotation = np.array(
+        [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
+    )
+    state.dt = 1e-6
+    for step in range(6000):
+        state.step, state.time = step, step * state.dt
+        pose = Pose(rotation, np.array([0.001 * min(step, 4000), 0.0, 0.0]))
+        if near.renew(state, pose):
+            renewals.append(step)
+    assert 20 <= len(renewals) <= 30
+    assert renewals[-1] <= 4000

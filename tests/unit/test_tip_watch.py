@@ -118,6 +118,33 @@ def test_same_beside_other_cracks():
     assert len(kinds) > 20
 
 
+def test_each_of_several_crossings_of_one_side_is_met():
+    """Three cracks through the quad above end on its lower side; a tip below is aimed at it."""
+    sim = cut_strip(mesh=rectangle(6.0, 3.2, n_x=15, n_y=8), notched=False)
+    path, X, shares = Rules(sim).path, sim.mesh.nodes, [0.2, 0.5, 0.8]
+    left, right, far_left, far_right = (
+        int(np.hypot(X[:, 0] - x, X[:, 1] - y).argmin())
+        for x, y in ((2.0, 0.0), (2.4, 0.0), (2.0, -0.4), (2.4, -0.4))
+    )
+    rings = sim.mesh.quads.tolist()
+    (above,) = (q for q, ring in enumerate(rings) if ring[:2] == [left, right])
+    for share in shares:
+        at = 2.0 * share - 1.0
+        path.topology.cut(above, (at, -1.0), (at, 1.0))  # the row keeps what is to the right
+    assert sorted(path.topology.crossings(left, right)) == pytest.approx(shares)
+    (under,) = (q for q, ring in enumerate(rings) if ring[2:] == [far_right, far_left])
+    ends = min(far_left, far_right), max(far_left, far_right)
+    tip, met = Tip(ends, 0.5, under, np.array([0.0, 1.0, 0.0])), set()
+    for share in np.linspace(0.06, 0.94, 45):
+        way = np.array([0.4 * (share - 0.5), 0.4, 0.0])
+        mine = path.segment_from(sim.state, tip, way)
+        plain = crack_path.segment_from(path, sim.state, tip, way)
+        assert (mine.row, mine.side, mine.corner) == (plain.row, plain.side, plain.corner)
+        np.testing.assert_allclose(mine.exit, plain.exit, atol=1e-9)
+        met |= {k for k, one in enumerate(shares) if abs(0.5 + 0.5 * mine.exit[0] - one) < 1e-6}
+    assert met == {0, 1, 2}
+
+
 @pytest.mark.parametrize("broken", [False, True])
 def test_same_along_sides_and_where_they_are_broken(broken):
     sim = cut_strip(mesh=slanted_strip(0.0))
