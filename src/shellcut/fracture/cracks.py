@@ -39,7 +39,7 @@ from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
 from .ray_ahead import JOIN
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import Due, LargestStress, SideTears
-from .tip import Segment, Tip, restored_tips, saved_tips, tips_of_notches
+from .tip import Place, Segment, Tip, restored_tips, saved_tips, tips_of_notches
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut, TrialSums
 
@@ -192,6 +192,7 @@ class Cracks:
                 "no side of the rim: move its first point"
             )
         going: Tip | None = tip
+        at: Place | None = None
         while going is not None and (ahead := self._path.rows_ahead(going)):
             at = self._path.place_in(state, *ahead[0])
             here = self._path.at_tip(going, state.node.X)
@@ -213,7 +214,7 @@ class Cracks:
                 f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
                 "leaves it there: move its first point into the film, off the sides of quads"
             )
-        further = line.point_ahead(at.size)
+        further = None if at is None else line.point_ahead(at.size)
         if further is not None and row_at(state, further) is not None:
             raise ValueError(
                 f"a notch must be a line that quads can follow, got one from {points[0].tolist()} "
