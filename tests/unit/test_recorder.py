@@ -179,8 +179,8 @@ def test_the_summary_of_a_blow_up_is_json(tmp_path):
 
 def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
     sim = cutting()
-    recorder = Recorder(sim, tmp_path, until=1.0, name="cut", **RECORDS)
-    sim.run(1.0, [recorder, StopWhen(lambda: sim.state.step >= 3)])
+    recorder = Recorder(sim, tmp_path, until=1e-3, name="cut", **RECORDS)
+    sim.run(1e-3, [recorder, StopWhen(lambda: sim.state.step >= 3)])
     summary = strict_json(tmp_path / "summary.json")
     assert summary["n_step"] == 3
     assert not {"imbalance_rel", "kinetic_rel"} & summary.keys()

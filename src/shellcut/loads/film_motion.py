@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import sin
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -67,6 +67,7 @@ class FilmMotion:
         self._nodes, axes = np.nonzero(state.node.support[:n, :3])
         self._along, self._axes = np.eye(3)[axes], axes
         self._prescribed = np.zeros((n, 3))
+        self._solved: tuple[Floats, _LeastSquares] | None = None
         self._start(state.node.x[:n][self._nodes], 1.0)
 
     @classmethod
@@ -80,6 +81,7 @@ class FilmMotion:
 
     def _start(self, places: Floats, tick: float) -> None:
         self._X, self.tick = places, tick
+        self._solved = None
         self._poses = [Pose(np.eye(3), np.zeros(3))]
         self._twists: list[tuple[Floats, Floats]] = []
 
@@ -149,19 +151,37 @@ class FilmMotion:
         for ids, c, rate in self._rates:
             rates[ids, c] = rate(time)
         wanted = rates[self._nodes, self._axes]
-        x = pose.to_space(self._X)
-        place = x.mean(axis=0)
-        size = max(float(np.abs(x - place).max()), np.finfo(float).tiny)
-        # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
-        share = np.hstack([self._along, np.cross((x - place) / size, self._along)])
-        squares, modes = symmetric_eigen(product(share.T, share))
-        told = squares > _TOLD * squares[-1]
-        parts = product(modes.T, share.T, wanted)[told] / squares[told]
-        found = product(modes[:, told], parts)
-        off = float(np.abs(product(share, found) - wanted).max())
-        spin = found[3:] / size
+        solved = self._least_squares(pose.rotation)
+        found = product(solved.inverse, wanted)
+        off = float(np.abs(product(solved.share, found) - wanted).max())
+        spin = found[3:] / solved.size
+        place = product(pose.rotation, self._X.mean(axis=0)) + pose.translation
         velocity = found[:3] + np.cross(spin, pose.translation - place)
         return spin, velocity, (off, float(np.abs(wanted).max()))
+
+    def _least_squares(self, rotation: Floats) -> _LeastSquares:
+        """Return what the held axes of a film so turned say; the last one is kept."""
+        if self._solved is None or not np.array_equal(self._solved[0], rotation):
+            arm = product(self._X - self._X.mean(axis=0), rotation.T)
+            size = max(float(np.abs(arm).max()), np.finfo(float).tiny)
+            # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
+            share = np.hstack([self._along, np.cross(arm / size, self._along)])
+            squares, modes = symmetric_eigen(product(share.T, share))
+            told = squares > _TOLD * squares[-1]
+            inverse = product(modes[:, told] / squares[told], product(modes[:, told].T, share.T))
+            self._solved = rotation.copy(), _LeastSquares(share, inverse, size)
+        return self._solved[1]
+
+
+class _LeastSquares(NamedTuple):
+    """Of the rates of the held axes, by the velocity of their middle and the spin times a size."""
+
+    share: Floats
+    """Of both in each rate, shape (n_axis, 6)."""
+    inverse: Floats
+    """Which gives them, what the axes leave open being zero, shape (6, n_axis)."""
+    size: float
+    """[mm]"""
 
 
 class SeenFromFilm:
@@ -245,6 +265,8 @@ def in_film(film: FilmMotion | None, motion: Motion, until: float) -> Motion:
 def _moved(pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
     """Return a pose moved on by a constant twist: spin and velocity at its translation."""
     a0, a1, a2 = (time * spin).tolist()
+    if a0 == a1 == a2 == 0.0:
+        return Pose(pose.rotation, pose.translation + time * velocity)
     angle = float(norm(time * spin))
     if angle < _SMALL_ANGLE:
         s, k = 1.0 - angle * angle / 6.0, 0.5 - angle * angle / 24.0
