@@ -1,12 +1,12 @@
 """Another tooth
 =============
 
-Compare the torque of four teeth whose edges stand at 60° to the film with that of five at 40°. In
+Compare the torque of four teeth whose edges stand at 60° to the film with that of three at 40°. In
 theory it grows as n (r + (p/2 pi) cot eta), by 39 %. ::
 
     python examples/own_tooth.py --out DIR
 
-writes both runs and torque.png into DIR. The five teeth from the command line::
+writes both runs and torque.png into DIR. The three teeth from the command line::
 
     shellcut run opening --set mesh=quick --set teeth=5 --set edge_inclination_deg=40 -o DIR
 """
@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import shellcut as sc
 from shellcut.models.opening import steady_work_per_radian
 
-parser = argparse.ArgumentParser(description="four teeth and five of another shape")
+parser = argparse.ArgumentParser(description="four teeth and three of another shape")
 parser.add_argument("--out", type=Path, required=True, help="folder for the results")
 options = parser.parse_args()
 
@@ -29,7 +29,7 @@ options = parser.parse_args()
 # Keys of the model ``opening``; what is not named keeps its default.
 
 SETTINGS = {"membrane.mesh": "quick", "motion.angle_deg": 58.0, "motion.duration": "3.6 ms"}
-TOOLS = {"four": {}, "five": {"tool.teeth": 5, "tool.edge_inclination_deg": 40.0}}
+TOOLS = {"four": {}, "three": {"tool.teeth": 3, "tool.edge_inclination_deg": 40.0}}
 
 # %%
 # Run
@@ -61,6 +61,6 @@ torque = {name: results.summary["torque_plateau_Nmm"] for name, results in runs.
 for name, results in runs.items():
     print(f"{name} teeth: {torque[name]:.0f} N*mm over {results.steady_window.text('deg')}")
 theory = steady_work_per_radian(n_teeth=5, edge_inclination_deg=40.0) / steady_work_per_radian()
-found = torque["five"] / torque["four"]
-print(f"five over four: {found:.3f}, theory {theory:.3f}")
+found = torque["three"] / torque["four"]
+print(f"three over four: {found:.3f}, theory {theory:.3f}")
 assert abs(found / theory - 1.0) < 0.05

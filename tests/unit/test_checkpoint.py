@@ -172,6 +172,10 @@ def test_nothing_else_has_a_history(whole):
     mine, other = numbers_of(sim), numbers_of(again)
     for numbers in (mine, other):  # of searches since the run began, or since the checkpoint
         numbers.pop("sim.cracks._pierce._near.n_search", None)
+        # Tables of the film's motion follow from its start; how far they go depends on who asked.
+        table = re.compile(r"\._(poses|twists|travel|solved)\b")
+        for key in [key for key in numbers if table.search(key)]:
+            del numbers[key]
     assert len(mine) > 300
     # The tables of the state have rows in reserve, which nobody reads.
     rows = {"node": sim.state.n_node, "cable": sim.state.n_cable}

@@ -79,7 +79,7 @@ def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     sim, h, summary = case.simulation, results.history, results.summary
     assert summary["n_step"] == sim.state.step
     assert summary["dt_s"] == pytest.approx(sim.state.time / sim.state.step, rel=1e-15)
-    assert summary["path_end_mm"] == sim.motion.coordinate(sim.state.time)
+    assert summary["path_end_mm"] == sim.motion_in_film(END).coordinate(sim.state.time)
     assert summary["force_peak_N"] == h["force"][np.abs(h["force"]).argmax()]
     assert summary["force_peak_at_mm"] == h["path"][np.abs(h["force"]).argmax()]
     assert summary["resistance"] == "force along (1, 0, 0)"

@@ -15,7 +15,7 @@ from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
 from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
-from shellcut.tool.touch import Touch
+from shellcut.tool.touch import Booking, Touch
 
 END = 1.0
 WRENCHES = np.random.default_rng(5).normal(size=(4, 6))
@@ -115,7 +115,8 @@ def test_a_screw_that_advances_at_an_angle_gives_its_power():
 class Given:
     """A term that touches the tool with a wrench given by the time."""
 
-    name, booked = "given", ()
+    name = "given"
+    booked = (Booking.of_wrench("load_work", 0.0),)
 
     def __init__(self):
         self.touch = Touch.none(1, 1)

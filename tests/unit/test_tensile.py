@@ -147,7 +147,7 @@ def test_preload_few_points_and_what_bends():
             {"stress": np.append(np.nan, bilinear()[1][1:])},
             "stresses must be numbers, got nan in row 1",
         ),
-        ({"strain": bilinear()[0] / 1e3}, "must span strains of 0.05 to 0.25 %"),
+        ({"strain": bilinear()[0] / 1e3}, "must span strains from 0.05 to 0.25 %"),
         ({"stress": np.append(np.full(238, 5.0), 5.1)}, "must rise with the strain|must span"),
     ],
 )

@@ -9,9 +9,11 @@ import pytest
 import shellcut as sc
 from free_strip import cut_strip, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
+from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.pierce import Pierce, parts_quad
+from shellcut.fracture.pierce import Pierce, PierceLimits, parts_quad
+from shellcut.fracture.puncture import Puncture
 from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
 from shellcut.fracture.rows_ahead import table_of
@@ -257,7 +259,8 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, n, path = sim.state, sim.state.node, Rules(sim).path
     drive = BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
-    parts = s, path, drive, sim.shell, (1.0, 1.0), None, sim.tool.edge_chain
+    limits = PierceLimits(Puncture.of(sim.shell.material, CohesiveLaw()), 1.0)
+    parts = s, path, drive, sim.shell, limits, None, sim.tool, sim.motion
     kept, none = Pierce(*parts), np.zeros((0, 3))
     dt = 2.6e-4 / 900
     for step in range(900):

@@ -180,7 +180,7 @@ class Pierce:
         self._tips: PressingTips | None = None
         if points is not None:
             self._places = limits.at_points(points.points, tool)
-            self._tips = PressingTips(points, motion, self._places.force)
+            self._tips = PressingTips(points, motion, self._places.force, limits.puncture.impedance)
         size = float(np.sqrt(shell.area.max()))
         self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         self._edges = edges = drive.edges

@@ -13,7 +13,9 @@ An impulse is no force until it is spread over a time. The mean force F on a tip
 
 with the fastest v at which film and tip have met so far, so that one impact adds ``IMPACT`` of F_p
 at most, and what the film carries for longer than T counts in full. Slow tips and fine quads have a
-short T, down to less than a step. The mean is late by T. This *delay* over the time for which the
+short T, down to less than a step. What the sheet itself answers at once is no matter of the mesh:
+T is shorter by its share of F_p, and where that alone pierces, the force needs no mean. It is late
+by T. This *delay* over the time for which the
 tip has pressed goes with m v²; the verdict judges it (``DELAY_LIMIT``).
 """
 
@@ -33,8 +35,8 @@ from shellcut.tool.pose import Pose
 IMPACT = 0.1
 """Share of F_p that the impact of a node may count as."""
 
-# Of a tip: mean force [N], largest impulse 2 m v [N·s], time for which it has pressed [s].
-_FORCE, _IMPULSE, _PRESSED = range(3)
+# Of a tip: mean force [N], largest T [s], time for which it has pressed [s].
+_FORCE, _DELAY, _PRESSED = range(3)
 
 # Share of F_p below which a tip that has left the film is forgotten.
 _FORGOTTEN = 1e-3
@@ -51,10 +53,15 @@ class PressingTips:
         Of the tool.
     limits : ndarray, shape (n_of_tool,)
         F_p under each of its points [N].
+    impedance : float
+        Of the sheet under a point [N·s/mm].
     """
 
-    def __init__(self, points: PointContact, motion: Motion, limits: Floats) -> None:
+    def __init__(
+        self, points: PointContact, motion: Motion, limits: Floats, impedance: float
+    ) -> None:
         self._points, self._motion, self._limits = points, motion, limits
+        self._impedance = impedance
         self._of_point = np.zeros((len(limits), 3))
         self._step = 0
 
@@ -72,11 +79,10 @@ class PressingTips:
         rows, pressed = np.array(list(loads), int), np.array(list(loads.values()))
         tips, force = self._points.point_of_sheet()[rows], np.zeros(len(of))
         np.maximum.at(force, tips, pressed)
-        np.maximum.at(of[:, _IMPULSE], tips, self._impulse(state, pose, rows))
-        pressing = of[:, _IMPULSE] > 0.0
+        np.maximum.at(of[:, _DELAY], tips, self._delay(state, pose, rows))
+        pressing = (force > 0.0) | (of[:, _PRESSED] > 0.0)
         dt = steps * state.dt
-        delay = of[:, _IMPULSE] / (IMPACT * self._limits)
-        of[pressing, _FORCE] += (dt / (delay + dt) * (force - of[:, _FORCE]))[pressing]
+        of[pressing, _FORCE] += (dt / (of[:, _DELAY] + dt) * (force - of[:, _FORCE]))[pressing]
         of[pressing, _PRESSED] += dt
         of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits)] = 0.0
 
@@ -86,11 +92,11 @@ class PressingTips:
 
     def delay(self, point: int) -> float:
         """Return T over the time for which a point of the tool has pressed."""
-        _, impulse, pressed = self._of_point[point].tolist()
-        return float(impulse / (IMPACT * self._limits[point]) / pressed) if pressed else 0.0
+        _, delay, pressed = self._of_point[point].tolist()
+        return float(delay / pressed) if pressed else 0.0
 
-    def _impulse(self, state: State, pose: Pose, rows: Ints) -> Floats:
-        """Return 2 m v of the place under each of some tips that press [N·s]."""
+    def _delay(self, state: State, pose: Pose, rows: Ints) -> Floats:
+        """Return T at the present speed of some tips that press [s]."""
         carriers, n = self._points.carriers, state.node
         node, weight = carriers.node[rows], carriers.weight[rows]
         place = self._points.points.place[self._points.point_of_sheet()[rows]]
@@ -103,7 +109,10 @@ class PressingTips:
         free = (weight > 0.0) & (n.push[node, 0] > 0.0)
         most = np.where(free, n.mass[node], 0.0).sum(axis=1)
         gives = (weight * weight * n.push[node, 0]).sum(axis=1)
-        return np.asarray(2.0 * np.minimum(1.0 / np.maximum(gives, 1e-300), most) * speed)
+        impulse = 2.0 * np.minimum(1.0 / np.maximum(gives, 1e-300), most) * speed
+        limit = self._limits[self._points.point_of_sheet()[rows]]
+        left = np.maximum(1.0 - self._impedance * speed / limit, 0.0)
+        return np.asarray(left * impulse / (IMPACT * limit))
 
     def saved(self) -> dict[str, Any]:
         """Return the forces and the step at which they were taken."""

@@ -81,6 +81,8 @@ class Puncture:
     """L at the strength [mm]."""
     slope: float
     """Of a membrane at its strength where it leaves a ball, sqrt(2 sigma_F h / B)."""
+    impedance: float
+    """Force of the sheet at a speed that a point of it gets at once, 8 sqrt(D rho h) [N·s/mm]."""
 
     @classmethod
     def of(cls, film: ShellMaterial, law: CohesiveLaw) -> Puncture:
@@ -93,6 +95,7 @@ class Puncture:
             blunt=4.0 * math.pi * tension * tension / stretching,
             length=math.sqrt(before / tension),
             slope=math.sqrt(2.0 * tension / stretching),
+            impedance=8.0 * math.sqrt(before * film.area_density),
         )
 
     def force(self, radius: float) -> float:
