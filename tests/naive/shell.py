@@ -51,6 +51,14 @@ def thickness_rule(material, n_point):
     return rule
 
 
+def _along(one):
+    """E' and the shear modulus through the thickness along axis 1 of a layer."""
+    if hasattr(one, "young_along"):
+        nu = one.poisson**2 * one.young_across / one.young_along
+        return one.young_along / (1 - nu), one.shear
+    return one.young / (1 - one.poisson**2), one.young / (2 * (1 + one.poisson))
+
+
 @cache
 def shear_factor(material):
     """(∫E' z̄² dz)² / (∫G dz ∫S²/G dz) of isotropic layers, S = ∫E' z̄ dz, with polynomials of z."""
@@ -58,9 +66,7 @@ def shear_factor(material):
         return material.shear_factor
     top = np.cumsum([layer.thickness for layer in material.layers])
     spans = list(zip([0.0, *top], top, strict=False))
-    film = [layer.material for layer in material.layers]
-    moduli = [one.young / (1 - one.poisson**2) for one in film]
-    shear = [one.young / (2 * (1 + one.poisson)) for one in film]
+    moduli, shear = zip(*(_along(layer.material) for layer in material.layers), strict=True)
 
     def integral(polynomials):
         return sum(

@@ -26,9 +26,19 @@ STRONG = CohesiveLaw(strength=14.0, opening_a=0.25, opening_p=1.5, opening_u=2.0
 WEAK = dataclasses.replace(STRONG, strength=7.0, plateau=6.0)
 
 
-def strip(*, size=0.8, to=6.6, speed=6000.0, motion=None, held=(), half_thickness=0.3, **options):
-    """Return a blade before a strip, 8 by 4.8 mm."""
-    mesh = rectangle(8.0, 4.8, size=size)
+def strip(
+    *,
+    size=0.8,
+    to=6.6,
+    speed=6000.0,
+    motion=None,
+    held=(),
+    half_thickness=0.3,
+    length=8.0,
+    **options,
+):
+    """Return a blade before a strip, 4.8 mm wide."""
+    mesh = rectangle(length, 4.8, size=size)
     clamped = [Support.clamped(side) for side in ("bottom", "top")]
     return free_cut(
         mesh,
@@ -88,18 +98,18 @@ def test_what_film_and_friction_take_is_counted_and_not_doubted(strip_cut, entry
 
 def test_film_that_cannot_give_way_beside_the_blade_is_doubted(strip_cut):
     # Held in its plane, it is pressed by half the blade's thickness along all of the cut.
-    mesh = rectangle(8.0, 4.8, size=0.8)
+    mesh, long = rectangle(14.4, 4.8, size=0.8), {"length": 14.4, "to": 12.8}
     beside = mesh.nodes_where(lambda x, y, z: np.abs(y) > 0.5)
     flat = Support(beside, translation="z", rotation="xyz")
     stiff = {"material": ShellMaterial.homogeneous(young=6000.0), "half_thickness": 0.5}
-    run = strip_cut(held=[flat], **stiff)
+    run = strip_cut(held=[flat], **stiff, **long)
     assert [line["text"] for line in run.summary["verdict"] if line["kind"] == "doubt"] == [
         line["text"] for line in lines_with(run, "may not give way beside the tool")
     ]
     assert run.summary["stored_growth_rel"] > 0.2
     # Nothing holds a thick film flat: it is as stiff beside the blade, by itself and in earnest.
     thick = ShellMaterial.homogeneous(thickness=0.3)
-    run = strip_cut(material=thick, half_thickness=0.5)
+    run = strip_cut(material=thick, half_thickness=0.5, **long)
     figures = run.summary
     assert figures["bending_length_mm"] > figures["path_edge_mm"]
     assert figures["stored_growth_rel"] > 0.1

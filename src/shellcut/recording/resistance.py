@@ -179,10 +179,12 @@ class SupportPull:
         speed = np.sqrt(np.array(fastest))
         mean = 0.5 * (speed[1:] + speed[:-1])
         self._way = np.concatenate([[0.0], np.cumsum(mean * np.diff(self._time))])
+        self._last_speed = float(speed[-1])
 
     def coordinate(self, time: float) -> float:
         """Return the way at a time [mm]."""
-        return float(np.interp(time, self._time, self._way))
+        beyond = max(time - float(self._time[-1]), 0.0)  # the last step is not shortened
+        return float(np.interp(time, self._time, self._way)) + beyond * self._last_speed
 
     def felt(self, sim: Simulation) -> list[float]:
         """Return the force now [N], zero while nothing moves."""
