@@ -8,7 +8,7 @@ theory it grows as n (r + (p/2 pi) cot eta), by 39 %. ::
 
 writes both runs and torque.png into DIR. The three teeth from the command line::
 
-    shellcut run opening --set mesh=quick --set teeth=5 --set edge_inclination_deg=40 -o DIR
+    shellcut run opening --set mesh=quick --set teeth=3 --set edge_inclination_deg=40 -o DIR
 """
 
 import argparse
@@ -60,7 +60,7 @@ figure.savefig(options.out / "torque.png")
 torque = {name: results.summary["torque_plateau_Nmm"] for name, results in runs.items()}
 for name, results in runs.items():
     print(f"{name} teeth: {torque[name]:.0f} N*mm over {results.steady_window.text('deg')}")
-theory = steady_work_per_radian(n_teeth=5, edge_inclination_deg=40.0) / steady_work_per_radian()
+theory = steady_work_per_radian(n_teeth=3, edge_inclination_deg=40.0) / steady_work_per_radian()
 found = torque["three"] / torque["four"]
 print(f"three over four: {found:.3f}, theory {theory:.3f}")
 assert abs(found / theory - 1.0) < 0.05

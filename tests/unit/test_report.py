@@ -225,14 +225,14 @@ class TestWhatIsMissing:
     def test_a_section_that_fails_costs_no_other(self, out, tmp_path):
         folder = copy_without(out, tmp_path)
         text = (folder / "history.csv").read_text()
-        (folder / "history.csv").write_text(text.replace("force_joints [N]", "other [N]", 1))
+        (folder / "history.csv").write_text(text.replace("imbalance_rel [-]", "other [-]", 1))
         page = report_run(folder).read_text(encoding="utf-8")
         said = [text for _, text in sentences(page) if "cannot be shown" in text]
         assert len(said) == 1
         assert said[0].startswith(
-            "The force cannot be shown: the files contain no &#x27;force_joints"
+            "The where the work went cannot be shown: the files contain no &#x27;imbalance_rel"
         )
-        lost = {"Force", "Measured curve"}
+        lost = {"Where the work went", "Measured curve"}
         assert Outline(page).titles == [title for title in SECTIONS if title not in lost]
 
     def test_without_matplotlib_there_are_curves_but_no_map(self, out, tmp_path):

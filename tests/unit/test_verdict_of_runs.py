@@ -98,7 +98,7 @@ def test_what_film_and_friction_take_is_counted_and_not_doubted(strip_cut, entry
 
 def test_film_that_cannot_give_way_beside_the_blade_is_doubted(strip_cut):
     # Held in its plane, it is pressed by half the blade's thickness along all of the cut.
-    mesh, long = rectangle(14.4, 4.8, size=0.8), {"length": 14.4, "to": 12.8}
+    mesh, long = rectangle(14.4, 4.8, size=0.8), {"length": 14.4, "to": 9.4}
     beside = mesh.nodes_where(lambda x, y, z: np.abs(y) > 0.5)
     flat = Support(beside, translation="z", rotation="xyz")
     stiff = {"material": ShellMaterial.homogeneous(young=6000.0), "half_thickness": 0.5}

@@ -68,6 +68,9 @@ _ON_EDGE = 1e-6
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
 LOOK_AHEAD = (1.0, 2.0, 4.0)
 
+# Ticks of the motion of a film up to which it is followed for an edge that comes slowly.
+_FORESEEN = 256
+
 # Turns in finding when an edge will be at the first of these, and how near is near enough.
 TURNS = 3
 NEAR = 0.05
@@ -136,6 +139,10 @@ class BladeDrive:
         Q, q = self._film.pose(now)
         return product(Q, R), product(Q, r) + q, product(Q, spin), product(Q, velocity)
 
+    def _foreseen(self, later: float, now: float) -> float:
+        """Return a time, or the last before it up to which the way of a moving film is followed."""
+        return later if self._film is None else min(later, now + _FORESEEN * self._film.tick)
+
     def find(
         self,
         x: Floats,
@@ -167,11 +174,11 @@ class BladeDrive:
         for k in range(TURNS):
             if not count:
                 break
-            for i, later in enumerate(found.time.tolist()):
-                if found.seeking[i]:
-                    there = self._seen_from_film(later, time)
-                    for part, value in zip(parts, there, strict=True):
-                        part[i] = value
+            for i in np.flatnonzero(found.seeking).tolist():
+                later = found.time[i] = self._foreseen(float(found.time[i]), time)
+                there = self._seen_from_film(later, time)
+                for part, value in zip(parts, there, strict=True):
+                    part[i] = value
             more = k < TURNS - 1
             count = self._try_poses(*tried, False, more)
         return found

@@ -32,6 +32,8 @@ from shellcut.tool.pose_of_motion import pose_at
 
 from .supports import Rate, SupportSet
 
+# Of the largest prescribed velocity.
+_ROUND_OFF = 1e-12
 # Of the largest eigenvalue: below it the held axes leave a motion open.
 _TOLD = 1e-9
 # Steps of the run at its start in a tick.
@@ -154,7 +156,9 @@ class FilmMotion:
         solved = self._least_squares(pose.rotation)
         found = product(solved.inverse, wanted)
         off = float(np.abs(product(solved.share, found) - wanted).max())
-        spin = found[3:] / solved.size
+        # A spin of round-off is none: a film that does not turn keeps its least squares.
+        turns = float(np.abs(found[3:]).max()) > _ROUND_OFF * float(np.abs(wanted).max())
+        spin = found[3:] / solved.size if turns else np.zeros(3)
         place = product(pose.rotation, self._X.mean(axis=0)) + pose.translation
         velocity = found[:3] + np.cross(spin, pose.translation - place)
         return spin, velocity, (off, float(np.abs(wanted).max()))
