@@ -132,13 +132,14 @@ def compare(found, wanted, round_it):
     assert list(h)[1:3] == list(g)[1:3] == (["angle", "torque"] if round_it else ["path", "force"])
     rate = np.degrees(TURN) if round_it else SPEED
     np.testing.assert_allclose(h[list(h)[1]], rate * h["time"], rtol=1e-9)  # round-off
-    # Chance: a node that touches a step sooner.
-    for name, rtol in (
-        ("cohesive_work", 5e-3),
-        ("crack_length", 5e-3),
-        ("cut_length_edge_1", 0.02),
+    # Chance: a node that touches a step sooner. A crack grows by a chord of a quad, up to 0.9 mm
+    # long: at the end of the run one may have been cut in one of them only.
+    for name, rtol, atol in (
+        ("cohesive_work", 5e-3, 0.0),
+        ("crack_length", 5e-3, 0.9),
+        ("cut_length_edge_1", 0.02, 0.9),
     ):
-        np.testing.assert_allclose(h[name][-1], g[name][-1], rtol=rtol, err_msg=name)
+        np.testing.assert_allclose(h[name][-1], g[name][-1], rtol=rtol, atol=atol, err_msg=name)
     work = g["tool_work"][-1]
     both = h["tool_work"] + h["support_work"]
     # Tool and supports do the work of the cut, but for the momentum that the film has taken up.
@@ -183,14 +184,8 @@ def test_a_film_that_comes_to_the_blade_is_cut_as_one_at_rest(tmp_path, mirror, 
     assert "force along (1, 0, 0), as seen from the film" in summary["resistance"]
 
 
-@pytest.mark.parametrize(
-    ("share", "aside"),
-    [
-        (1.0, 0.0),
-        *(pytest.param(share, 0.0, marks=pytest.mark.slow) for share in SHARES if share != 1.0),
-        pytest.param(0.0, 1000.0, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("share", "aside"), [*((share, 0.0) for share in SHARES), (0.0, 1000.0)])
 def test_a_film_that_turns_under_the_teeth_is_cut_as_one_at_rest(tmp_path, mirror, share, aside):
     found = cut(tmp_path, *round_about(share, aside), ROUND, round_it=True)
     summary = compare(found, mirror(True), round_it=True)
