@@ -82,7 +82,8 @@ def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     assert summary["path_end_mm"] == sim.motion_in_film(END).coordinate(sim.state.time)
     assert summary["force_peak_N"] == h["force"][np.abs(h["force"]).argmax()]
     assert summary["force_peak_at_mm"] == h["path"][np.abs(h["force"]).argmax()]
-    assert summary["resistance"] == "force along (1, 0, 0)"
+    # Its supports move the film across the blade's way, so nothing keeps a direction in the film.
+    assert summary["resistance"].startswith("generalised force: work of the tool per mm")
     # Its cables break before the next is met: there is no process zone, and nothing is steady.
     assert "to go to the next cut or the film's edge" in summary["no_window"]
     assert not {"force_plateau_N", "dW_ds_N", "window_from_mm"} & summary.keys()
