@@ -9,10 +9,10 @@ import tempfile
 from pathlib import Path
 
 QUICK = {
-    "opening_test": ["--mesh", "quick", "--angle", "40", "--duration", "2.5e-3"],
+    "opening_test": ["--mesh", "quick", "--angle", "56", "--duration", "3.5e-3"],
     "guillotine": ["--size", "0.8", "--length", "14"],
     "in_a_notebook": [],
-    "trouser": ["--size", "0.75", "--length", "15"],
+    "trouser": ["--size", "0.75", "--length", "24"],
     "own_tooth": [],
     "cut_quality": [],
     "compare_with_measured": [],
@@ -28,11 +28,11 @@ QUICK = {
         "--pitches",
         "12,20",
         "--angle",
-        "45",
+        "56",
         "--jobs=1",
     ],
     "response_surface": ["--runs", "6", "--jobs=1"],
-    "shape_of_the_law": ["--angle", "40", "--laws", "2"],
+    "shape_of_the_law": ["--angle", "56", "--laws", "2"],
     "fit_a_curve": ["--travel", "2", "--jobs=1"],
 }
 """Arguments by example, in the order of the gallery: seconds each instead of minutes. An example
