@@ -31,7 +31,7 @@ QUICK = {
         "56",
         "--jobs=1",
     ],
-    "response_surface": ["--runs", "6", "--jobs=1"],
+    "response_surface": ["--runs", "8", "--jobs=1"],
     "shape_of_the_law": ["--angle", "56", "--laws", "2"],
     "fit_a_curve": ["--travel", "2", "--jobs=1"],
 }
