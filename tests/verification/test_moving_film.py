@@ -132,14 +132,13 @@ def compare(found, wanted, round_it):
     assert list(h)[1:3] == list(g)[1:3] == (["angle", "torque"] if round_it else ["path", "force"])
     rate = np.degrees(TURN) if round_it else SPEED
     np.testing.assert_allclose(h[list(h)[1]], rate * h["time"], rtol=1e-9)  # round-off
-    # Chance: a node that touches a step sooner. A crack grows by a chord of a quad, up to 0.9 mm
-    # long: at the end of the run one may have been cut in one of them only.
-    for name, rtol, atol in (
-        ("cohesive_work", 5e-3, 0.0),
-        ("crack_length", 5e-3, 0.9),
-        ("cut_length_edge_1", 0.02, 0.9),
+    # Run-to-run scatter: a node that touches a step sooner.
+    for name, rtol in (
+        ("cohesive_work", 5e-3),
+        ("crack_length", 5e-3),
+        ("cut_length_edge_1", 0.02),
     ):
-        np.testing.assert_allclose(h[name][-1], g[name][-1], rtol=rtol, atol=atol, err_msg=name)
+        np.testing.assert_allclose(h[name][-1], g[name][-1], rtol=rtol, err_msg=name)
     work = g["tool_work"][-1]
     both = h["tool_work"] + h["support_work"]
     # Tool and supports do the work of the cut, but for the momentum that the film has taken up.
