@@ -11,6 +11,11 @@ from shellcut.models import guillotine
 from shellcut.results.verdict import verdict
 from shellcut.simulation.pace import Pace
 
+SPIKE = sc.Tool.from_triangles(
+    [[0.0, 0.0, 0.0], [0.5, 0.0, 2.0], [-0.3, 0.4, 2.0], [-0.3, -0.4, 2.0]],
+    [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+    edges="none",
+)
 DISC, FILM = disc(5.0, n_side=6, n_layer=2), sc.ShellMaterial.homogeneous()
 CENTRE, CLAMPED = DISC.node_set("centre"), [S.clamped("rim")]
 
@@ -113,6 +118,29 @@ def test_supports_that_pull_steadily_are_not_dragged():
     assert sim.pace.n_stop == 0
     assert along == pytest.approx(sim.pace.now * 1e3, rel=0.3)
     assert book.support_work == pytest.approx(book.kinetic, rel=0.1)
+
+
+def test_a_film_that_its_supports_carry_to_the_tool_is_pressed_as_one_at_rest():
+    """The pace changes by the step: what it takes from the film's momentum is in the balance."""
+    found = []
+    for of_film in (0.0, 1.0):
+        film = rectangle(4.0, 4.0, n_x=4, n_y=4)
+        comes = {"z": lambda time, of_film=of_film: 2000.0 * of_film} if of_film else {}
+        sim = sc.Simulation(
+            film,
+            FILM,
+            supports=[S(film.boundary_nodes(), rotation="", velocity=comes)],
+            tool=SPIKE.translated((2.37, 0.21, 0.001)),
+            motion=sc.StraightMotion((0.0, 0.0, -1.0), 2000.0 * (1.0 - of_film) or 1e-9),
+            quasi_static=0.004,
+            damping_alpha=0.0,
+        )
+        sim.run(6e-5)
+        book = sim.close_ledger()
+        work = book.tool_work + book.support_work
+        assert abs(book.imbalance) < 1e-4 * work
+        found.append(book.strain)
+    np.testing.assert_allclose(*found, rtol=5e-3)
 
 
 def test_a_run_goes_on_with_the_same_bits_on_any_threads(tmp_path):

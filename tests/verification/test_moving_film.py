@@ -12,9 +12,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import shellcut as sc
-from shellcut.meshing import annulus, rectangle
+from shellcut import Mesh
+from shellcut.meshing import rectangle
 from shellcut.models import Case
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.tool_shapes import straight_blade
 
 SPEED = 6000.0
 """Of a blade as seen from the film [mm/s]."""
@@ -22,7 +23,7 @@ TURN = 600.0
 """Of a blade that goes round, likewise [rad/s]."""
 RADIUS = 10.0
 """On which it does [mm]."""
-ALONG, ROUND = 5.6 / SPEED, 0.4 / TURN
+ALONG, ROUND = 5.6 / SPEED, 0.56 / TURN
 """Ends of the cuts [s]."""
 LAW = {"strength": 18.0, "plateau": 12.0, "opening_a": 0.2, "opening_p": 0.6, "opening_u": 0.8}
 
@@ -69,21 +70,28 @@ class Steady:
         return velocity if velocity.any() else None
 
 
+def bent(points):
+    """Return points of a straight strip, (n, 3), on one that is bent in its plane: x is an arc."""
+    angle, r = points[:, 0] / RADIUS, RADIUS - points[:, 1]
+    return np.column_stack([r * np.cos(angle), r * np.sin(angle), points[:, 2]])
+
+
 def cut(folder, film, tool, until, round_it=False):
-    """Run a short cut, round a ring or along a strip; return its folder's results and its check."""
+    """Run a short cut along a strip, straight or bent; return its folder's results and its check."""
+    mesh = rectangle(8.0, 4.8, size=0.8)
+    held = [int(i) for i in (*mesh.node_set("bottom"), *mesh.node_set("top"))]
+    blade = straight_blade(edge_angle_deg=60.0, length=1.5, height=6.0)
+    blade, notch = blade.translated((-0.05, 0.0, 0.0)), np.array([(0.0, 0.1, 0.0), (1.2, 0.0, 0.0)])
     if round_it:
-        mesh = annulus(8.0, 12.0, n_around=72, n_radial=5)
-        held = [*mesh.node_set("inner"), *mesh.node_set("outer")]
-        blade = tooth_ring(n_teeth=1, radius=RADIUS)
-    else:
-        mesh = rectangle(8.0, 4.8, size=0.8)
-        held = [*mesh.node_set("bottom"), *mesh.node_set("top")]
-        blade = straight_blade(edge_angle_deg=60.0, length=10.0, height=8.0)
-        blade = blade.translated((-0.05, 0.0, 0.0))
+        mesh = Mesh.from_arrays(bent(mesh.nodes), mesh.quads)
+        x, y, z = blade.vertices.T
+        places = np.column_stack([RADIUS - y, x, z])
+        blade = sc.Tool.from_triangles(places, blade.triangles, edges=blade.edges)
+        notch = bent(notch)
     sim = sc.Simulation(
         mesh,
         sc.ShellMaterial.homogeneous(),
-        supports=film.supports(mesh, [int(i) for i in held]),
+        supports=film.supports(mesh, held),
         tool=blade,
         motion=tool,
         law=sc.CohesiveLaw(**LAW),
@@ -92,8 +100,7 @@ def cut(folder, film, tool, until, round_it=False):
         damping_alpha=0.0,
         imperfection=0,
     )
-    if not round_it:
-        sim.notch((0.0, 0.1, 0.0), (1.2, 0.0, 0.0))
+    sim.notch(*notch)
     case = Case("cut", sim, until)
     options = {"n_row": 400, "n_frame": 2, "n_snapshot": 0, "curves": False, "progress": False}
     case.run(folder, **options)

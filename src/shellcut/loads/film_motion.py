@@ -135,17 +135,13 @@ class FilmMotion:
         kinetic : that in space, of translation and rotation [N·mm].
         """
         n, count = state.node, state.node.count
-        (u, turning), mass = self.velocities(state), n.mass[:count]
+        spin = state.pace * self.twist(state.time)[0]
+        u = state.pace * self.velocity_at(n.x[:count], state.time)
+        t, mass = n.t[:count], n.mass[:count]
+        turning = spin - product(t, spin)[:, None] * t  # a director has no spin about itself
         moved = np.einsum("ic,ic->i", u, 0.5 * u - n.velocity_half[:count])
         turned = np.einsum("ic,ic->i", turning, 0.5 * turning - n.spin_half[:count])
         return kinetic + float(product(mass, moved) + product(n.inertia[:count], turned))
-
-    def velocities(self, state: State) -> tuple[Floats, Floats]:
-        """Return velocities [mm/s] and spins [rad/s] of all nodes of a rigid film, (n, 3) each."""
-        n, count = state.node, state.node.count
-        u = state.pace * self.velocity_at(n.x[:count], state.time)
-        t, spin = n.t[:count], state.pace * self.twist(state.time)[0]
-        return u, spin - product(t, spin)[:, None] * t  # a director has no spin about itself
 
     def _fit(self, time: float, pose: Pose) -> tuple[Floats, Floats, tuple[float, float]]:
         """Return spin, velocity of q, and the largest misfit and largest prescribed velocity."""

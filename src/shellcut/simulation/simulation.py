@@ -296,19 +296,15 @@ class Simulation:
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
-        s, book, pace, film = self.state, self.ledger, self.pace, self.film_motion
+        s, book, pace = self.state, self.ledger, self.pace
         if is_slowed := pace.share is not None:
-            before = self.kinetic_in_film
-            pace.adapt(before, self._guard.scale)
+            pace.adapt(book.kinetic, self._guard.scale)
         self.supports.prescribe(s, dt_next, pace.now)
         kick = self.integrator.kick(s, dt_last, dt_next)
         book.support_work += kick.support_work
-        if is_slowed:
-            now = kick.kinetic if film is None else film.kinetic(s, kick.kinetic)
-            if pace.stops(now, before, self._guard.scale):
-                s.node.stop(None if film is None else film.velocities(s))
-                moved, kick = kick.kinetic, self.integrator.kick(s, 0.0, dt_next)
-                book.damping_kinetic += moved - kick.kinetic
+        if is_slowed and pace.stops(kick.kinetic, book.kinetic, self._guard.scale):
+            moved, kick = kick.kinetic, self.integrator.restart(s, dt_next)
+            book.damping_kinetic += moved - kick.kinetic
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation
         # The mass damping of a kick belongs half to the step before and half to the step after.

@@ -249,15 +249,10 @@ class NodeTable(_Table):
         self.quads[node, : len(quads)] = quads
         self.n_quad_at[node] = len(quads)
 
-    def stop(self, whole: tuple[Floats, Floats] | None = None) -> None:
-        """Take all velocities away that are not prescribed.
-
-        whole : velocities [mm/s] and spins [rad/s] that are left, of a film that moves as a whole,
-        (n_node, 3) each.
-        """
+    def stop(self) -> None:
+        """Take all velocities away that are not prescribed."""
         for c, rates in enumerate((self.velocity_half, self.spin_half)):
-            free = ~self.support[: self.count, 3 * c : 3 * c + 3]
-            rates[: self.count][free] = 0.0 if whole is None else whole[c][free]
+            rates[: self.count][~self.support[: self.count, 3 * c : 3 * c + 3]] = 0.0
 
     def weigh(self, node: int, mass: float, inertia: float) -> None:
         """Set the mass [t] and rotary inertia [t·mm²] of a node."""
