@@ -59,6 +59,16 @@ def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
         np.testing.assert_allclose(place - corner, [0.0, SNAP * 0.4, 0.0], atol=1e-12)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_ray_along_its_own_side_does_not_end_where_a_crack_crosses_that_side(turned):
+    """Such a segment would cut nothing off: it lies on the side."""
+    sim = cut_strip(mesh=aligned(turned), notched=False)
+    x = start_of(sim) + 2.0
+    sim.notch((x + 0.2, -0.9, 0.0), (x + 0.2, 0.9, 0.0))
+    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
+    assert path.segment_from(sim.state, at_side(sim, x, 0.2), FORWARD) is None
+
+
 def test_a_crack_along_sides_is_closed_at_its_tip_whichever_corners_come_first():
     """An end that is taken for open would begin anew there, as on another crack's flank."""
     runs = []

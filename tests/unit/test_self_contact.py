@@ -244,6 +244,29 @@ def test_a_flap_that_folds_onto_the_sheet_does_not_pass():
     assert book.self_contact_work > 0.0
 
 
+def test_a_small_piece_that_flies_onto_a_large_quad_does_not_pass():
+    """No node of the quad is near the piece: what moves is the points that look for a partner."""
+    sheet, piece = rectangle(4.0, 4.0, n_x=1, n_y=1), rectangle(0.3, 0.2, n_x=1, n_y=1)
+    onto = sheet.nodes.mean(axis=0) - piece.nodes.mean(axis=0) + [0.3, 0.1, 3.0 * H]
+    nodes = np.concatenate([sheet.nodes, piece.nodes + onto])
+    flies = np.zeros((8, 3))
+    flies[4:] = [0.0, 0.0, -2000.0]
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(nodes, np.concatenate([sheet.quads, piece.quads + 4])),
+        sc.ShellMaterial.homogeneous(thickness=H),
+        supports=[sc.Support.clamped(range(4))],
+        contact=ON,
+        velocity=flies,
+        damping_alpha=0.0,
+        damping_beta=0.0,
+    )
+    sim.run(2.5e-4)
+    n = sim.state.node
+    assert (n.x[4:8, 2] > 0.5 * H).all()
+    # It has left as it came: the sheet cannot move, and the piece swings a little.
+    np.testing.assert_allclose(n.velocity_half[4:8, 2], 2000.0, rtol=0.05)
+
+
 @pytest.mark.parametrize("path", ["edges", "free"])
 def test_flanks_born_together_do_not_lock(path):
     force, looked = {}, {}

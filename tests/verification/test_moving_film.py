@@ -156,7 +156,8 @@ def compare(found, wanted, round_it):
         np.testing.assert_allclose(h[name][-1], whole, rtol=5e-3, err_msg=name)
     peak = f"{list(h)[2]}_peak_{'Nmm' if round_it else 'N'}"
     s, t = one.summary, other.summary
-    np.testing.assert_allclose(s[peak], t[peak], rtol=0.05)
+    # One instant of impacts on nodes.
+    np.testing.assert_allclose(s[peak], t[peak], rtol=0.1 if round_it else 0.05)
     np.testing.assert_allclose(s["kinetic_rel"], t["kinetic_rel"], rtol=0.1)
     for name in ("window_from_mm", "window_to_mm"):
         assert (name in s) == (name in t)
