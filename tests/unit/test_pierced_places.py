@@ -10,6 +10,8 @@ from teeth import tool_of, tooth, vee
 
 CELL, N_CELL = 5, 4
 """Quads of 1 mm a side of one film, and films a side: each is clamped by itself."""
+SIZE = float(CELL * N_CELL)
+"""Of them together [mm]."""
 
 PLACES = [
     # The rim, and the corner of it.
@@ -23,53 +25,88 @@ PLACES = [
 """Where the tips come down, film by film, row by row: in the first row and column at the rim."""
 
 
-def skewed(mesh, amount=0.12):
-    """Return a mesh whose inner nodes are moved by up to a part of a quad."""
-    nodes, rng = mesh.nodes.copy(), np.random.default_rng(3)
-    inner = np.setdiff1d(np.arange(len(nodes)), mesh.boundary_nodes())
-    nodes[inner, :2] += rng.uniform(-amount, amount, (len(inner), 2))
-    return Mesh.from_arrays(nodes, mesh.quads)
+def height(x):
+    """Return the height of films that are curved to a radius of 10 mm, each by itself [mm]."""
+    return ((x % CELL) - 0.5 * CELL) ** 2 / 20.0
 
 
-def pierced(angle, path, line, *, skew=False, puncture=None):
+def quads_of(nodes, triangles):
+    """Return nodes and quads: of each triangle three, which meet in its middle."""
+    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    ends, of_side = np.unique(sides, axis=0, return_inverse=True)
+    ab, bc, ca = len(nodes) + of_side.reshape(-1, 3).T
+    a, b, c = triangles.T
+    middle = len(nodes) + len(ends) + np.arange(len(triangles))
+    rings = [(a, ab, middle, ca), (b, bc, middle, ab), (c, ca, middle, bc)]
+    every = np.vstack([nodes, nodes[ends].mean(axis=1), nodes[triangles].mean(axis=1)])
+    return every, np.vstack([np.column_stack(ring) for ring in rings])
+
+
+def film_of(kind):
+    """Return films of squares, of squares with moved nodes, of split triangles, or curved."""
+    mesh = rectangle(SIZE, SIZE, size=1.0)
+    nodes, quads = mesh.nodes - mesh.nodes.min(axis=0), mesh.quads
+    nodes = np.round(nodes, 9)
+    if kind == "skewed":
+        inner = (nodes[:, :2] % CELL != 0.0).all(axis=1)
+        shift = np.random.default_rng(3).uniform(-0.12, 0.12, (inner.sum(), 2))
+        nodes[inner, :2] += shift
+    if kind == "triangles":
+        nodes, quads = quads_of(nodes, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+    if kind == "curved":
+        nodes[:, 2] = height(nodes[:, 0])
+    return Mesh.from_arrays(nodes, quads)
+
+
+def pierced(angle, path, line, kind="squares"):
     """Press sixteen teeth into as many films; return the record of each, and of what is cut."""
-    size = CELL * N_CELL
-    mesh = rectangle(float(size), float(size), size=1.0)
-    low = mesh.nodes.min(axis=0)
-    held = np.flatnonzero((np.round(mesh.nodes - low, 6)[:, :2] % CELL == 0.0).any(axis=1))
-    mesh = skewed(mesh) if skew else mesh
+    mesh, line = film_of(kind), np.array(line)
+    held = np.flatnonzero((mesh.nodes[:, :2] % CELL == 0.0).any(axis=1))
     firsts = [(CELL * (k % N_CELL), CELL * (k // N_CELL)) for k in range(len(PLACES))]
-    teeth = [
-        tooth(line, height=1.0, turn_deg=angle + 7.0 * skew, at=low[:2] + first + np.array(place))
-        for first, place in zip(firsts, PLACES, strict=True)
-    ]
+    teeth = []
+    for first, place in zip(firsts, PLACES, strict=True):
+        x, y = first + np.array(place)
+        # Between two nodes the film is straight along x.
+        z = np.interp(x, np.arange(SIZE + 1.0), height(np.arange(SIZE + 1.0)))
+        up = [0.0, z if kind == "curved" else 0.0]
+        teeth.append(tooth(line + up, height=1.0, turn_deg=angle, at=(x, y)))
     run = Simulation(
         mesh,
         ShellMaterial.homogeneous(),
         supports=[Support.clamped(held)],
-        tool=tool_of(*teeth).translated((0.0, 0.0, low[2] + 0.002)),
+        tool=tool_of(*teeth).translated((0.0, 0.0, 0.002)),
         motion=StraightMotion((0.0, 0.0, -1.0), speed=600.0, ramp=5e-5),
         law=CohesiveLaw(),
-        fracture=Fracture(path=path, check_every=1, puncture_force=puncture),
+        fracture=Fracture(path=path, check_every=1),
     )
     first = {}
     while len(first) < len(PLACES) and run.state.time < 9e-4:
         seen = len(run.state.split_log)
         run.step()
         for record in run.state.split_log[seen:]:
-            place = np.array(record.reference) - low
+            place = np.array(record.reference)
             k = int(place[0] // CELL) + N_CELL * int(place[1] // CELL)
             first.setdefault(min(record.edge if record.edge >= 0 else k, len(PLACES) - 1), record)
     return first
 
 
 @pytest.mark.parametrize(
-    ("path", "angle"),
-    [("free", 0.0), ("free", 30.0), ("free", 45.0), ("free", 105.0), ("edges", 30.0)],
+    ("path", "angle", "kind"),
+    [
+        ("free", 0.0, "squares"),
+        ("free", 30.0, "squares"),
+        ("free", 45.0, "squares"),
+        ("free", 105.0, "squares"),
+        ("edges", 30.0, "squares"),
+        ("free", 20.0, "skewed"),
+        pytest.param("free", 70.0, "triangles", marks=pytest.mark.slow),
+        ("free", 30.0, "curved"),
+        ("free", 90.0, "curved"),
+    ],
 )
-def test_a_tip_pierces_at_its_force_at_any_place_in_any_direction(path, angle):
+def test_a_tip_pierces_at_its_force_at_any_place_in_any_direction(path, angle, kind):
     # Sixteen places in each direction; the force is looked at in every step.
-    first = pierced(angle, path, vee(30.0, 0.8))
+    first = pierced(angle, path, vee(30.0, 0.8), kind)
     assert sorted(first) == list(range(len(PLACES)))
     assert {record.kind for record in first.values()} == {"puncture"}
     assert max(record.measure for record in first.values()) < 1.06
