@@ -329,7 +329,7 @@ def test_ctrl_c_during_the_import_ends_the_command_in_its_own_words(tmp_path, mo
 @pytest.mark.skipif(os.name == "nt", reason="there are no groups of processes there")
 @pytest.mark.parametrize("command", [["run", "guillotine"], ["sweep", "guillotine"]])
 def test_a_hundred_interrupts_at_random_moments_end_in_the_same_way(tmp_path, command):
-    more = ["--vary", "film.thickness=0.05,0.06", "--jobs", "2"] if command[0] == "sweep" else []
+    more = ["--set", "material.thickness=0.05,0.06", "--jobs", "2"] if command[0] == "sweep" else []
     began = time.perf_counter()
     subprocess.run([*COMMAND, "keys", "young"], check=True, capture_output=True)
     start = time.perf_counter() - began

@@ -230,7 +230,8 @@ class TestWhatIsMissing:
         said = [text for _, text in sentences(page) if "cannot be shown" in text]
         assert len(said) == 1
         assert said[0].startswith(
-            "The where the work went cannot be shown: the files contain no &#x27;imbalance_rel"
+            "The section &quot;Where the work went&quot; cannot be shown: the files contain no "
+            "&#x27;imbalance_rel"
         )
         lost = {"Where the work went", "Measured curve"}
         assert Outline(page).titles == [title for title in SECTIONS if title not in lost]

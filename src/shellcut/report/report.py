@@ -114,7 +114,8 @@ def _body(run: Gathered) -> str:
         "Versions": words.versions,
     }
     made = {
-        title: or_say(run.problems, title.lower(), make) or "" for title, make in makers.items()
+        title: or_say(run.problems, f'section "{title}"', make) or ""
+        for title, make in makers.items()
     }
     # Last, because they report the problems of the other sections.
     made[_CONCLUSION], made[_TRUST] = words.judged(run, last)

@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 
 from shellcut.files.run_folder import HISTORY
+from shellcut.formats.errors import counted
 from shellcut.report.chart import chart
 from shellcut.report.markup import missing
 from shellcut.results.history import read_history
@@ -29,19 +30,24 @@ def curves(study: Study) -> str:
     done = np.flatnonzero(study.done)
     chosen = done[:: -(-len(done) // _MOST)] if len(done) else done
     found: list[tuple[int, Diagram]] = []
-    lost = 0
+    n_lost = n_other = 0
     for row in chosen.tolist():
         one = _read(study, row)
-        lost += one is None
-        if one is not None and (not found or _axes(one) == _axes(found[0][1])):
+        if one is None:
+            n_lost += 1
+        elif found and _axes(one) != _axes(found[0][1]):
+            n_other += 1
+        else:
             found.append((row, one))
     if not found:
         return missing("No curves: no run that is done has a history that can be read.")
     said = []
     if len(chosen) < len(done):
         said.append(f"{len(chosen)} of {len(done)} runs are drawn, evenly chosen.")
-    if lost:
-        said.append(f"The history of {lost} runs is missing.")
+    if n_lost:
+        said.append(f"{counted(n_lost, 'run')} without a history that can be read left out.")
+    if n_other:
+        said.append(f"{counted(n_other, 'run')} with other columns left out.")
     rows = np.array([row for row, _ in found])
     groups = [coloured_by(factor, rows) for factor in study.factors if factor.varies]
     if groups:  # in the order of the legend
