@@ -325,6 +325,13 @@ def test_ctrl_c_during_the_import_ends_the_command_in_its_own_words(tmp_path, mo
         assert done.stderr.endswith("KeyboardInterrupt\n")
 
 
+# Python imports this file at its start.
+_SAYS_WHEN_IT_BEGINS = """
+import os
+open(os.environ["OF_A_TEST"], "w").close()
+"""
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="there are no groups of processes there")
 @pytest.mark.parametrize("command", [["run", "guillotine"], ["sweep", "guillotine"]])
@@ -333,18 +340,22 @@ def test_a_hundred_interrupts_at_random_moments_end_in_the_same_way(tmp_path, co
     began = time.perf_counter()
     subprocess.run([*COMMAND, "keys", "young"], check=True, capture_output=True)
     start = time.perf_counter() - began
+    (tmp_path / "sitecustomize.py").write_text(_SAYS_WHEN_IT_BEGINS)
+    site = os.pathsep.join([str(tmp_path), os.path.dirname(os.path.dirname(shellcut.__file__))])
     chance, ends = random.Random(1), []
     for k in range(100 if not more else 20):
-        out = str(tmp_path / f"out{k}")
+        out, begun = str(tmp_path / f"out{k}"), tmp_path / f"begun{k}"
         process = subprocess.Popen(
             [*COMMAND, *command, *more, "-o", out],
+            env=os.environ | {"PYTHONPATH": site, "OF_A_TEST": str(begun)},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
         )
-        # Not while Python itself starts, which takes a tenth of the command's start.
-        time.sleep(start * chance.uniform(0.25, 2.5))
+        while not begun.exists():  # not while Python itself starts
+            time.sleep(1e-3)
+        time.sleep(start * chance.uniform(0.05, 2.5))
         os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=120)
         ends.append((process.returncode, "Traceback" in said or "ignored" in said))
