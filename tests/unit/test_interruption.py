@@ -327,7 +327,8 @@ def test_ctrl_c_during_the_import_ends_the_command_in_its_own_words(tmp_path, mo
 
 # Python imports this file at its start.
 _SAYS_WHEN_IT_BEGINS = """
-import os
+import os, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
 open(os.environ["OF_A_TEST"], "w").close()
 """
 

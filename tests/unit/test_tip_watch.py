@@ -254,6 +254,17 @@ def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
     assert 5 < sum(edge >= 0 for edge, _ in plain) < 55
 
 
+def through(a, b, corners):
+    """Return xi, eta where the line from a to b goes through a quad, split into two triangles."""
+    square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    for triangle in ((0, 1, 2), (0, 2, 3)):
+        p, place = corners[list(triangle)], square[list(triangle)]
+        u, v, along = np.linalg.solve(np.column_stack([*(p[1:] - p[0]), a - b]), a - p[0])
+        if min(u, v, 1.0 - u - v) >= -1e-9 and -1e-9 <= along <= 1.0 + 1e-9:
+            return place[0] + u * (place[1] - place[0]) + v * (place[2] - place[0])
+    raise AssertionError("the line passes the quad by")
+
+
 def test_list_of_near_rows_never_changes_what_is_pierced():
     """The blade goes through film that nothing cuts and whose nodes wander."""
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
@@ -274,6 +285,10 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
             again = Pierce(*parts).found(s, pose, none)
             assert rows == again
             found += len(rows)
+            a, b = pose.to_space(sim.tool.vertices[sim.tool.edges[0]])
+            for begun in rows:
+                place = through(a, b, n.x[s.quads[begun.row]])
+                np.testing.assert_allclose(begun.place, place, atol=1e-9)
     assert 3 < kept._near.n_search < 300
     assert found > 20
 

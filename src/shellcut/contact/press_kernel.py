@@ -60,9 +60,8 @@ def _side_of_ends(i: int, tables: ContactTables) -> tuple[bool, int]:
     node, side, memory = tables.carriers.node, tables.nodes.contact_side, tables.memory
     a, b, row = int(side[node[i, 0]]), int(side[node[i, 1]]), memory.row[i]
     lies = a if a != 0 else b
-    had = int(memory.side[row])
-    if memory.depth[row] > 0.0 and had * lies >= 0:
-        lies = had
+    if lies == 0 and memory.depth[row] > 0.0:
+        lies = int(memory.side[row])
     return a * b >= 0, lies
 
 
