@@ -8,7 +8,8 @@ import pytest
 
 import shellcut as sc
 from random_cuts import LENGTH, SIZE, SPEED, _from_line, film
-from shellcut.fracture.quad_polygon import FLANK, shape_functions
+from shellcut.fracture.quad_polygon import FLANK
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.tool_shapes import straight_blade
 
 SOFT = sc.ShellMaterial.homogeneous(young=1e-3, density=2e-8)
@@ -111,7 +112,7 @@ def swept(X, start, end):
         (xi, eta), (u, v) = a + at * (b - a), b - a
         by_xi = 0.25 * np.array([eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta])
         by_eta = 0.25 * np.array([xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi])
-        x, y, _ = np.array(shape_functions((xi, eta))) @ X
+        x, y, _ = np.array(shape_functions(xi, eta)) @ X
         dx, dy, _ = (u * by_xi + v * by_eta) @ X
         total += 0.25 * (x * dy - y * dx)
     return total

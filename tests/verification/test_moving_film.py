@@ -77,7 +77,7 @@ def bent(points):
 
 
 def cut(folder, film, tool, until, round_it=False):
-    """Run a short cut along a strip, straight or bent; return its folder's results and its check."""
+    """Run a short cut along a strip, straight or bent; return its results and its check."""
     mesh = rectangle(8.0, 4.8, size=0.8)
     held = [int(i) for i in (*mesh.node_set("bottom"), *mesh.node_set("top"))]
     blade = straight_blade(edge_angle_deg=60.0, length=1.5, height=6.0)

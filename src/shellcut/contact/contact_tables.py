@@ -189,8 +189,8 @@ class ContactNodes(NamedTuple):
 class ContactTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
-    per_carrier: int
-    """Nodes that carry each place: 1 of nodes, 2 of places on edges of the film."""
+    on_edges: bool
+    """Whether places are on edges of the film, carried by two nodes; else they are nodes."""
     rounding: float
     """Radius by which convex edges of the tool are rounded [mm]."""
     tool: ContactTool

@@ -180,7 +180,7 @@ class EdgeContact(PressTerm):
         contact = self._contact
         self.tables = self._hold(
             ContactTables(
-                per_carrier=2,
+                on_edges=True,
                 rounding=self._rounding,
                 tool=contact.solid,
                 law=contact.law,

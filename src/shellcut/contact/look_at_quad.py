@@ -39,6 +39,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from shellcut.arrays import Floats, SmallIds, Vec3
+from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add, add_scaled, combine, cross, dot, load, norm, scale, sub
@@ -104,20 +105,9 @@ def corners_of(x: Floats, quads: SmallIds, row: int) -> Corners:
 
 
 @always_inline
-def weights_at(xi: float, eta: float) -> tuple[float, float, float, float]:
-    """Return the four shape functions at a place."""
-    return (
-        0.25 * (1.0 - xi) * (1.0 - eta),
-        0.25 * (1.0 + xi) * (1.0 - eta),
-        0.25 * (1.0 + xi) * (1.0 + eta),
-        0.25 * (1.0 - xi) * (1.0 + eta),
-    )
-
-
-@always_inline
 def place_in(q: Corners, xi: float, eta: float) -> Vec3:
     """Return the position of a place of a quad [mm]."""
-    n0, n1, n2, n3 = weights_at(xi, eta)
+    n0, n1, n2, n3 = shape_functions(xi, eta)
     return add(combine(n0, q.x0, n1, q.x1), combine(n2, q.x2, n3, q.x3))
 
 
@@ -365,9 +355,5 @@ def slopes_along(m: Vec3, xi: float, eta: float, q: Corners) -> tuple[float, flo
     b1, b2 = dot(m, a1), dot(m, a2)
     det = g11 * g22 - g12 * g12
     m1, m2 = (g22 * b1 - g12 * b2) / det, (g11 * b2 - g12 * b1) / det
-    return (
-        0.25 * (-(1.0 - eta) * m1 - (1.0 - xi) * m2),
-        0.25 * ((1.0 - eta) * m1 - (1.0 + xi) * m2),
-        0.25 * ((1.0 + eta) * m1 + (1.0 + xi) * m2),
-        0.25 * (-(1.0 + eta) * m1 + (1.0 - xi) * m2),
-    )
+    (s0, s1, s2, s3), (r0, r1, r2, r3) = slopes_by_xi(eta), slopes_by_eta(xi)
+    return s0 * m1 + r0 * m2, s1 * m1 + r1 * m2, s2 * m1 + r2 * m2, s3 * m1 + r3 * m2

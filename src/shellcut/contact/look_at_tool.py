@@ -62,7 +62,7 @@ def see(
     gone = dot(way, way)
     triangle, q, fresh = looks.closest[i, 1], p, False
     # A node without a side may get one: it is looked up again.
-    settled = tables.per_carrier > 1 or lies != 0 or not looks.within[i]
+    settled = tables.on_edges or lies != 0 or not looks.within[i]
     if settled and gone < looks.flat[i] * abs(looks.flat[i]):
         if not looks.within[i]:
             over = dot(load(looks.face[i], 0), p) - looks.face[i, 0, 3]
@@ -161,7 +161,7 @@ def _look_up(
             _keep_plane(i, p, triangle, tool, looks)
         return triangle, q, side
     whole, flank = triangle, grid.surface.flank
-    if side == 0 and tables.per_carrier == 1:
+    if side == 0 and not tables.on_edges:
         side = _side_of_quads(tables.carriers.node[i, 0], pose, tool, tables.nodes, tables.around)
         side = int(flank[triangle]) if side == 0 else side
     if side * flank[triangle] < 0:

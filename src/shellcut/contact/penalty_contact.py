@@ -224,7 +224,7 @@ class PenaltyContact(PressTerm):
             moving = edges.with_ends_at(near)
         self.clock = Clock(moving, np.zeros(1), self._radius)
         tables = ContactTables(
-            per_carrier=1,
+            on_edges=False,
             rounding=self.law.rounding,
             tool=self.solid,
             law=self.law,

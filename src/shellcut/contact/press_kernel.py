@@ -32,7 +32,7 @@ def _mean_of(rows: Floats, i: int, tables: ContactTables) -> Vec3:
     """Return what rows : (n_node, 3) are where a carrier is."""
     node, weight = tables.carriers.node, tables.carriers.weight
     at = load(rows, node[i, 0])
-    if tables.per_carrier == 1:
+    if not tables.on_edges:
         return at
     return combine(weight[i, 0], at, weight[i, 1], load(rows, node[i, 1]))
 
@@ -118,7 +118,7 @@ def _pushed(i: int, direction: Vec3, tables: ContactTables) -> tuple[float, floa
     A supported node moves by itself: with no other the mass is 0.
     """
     carriers, nodes = tables.carriers, tables.nodes
-    if tables.per_carrier == 1:
+    if not tables.on_edges:
         n = carriers.node[i, 0]
         mass = 0.0 if nodes.supported[n] else nodes.contact_mass[n]
         return -dot(load(nodes.force, n), direction), mass
@@ -137,7 +137,7 @@ def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench:
     """Add a force f [N] on a carrier to its nodes and minus it to its tooth."""
     carriers, force = tables.carriers, tables.nodes.force
     store(tables.memory.force, tables.memory.row[i], f)
-    if tables.per_carrier == 1:
+    if not tables.on_edges:
         add_to(force, carriers.node[i, 0], f)
     else:
         for c in range(2):
@@ -200,7 +200,7 @@ def add_press_forces(
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
     looks, carriers, memory, tool = tables.looks, tables.carriers, tables.memory, tables.tool
-    side, edges, clock = memory.side, tables.per_carrier > 1, tables.clock
+    side, edges, clock = memory.side, tables.on_edges, tables.clock
     if not edges:
         clock.walked[0] += tool_way(pose, before, clock.radius)
         clock.walked[0] += dt * largest_speed(clock.node, tables.nodes.velocity_half)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats, Vec3
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, add_to, combine, dot, load, scale, store, sub
@@ -27,7 +28,6 @@ from .look_at_quad import (
     place_in,
     slopes_along,
     way_out,
-    weights_at,
 )
 from .near_nodes import largest_speed, tool_way
 from .press_kernel import is_fast, press
@@ -93,7 +93,7 @@ def add_sheet_forces(
             stored += energy
             deepest = max(deepest, way.depth - memory.offset[sheet])
             _press(count, point, force, way, tables)
-            weights, row = weights_at(near.place.xi, near.place.eta), pairs.row[near.pair]
+            weights, row = shape_functions(near.place.xi, near.place.eta), pairs.row[near.pair]
             for a in range(4):
                 carriers.node[sheet, a] = tables.quads[row, a]
                 carriers.weight[sheet, a] = weights[a]
@@ -141,7 +141,7 @@ def _approach(
     if not tables.of_tool and not nodes.supported[point]:
         give = 1.0 / nodes.contact_mass[point]
         towards = scale(-give, load(nodes.force, point))
-    weights = weights_at(way.xi, way.eta)
+    weights = shape_functions(way.xi, way.eta)
     for a in range(4):
         n, weight = quads[way.row, a], weights[a]
         back = add_scaled(back, dt * weight, load(nodes.velocity_half, n))
@@ -180,7 +180,7 @@ def _press(at: int, point: int, force: float, way: Way, tables: SheetTables) -> 
     quads, nodes, presses = tables.quads, tables.nodes, tables.presses
     q = corners_of(nodes.x, quads, way.row)
     n = normal_at(q, way.xi, way.eta)
-    weights, turns = weights_at(way.xi, way.eta), (0.0, 0.0, 0.0, 0.0)
+    weights, turns = shape_functions(way.xi, way.eta), (0.0, 0.0, 0.0, 0.0)
     if way.lifted != 0.0:
         turns = slopes_along(way.direction, way.xi, way.eta, q)
     if tables.of_tool:  # what it gets is on the tool
@@ -218,6 +218,6 @@ def closest_of_pairs(pose: Pose, tables: SheetTables, within: float, found: Floa
             if found[j, 0] > within:
                 continue
             place = closest_place(p, q, row, tables.outline)
-            found[j, 0], weights = np.sqrt(place.square), weights_at(place.xi, place.eta)
+            found[j, 0], weights = np.sqrt(place.square), shape_functions(place.xi, place.eta)
             for a in range(4):
                 found[j, 1 + a] = weights[a]

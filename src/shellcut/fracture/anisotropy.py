@@ -24,8 +24,9 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product, unit
 from shellcut.mesh.quad_geometry import corner_normals
+from shellcut.numerics.bilinear import shape_functions
 
-from .quad_polygon import Point, shape_functions
+from .quad_polygon import Point
 
 
 @checked
@@ -83,5 +84,5 @@ def factor_along(film: Anisotropy | None, X: Floats, chord: tuple[Point, Point])
     """Return f for a crack along a chord of a quad with corners at X : (4, 3); 1 if all f are."""
     if film is None:
         return 1.0
-    start, stop = (product(shape_functions(p), X) for p in chord)
+    start, stop = (product(shape_functions(*p), X) for p in chord)
     return float(film.factors((stop - start)[None], corner_normals(X))[0])

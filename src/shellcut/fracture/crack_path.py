@@ -23,6 +23,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.small_matrices import least_squares
@@ -43,7 +44,6 @@ from .quad_polygon import (
     fraction_between,
     has_corner,
     on_side,
-    shape_functions,
     shape_slopes,
     side_at,
     side_of,
@@ -201,7 +201,7 @@ class CrackPath:
 
     def place_in(self, state: State, row: int, place: Point) -> Place:
         """Return where a place of a row is now."""
-        weights, nodes = np.array(shape_functions(place)), state.quads[row]
+        weights, nodes = np.array(shape_functions(*place)), state.quads[row]
         t = product(weights, state.node.t[nodes])
         return Place(
             product(weights, state.node.x[nodes]),
@@ -212,13 +212,13 @@ class CrackPath:
 
     def way_of(self, state: State, segment: Segment) -> Floats:
         """Return the unit direction of a segment in space, shape (3,)."""
-        gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
+        gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
         return unit(product(gap, state.node.x[state.quads[segment.row]]))
 
     def reference_director(self, row: int, place: Point) -> Floats:
         """Return the unit director at a place of a row in the reference film, shape (3,)."""
         film = self._shell.reference
-        return unit(product(shape_functions(place), film.t[film.quads[row]]))
+        return unit(product(shape_functions(*place), film.t[film.quads[row]]))
 
     def carried_on(self, row: int, place: Point, heading: Floats) -> Floats:
         """Return weights of a row's nodes that give, of their positions, a heading, shape (4,).
@@ -254,7 +254,7 @@ class CrackPath:
         """Return rows : (n_node, k) of the mesh's nodes at a tip, shape (k,)."""
         if tip.flank is not None:
             corners = self._shell.mesh_quads[tip.quad]
-            return np.asarray(product(shape_functions(tip.flank), rows[corners]))
+            return np.asarray(product(shape_functions(*tip.flank), rows[corners]))
         a, b = rows[list(tip.ends)]
         return np.asarray(a + tip.s * (b - a))
 

@@ -21,6 +21,7 @@ from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import NOTCH, TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
@@ -35,7 +36,7 @@ from .notch_line import NotchLine, row_at
 from .options import Fracture
 from .pierce import Begun, Pierce, PierceLimits
 from .puncture import Puncture
-from .quad_polygon import FLANK, WHOLE, common_side, corner_at, shape_functions
+from .quad_polygon import FLANK, WHOLE, common_side, corner_at
 from .ray_ahead import JOIN
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import Due, LargestStress, SideTears
@@ -330,7 +331,7 @@ class Cracks:
         if segment.side != FLANK and not cut.is_open(state, end):
             tip = self._path.tip_at(segment, heading)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
-        here = product(shape_functions(segment.exit), state.node.X[state.quads[segment.row]])
+        here = product(shape_functions(*segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self._path.size(segment.row)
         gaps = [norm(self._path.at_tip(tip, state.node.X) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
@@ -387,7 +388,7 @@ class Cracks:
     def _pierced(self, state: State, begun: Begun) -> dict[str, Any]:
         """Return for the record of a cut how whole film is pierced."""
         at = self._path.place_in(state, begun.row, begun.place)
-        weights = np.array(shape_functions(begun.place))
+        weights = np.array(shape_functions(*begun.place))
         reference = product(weights, state.node.X[state.quads[begun.row]])
         return {
             "edge": int(self._chain[begun.segment]),

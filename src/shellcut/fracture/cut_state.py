@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
 from .cut_topology import Corner, CutTopology
@@ -31,7 +32,6 @@ from .quad_polygon import (
     density,
     film_beside,
     on_side,
-    shape_functions,
     share_of,
     span,
 )
@@ -61,7 +61,7 @@ def cut_row(state: State, shell: MITC4Shell, topology: CutTopology, segment: Seg
     light = min(max(right / (right + left), LEAST_MASS), 1.0 - LEAST_MASS)
     mass = state.quad.mass_share[row]
     state.quad.append_copy(row)
-    state.quad.centre[[row, new]] = [shape_functions(film_beside(polygon)) for polygon in polygons]
+    state.quad.centre[[row, new]] = [shape_functions(*film_beside(polygon)) for polygon in polygons]
     shell.cut(state, row, new, (right, left), (mass * light, mass * (1.0 - light)))
     return new
 
@@ -96,7 +96,7 @@ def rows_along(
 
 def nodes_at(state: State, row: int, place: Point) -> set[int]:
     """Return the nodes of a row that move a place in it."""
-    corners = zip(state.quads[row].tolist(), shape_functions(place), strict=True)
+    corners = zip(state.quads[row].tolist(), shape_functions(*place), strict=True)
     return {node for node, weight in corners if weight > UNUSED}
 
 

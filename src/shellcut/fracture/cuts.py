@@ -17,13 +17,14 @@ from shellcut.arrays import Floats, norm, product
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.small_matrices import pseudo_inverse
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
 from .cut_state import cut_row, nodes_at, parted, renew_nodes, rows_along, side_under
 from .cut_topology import CutTopology
-from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
+from .quad_polygon import Point, corner_at, film_moments, spans
 from .segment_cables import SegmentCables
 from .tip import Segment
 
@@ -96,8 +97,8 @@ class Cuts:
             chords = [(segment.entry, segment.exit)] * 2
             corners = shell.mesh_quads[segment.row].tolist()
             self._cables.follow(state, topology, *rows)
-        entry, nodes = np.array(shape_functions(segment.entry)), state.quads[segment.row]
-        exit_, X = np.array(shape_functions(segment.exit)), state.node.X[nodes]
+        entry, nodes = np.array(shape_functions(*segment.entry)), state.quads[segment.row]
+        exit_, X = np.array(shape_functions(*segment.exit)), state.node.X[nodes]
         places = product(entry, state.node.x[nodes]), product(entry, X), product(exit_, X)
         _write_down(state, places, rows, kind, measure)
         renew_nodes(state, shell, topology, corners)
@@ -173,7 +174,7 @@ class Cuts:
 
 def _length(state: State, segment: Segment) -> float:
     """Return the length of a segment in the reference film [mm]."""
-    way = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
+    way = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
     return float(norm(product(way, state.node.X[state.quads[segment.row]])))
 
 

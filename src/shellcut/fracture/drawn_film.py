@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, product
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
 from .cut_topology import CutTopology
@@ -30,7 +31,6 @@ from .quad_polygon import (
     edges,
     fraction_between,
     on_side,
-    shape_functions,
     side_at,
 )
 
@@ -153,7 +153,7 @@ class _Outlines:
         if side < 0:
             at = tuple(round(one, _DIGITS) for one in place)
             parent = self._topology.parent(row)
-            weight = shape_functions(place)
+            weight = shape_functions(*place)
             return self._numbered((row, *at), ring, weight, (parent, *at))
         a, b = ring[side], ring[(side + 1) % 4]
         s = along_side(side, place)

@@ -13,10 +13,11 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, norm, off_segments, product
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import BROKEN, State
 
 from .cut_topology import CutTopology
-from .quad_polygon import CORNERS, FLANK, Point, beyond, edges, on_side
+from .quad_polygon import FLANK, Point, beyond, edges, on_side
 
 SAME = 1e-5
 """Of a length of several edges: ends of edges that are nearer are one place, far above
@@ -28,8 +29,6 @@ zone."""
 
 # Of the local edge length: cables lie so near to their segment or nearer.
 _BESIDE = 0.05
-
-_XI, _ETA = np.array(CORNERS).T
 
 
 class FilmEdges:
@@ -74,8 +73,8 @@ class FilmEdges:
                 rows += [cut] * len(parts)
                 places += parts
                 outside += [beyond(*part) if side == FLANK else [] for part in parts]
-        xi, eta = np.array(places).reshape(-1, 2, 2, 1).transpose(2, 0, 1, 3)
-        weights = 0.25 * (1.0 + _XI * xi) * (1.0 + _ETA * eta)
+        xi, eta = np.array(places).reshape(-1, 2, 2).transpose(2, 0, 1)
+        weights: Floats = np.stack(shape_functions(xi, eta), axis=-1)
         self.row: Ints = np.concatenate([row, np.array(rows, np.int64)])
         """Of which row each is an edge, shape (n,)."""
         X = film.x[film.quads[self.row]]

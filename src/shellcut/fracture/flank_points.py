@@ -19,13 +19,14 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, product
 from shellcut.contact.film_outline import SLIVER, first_at_places
 from shellcut.mesh.quad_geometry import corner_normals
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import add_scaled, load, store
 from shellcut.state import KnownTopology, State
 
-from .quad_polygon import UNUSED, Point, shape_functions
+from .quad_polygon import UNUSED, Point
 
 
 class _Tied(NamedTuple):
@@ -81,7 +82,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     n, f = state.node, state.flank
     node, k = n.append_blank(), f.append_blank()
     f.node[k], f.place[k], f.inward[k], f.twin[k] = node, place, inward, k
-    f.weight[k] = shape_functions(place)
+    f.weight[k] = shape_functions(*place)
     n.origin[node] = node
     n.halved[node] = n.real[node] = True
     f.row[k], f.nodes[k] = row, state.quads[row]
@@ -156,7 +157,7 @@ def _look_around(state: State, k: int) -> None:
     nodes = f.nodes[k]
     X = n.X[nodes]
     here = product(f.weight[k], X)
-    along = product(shape_functions((f.inward[k, 0], f.inward[k, 1])), X) - here
+    along = product(shape_functions(f.inward[k, 0], f.inward[k, 1]), X) - here
     across = np.cross(corner_normals(X), along)
     centres = (quad.centre[rows, :, None] * n.X[state.quads[rows]]).sum(axis=1) - here
     beside = product(centres, across)

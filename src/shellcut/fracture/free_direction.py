@@ -56,6 +56,7 @@ from shellcut.arrays import Floats, Ints, each, product, unit
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.state import BROKEN, KnownTopology, State
 
@@ -63,7 +64,6 @@ from .anisotropy import Anisotropy
 from .crack_path import CrackPath
 from .cut_topology import CutTopology
 from .film_edges import GAP, FilmEdges
-from .quad_polygon import shape_functions
 from .sheet_stress import sheet_stress
 from .tip import Tip
 from .tip_domain import TipDomain
@@ -234,7 +234,7 @@ class FreeDirection:
         near, weight = self._near(state, domain.rows, place, forward, width)
         return _Ahead(
             rows=np.array([row for row, _ in rows]),
-            weights=share * np.array([shape_functions(entry) for _, entry in rows]),
+            weights=share * np.array([shape_functions(*entry) for _, entry in rows]),
             base=share * np.array([[carried(*at, way) for at in rows] for way in base]),
             factors=self._factors(base, T),
             force=force,

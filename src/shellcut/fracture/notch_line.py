@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from shellcut.arrays import Floats, norm, product
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
 
-from .quad_polygon import Point, shape_functions, shape_slopes
+from .quad_polygon import Point, shape_slopes
 from .tip import Place
 
 _ON_SIDE = 1e-9
@@ -161,10 +162,10 @@ def _place_in(corners: Floats, point: Floats) -> tuple[Point, float]:
     """Return the parameters of the point of a quad next to another, and their distance [mm]."""
     xi, eta = 0.0, 0.0
     for _ in range(20):  # Newton's method; a convex quad takes four or five
-        miss = point - product(shape_functions((xi, eta)), corners)
+        miss = point - product(shape_functions(xi, eta), corners)
         d_xi, d_eta = least_squares(product(shape_slopes((xi, eta)), corners).T, miss)
         xi, eta = xi + float(d_xi), eta + float(d_eta)
         if abs(d_xi) + abs(d_eta) < 1e-12 or max(abs(xi), abs(eta)) > _FAR:
             break
-    miss = point - product(shape_functions((xi, eta)), corners)
+    miss = point - product(shape_functions(xi, eta), corners)
     return (xi, eta), float(norm(miss))

@@ -31,6 +31,7 @@ from shellcut.contact.contact_tables import TOUCHING, ToolPoints
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
@@ -61,7 +62,6 @@ from .quad_polygon import (
     Point,
     corner_at,
     onto_boundary,
-    shape_functions,
     side_at,
 )
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
@@ -394,7 +394,7 @@ class Pierce:
         segment = self._path.segment(state, row, place, way, lean)
         if segment is None:
             return []
-        gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
+        gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*place))
         heading = product(gap, state.node.X[state.quads[row]])
         ends = self._path.oncoming(row, place, unit(heading), tips)
         joined = self._path.segment(state, row, place, way, lean, ends) if ends else None

@@ -19,6 +19,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from shellcut.arrays import Floats, product
+from shellcut.numerics.bilinear import slopes_by_eta, slopes_by_xi
 
 Point: TypeAlias = tuple[float, float]
 """xi, eta."""
@@ -227,22 +228,10 @@ def share_of(polygon: Polygon, J: tuple[float, float, float]) -> float:
     return _integral(polygon, J) / (4.0 * J[0])
 
 
-def shape_functions(point: Point) -> tuple[float, float, float, float]:
-    """Return the four bilinear shape functions at a point."""
-    xi, eta = point
-    return (
-        0.25 * (1.0 - xi) * (1.0 - eta),
-        0.25 * (1.0 + xi) * (1.0 - eta),
-        0.25 * (1.0 + xi) * (1.0 + eta),
-        0.25 * (1.0 - xi) * (1.0 + eta),
-    )
-
-
 def shape_slopes(point: Point) -> Floats:
     """Return the derivatives of the shape functions by xi and eta, shape (2, 4)."""
     xi, eta = point
-    by_xi = eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta
-    return 0.25 * np.array([by_xi, (xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi)])
+    return np.array([slopes_by_xi(eta), slopes_by_eta(xi)])
 
 
 def film_moments(polygon: Polygon) -> Floats:

@@ -29,9 +29,10 @@ from typing import Annotated, NamedTuple, TypeAlias
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import State
 
 from .quad_polygon import AWAY, FLANK
@@ -340,19 +341,10 @@ def _gap(ahead: RowsAhead, k: int, j: int, x: Floats, here: Vec3) -> Vec3:
 @inline
 def at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
     """Return what rows : (n_node, 3) are at a place of row k of the table."""
-    one = combine(
-        0.25 * (1.0 - xi) * (1.0 - eta),
-        load(rows, ahead.nodes[k, 0]),
-        0.25 * (1.0 + xi) * (1.0 - eta),
-        load(rows, ahead.nodes[k, 1]),
-    )
-    other = combine(
-        0.25 * (1.0 + xi) * (1.0 + eta),
-        load(rows, ahead.nodes[k, 2]),
-        0.25 * (1.0 - xi) * (1.0 + eta),
-        load(rows, ahead.nodes[k, 3]),
-    )
-    return combine(1.0, one, 1.0, other)
+    n0, n1, n2, n3 = shape_functions(xi, eta)
+    a, b = load(rows, ahead.nodes[k, 0]), load(rows, ahead.nodes[k, 1])
+    c, d = load(rows, ahead.nodes[k, 2]), load(rows, ahead.nodes[k, 3])
+    return add(combine(n0, a, n1, b), combine(n2, c, n3, d))
 
 
 @inline

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
 from .quad_polygon import (
@@ -24,7 +25,6 @@ from .quad_polygon import (
     holds,
     is_on,
     on_side,
-    shape_functions,
     share_of,
 )
 from .tip import Tip
@@ -123,7 +123,7 @@ def tips_of(
     first = [rows[0] for rows in ahead]
     table = Tips(
         nodes=state.quads[[row for row, _ in first]].astype(np.int64),
-        weight=np.array([shape_functions(entry) for _, entry in first]),
+        weight=np.array([shape_functions(*entry) for _, entry in first]),
         size=np.array([places.size(row) for row, _ in first]),
         forward=np.array(
             [places.carried_on(*at, tip.heading) for at, tip in zip(first, tips, strict=True)]

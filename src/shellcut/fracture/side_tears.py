@@ -27,11 +27,12 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.nodal_stress import NodalStress, recover
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import KnownTopology, State
 
 from .crack_path import CrackPath
 from .options import Fracture
-from .quad_polygon import CORNERS, corner_at, shape_functions
+from .quad_polygon import CORNERS, corner_at
 from .ray_ahead import Aimed
 from .tip import Segment, Tip
 from .trial_cut import TrialCut, TrialSums, Weighed
@@ -168,4 +169,4 @@ class SideTears:
 
 def _weights(segment: Segment) -> Floats:
     """Return weights of the nodes of a row that give the vector along a segment, shape (4,)."""
-    return np.subtract(shape_functions(segment.exit), shape_functions(segment.entry))
+    return np.subtract(shape_functions(*segment.exit), shape_functions(*segment.entry))

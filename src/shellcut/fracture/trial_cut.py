@@ -51,6 +51,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
@@ -60,7 +61,7 @@ from shellcut.state import BROKEN, State
 from .anisotropy import Anisotropy, factor_along
 from .cut_state import parted, rows_along, side_under
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, Point, between, divide, holds, shape_functions
+from .quad_polygon import UNUSED, Point, between, divide, holds
 from .ray_ahead import Aimed
 from .tip import Segment
 
@@ -125,7 +126,7 @@ class TrialCut:
     def pairs(self, state: State, segment: Segment) -> list[Pair]:
         """Return the classes on both sides of a trial cut, at the corners that hold its tip."""
         ring = self._shell.mesh_quads[segment.row].tolist()
-        weights = shape_functions(segment.entry)
+        weights = shape_functions(*segment.entry)
         corners = [c for c in range(4) if weights[c] > UNUSED]
         rows, classes = self._tried(segment, [ring[c] for c in corners])
         pairs = []
@@ -179,7 +180,7 @@ class TrialCut:
             pair, chords, share = c.row[k].tolist(), c.chord[k].tolist(), float(c.share[k])
             row, (start, stop) = pair[end], chords[end]
             at = int(corner[rows == row][0])
-            parts = (1.0 - share) * shape_functions(start)[at], share * shape_functions(stop)[at]
+            parts = (1.0 - share) * shape_functions(*start)[at], share * shape_functions(*stop)[at]
             if sum(parts) > UNUSED and holds_place(row, between(start, stop, share)):
                 closed = 0.0
                 for part, *places in zip(parts, *chords, strict=True):
@@ -409,13 +410,10 @@ def _normal_and_length(
     xi, eta = aimed.entry[tip, 0], aimed.entry[tip, 1]
     to_xi, to_eta = aimed.exit[tip, 0], aimed.exit[tip, 1]
     director, way, out = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    start, stop = shape_functions(xi, eta), shape_functions(to_xi, to_eta)
     for a in range(4):
-        sx = 1.0 if 1 <= a <= 2 else -1.0
-        sy = 1.0 if a >= 2 else -1.0
-        start = 0.25 * (1.0 + sx * xi) * (1.0 + sy * eta)
-        gain = 0.25 * (1.0 + sx * to_xi) * (1.0 + sy * to_eta) - start
-        node = aimed.nodes[tip, a]
-        director = add_scaled(director, start, load(t, node))
+        node, gain = aimed.nodes[tip, a], stop[a] - start[a]
+        director = add_scaled(director, start[a], load(t, node))
         way = add_scaled(way, gain, load(x, node))
         out = add_scaled(out, gain, load(X, node))
     return cross(director, way), norm(out)

@@ -37,6 +37,7 @@ from shellcut.arrays import Bools, Floats, product, unit
 from shellcut.material.orthotropic import strain_turns
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
 from shellcut.numerics.small_matrices import inverse
 
 from .element import GAUSS, N_STRAIN, FlatModuli
@@ -48,14 +49,11 @@ _FLAT = 1e-12
 # Of a direction's length, that must lie in the sheet: below, round-off of normals decides.
 LEAST_IN_SHEET = 1e-6
 
-_XI = np.array([-1.0, 1.0, 1.0, -1.0])
-_ETA = np.array([-1.0, -1.0, 1.0, 1.0])
 
-
-def shape_functions(xi: float, eta: float) -> tuple[Floats, Floats, Floats]:
+def shape_and_slopes(xi: float, eta: float) -> tuple[Floats, Floats, Floats]:
     """Return N_a and its derivatives by xi and eta, each of shape (4,), at one point."""
-    n = 0.25 * (1.0 + xi * _XI) * (1.0 + eta * _ETA)
-    return n, 0.25 * _XI * (1.0 + eta * _ETA), 0.25 * _ETA * (1.0 + xi * _XI)
+    n, by_xi, by_eta = shape_functions(xi, eta), slopes_by_xi(eta), slopes_by_eta(xi)
+    return np.array(n), np.array(by_xi), np.array(by_eta)
 
 
 def gauss_geometry(X: Floats, T: Floats) -> Iterator[tuple[Floats, ...]]:
@@ -67,7 +65,7 @@ def gauss_geometry(X: Floats, T: Floats) -> Iterator[tuple[Floats, ...]]:
         Reference positions [mm] and directors.
     """
     for xi, eta in GAUSS:
-        n, n1, n2 = shape_functions(xi, eta)
+        n, n1, n2 = shape_and_slopes(xi, eta)
         A1, A2 = np.einsum("a,eai->ei", n1, X), np.einsum("a,eai->ei", n2, X)
         T0 = np.einsum("a,eai->ei", n, T)
         yield n, A1, A2, T0, np.einsum("a,eai->ei", n1, T), np.einsum("a,eai->ei", n2, T)

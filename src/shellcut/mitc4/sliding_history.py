@@ -19,11 +19,12 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, each, product
 from shellcut.material.orthotropic import strain_turns
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.small_matrices import inverse, pseudo_inverse
 from shellcut.state import State
 
 from .element import GAUSS
-from .section import axes_in_frame, frame_components, gauss_geometry, shape_functions
+from .section import axes_in_frame, frame_components, gauss_geometry
 from .shell import MITC4Shell
 from .sliding_points import slide_ends
 
@@ -33,7 +34,7 @@ _FLAT = 1e-6
 # Change of strains (e_11, e_22, 2 e_12) as the axes turn, per radian.
 _SPIN = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [-2.0, 2.0, 0.0]])
 
-_AT_GAUSS = np.array([shape_functions(*point)[0] for point in GAUSS])
+_AT_GAUSS = np.array([shape_functions(*point) for point in GAUSS])
 
 
 class SlidingHistory(NamedTuple):
