@@ -34,7 +34,7 @@ def table(page, begins):
     return head, body
 
 
-def numbers(cell):
+def numbers_of(cell):
     """Return the numbers of a cell as texts: bold or not, with a typographic minus or a comma."""
     plain = cell.replace("−", "-").replace("*", "")
     plain = re.sub(r"(?<=\d),(?=\d{3}\b)", "", plain)
@@ -54,7 +54,7 @@ def shown(value, number):
 
 def shown_as(page_cell, *values):
     """Whether the numbers of a cell are these values, with the digits that it shows."""
-    given = numbers(page_cell)
+    given = numbers_of(page_cell)
     assert len(given) == len(values), page_cell
     return [shown(v, n) for v, n in zip(values, given, strict=True)] == given
 
@@ -68,6 +68,6 @@ def row(page, begins):
 
 def in_range(words, *values):
     """Whether values, with the digits shown, lie from the least to the largest number of a text."""
-    given = numbers(words)
+    given = numbers_of(words)
     least, largest = min(map(float, given)), max(map(float, given))
     return all(least <= float(shown(value, given[0])) <= largest for value in values)

@@ -1,4 +1,4 @@
-"""A film exactly in its blade's plane hangs on where it lies, one with a shape at the start does not.
+"""A flat film hangs on where it lies, one with a shape at the start does not.
 
 The table of docs/theory/time.md. At z = 10 mm round-off is too coarse for the film to leave its
 plane, and the upright blade presses it by its whole thickness.

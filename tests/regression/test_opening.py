@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from films import unstructured_disc
-from page_tables import numbers, row, shown_as
+from page_tables import numbers_of, row, shown_as
 from runs import broken_ratio, run
 from shellcut import Fracture, opening_test
 from shellcut.models.opening import steady_work_per_radian
@@ -23,7 +23,7 @@ N_RING = {"quick": 72, "M1": 152, "M2": 276}
 
 def on_the_page(begins):
     """Return the figures of a row of docs/verification.md as it shows them."""
-    return numbers(row("docs/verification.md", begins)[2])
+    return numbers_of(row("docs/verification.md", begins)[2])
 
 
 def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options):

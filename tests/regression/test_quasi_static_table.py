@@ -2,7 +2,7 @@
 
 import pytest
 
-from page_tables import numbers, shown, table
+from page_tables import numbers_of, shown, table
 from runs import run
 from shellcut import guillotine, opening_test
 
@@ -29,7 +29,7 @@ def test_runs_are_those_of_the_page(name, tmp_path):
             mean,
             work,
         )
-        told = [text for cell in row[2:] for text in numbers(cell)]
+        told = [text for cell in row[2:] for text in numbers_of(cell)]
         # Steps hang on the pace, which chance changes.
         assert found[0] == pytest.approx(float(told[0]), rel=0.02)
         assert [shown(*pair) for pair in zip(found[1:], told[1:], strict=True)] == told[1:]

@@ -1,10 +1,10 @@
-"""The table of cut and torn films in docs/verification.md is that of case F05 and of its results."""
+"""The table of cut and torn films in docs/verification.md is that of case F05 and its results."""
 
 import sys
 
 import pytest
 
-from page_tables import ROOT, numbers, row, shown_as, table
+from page_tables import ROOT, numbers_of, row, shown_as, table
 
 sys.path.insert(0, str(ROOT / "tests" / "verification"))
 from cases.f05_cut_and_torn_films import FILMS
@@ -20,8 +20,8 @@ def test_a_row_has_the_films_figures(film):
     assert shown_as(torn, film.torn, film.scatter)
     # To the digits shown: halves are rounded up.
     product = film.torn * film.thickness, film.scatter * film.thickness
-    assert list(map(float, numbers(of_thickness))) == pytest.approx(product, abs=5.1e-4)
+    assert list(map(float, numbers_of(of_thickness))) == pytest.approx(product, abs=5.1e-4)
     result = row(PAGE, f"{film.name}: measured force, N")
     assert shown_as(ours, float(result[2]))
-    assert numbers(measured)[0] == f"{film.force:.3f}"
+    assert numbers_of(measured)[0] == f"{film.force:.3f}"
     assert float(result[1]) == film.force

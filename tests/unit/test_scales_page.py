@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from page_tables import numbers, row
+from page_tables import numbers_of, row
 from shellcut import CohesiveLaw
 from shellcut.cables import cohesive_law
 from shellcut.contact import penalty_contact
@@ -78,9 +78,9 @@ SIDES = np.linalg.norm(np.diff(FILM.nodes[FILM.quads[:, [0, 1, 2, 3, 0]]], axis=
 def test_constants_are_those_of_the_page(begins, follows, with_the_paper):
     _, rule, shown = row("docs/theory/scales.md", begins)
     # Of a quotient of 1 the page shows the divisor.
-    told = [float(text) for text in numbers(rule.replace("1/", "").replace("8/7", f"{8 / 7}"))]
+    told = [float(text) for text in numbers_of(rule.replace("1/", "").replace("8/7", f"{8 / 7}"))]
     assert told == pytest.approx(follows, rel=0.01)
-    told = [float(text) for text in numbers(shown)]
+    told = [float(text) for text in numbers_of(shown)]
     if begins.startswith("depth"):
         assert told[0] <= with_the_paper[0] <= told[1]
     else:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dense_statics import dense
-from page_tables import shown_as, table
+from page_tables import table
 from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import rectangle
 from shellcut.statics.freedoms import Freedoms

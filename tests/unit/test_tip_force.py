@@ -7,7 +7,7 @@ from scipy.integrate import quad
 import shellcut as sc
 from naive import cases
 from naive.shell import shape
-from page_tables import numbers, row, shown_as, table
+from page_tables import numbers_of, row, shown_as, table
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.sheet_stress import sheet_stress
@@ -286,7 +286,7 @@ def on_the_page(first):
     """Return J as docs/theory/tears.md shows it, by the reaches of the domains [mm]."""
     _, rows = table("docs/theory/tears.md", "[`test_tip_force.py`]")
     (row,) = [row for row in rows if row[0].startswith(first)]
-    return dict(zip(map(float, numbers(row[1])), row[2].split(", "), strict=True))
+    return dict(zip(map(float, numbers_of(row[1])), row[2].split(", "), strict=True))
 
 
 def pressed_strip(load, beside=0.0):
@@ -340,12 +340,12 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
         force = force_on(sim, place, reach)
         # Discretisation: 1.01, weight, which is lumped with the mass, 1.03; on quads half as long
         # 1.00 for both.
-        J = force.of(sim.state)[0]
-        assert J == pytest.approx(released, rel=0.04)
+        found = force.of(sim.state)[0]
+        assert found == pytest.approx(released, rel=0.04)
         if load == sc.Pressure(PRESSURE):
-            assert shown_as(on_the_page("strip")[reach], J / released)
+            assert shown_as(on_the_page("strip")[reach], found / released)
         told = row("docs/verification.md", "strip under pressure; under its weight")[2]
-        assert shown_as(told.split("; ")[isinstance(load, sc.Gravity)], J / released)
+        assert shown_as(told.split("; ")[isinstance(load, sc.Gravity)], found / released)
 
 
 def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from page_tables import numbers, row
+from page_tables import numbers_of, row
 from shellcut.checks import path, plausible, steps
 from shellcut.results import verdict
 from shellcut.tool.shapes import tooth_ring
@@ -39,7 +39,7 @@ HALF_THICKNESS = tooth_ring().half_thickness()
     ],
 )
 def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
-    assert list(map(float, numbers(row(PAGE, begins)[0]))) == pytest.approx(limits)
+    assert list(map(float, numbers_of(row(PAGE, begins)[0]))) == pytest.approx(limits)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
     ],
 )
 def test_limits_after_the_run_are_those_of_the_page(begins, limits):
-    told = numbers(row(PAGE, begins)[1])
+    told = numbers_of(row(PAGE, begins)[1])
     assert [0.01 * float(text) for text in told] == pytest.approx(limits)
 
 

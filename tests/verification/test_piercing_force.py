@@ -8,7 +8,7 @@ import pytest
 
 import shellcut
 from films import unstructured_disc
-from page_tables import numbers, shown, table
+from page_tables import numbers_of, shown, table
 from shellcut import CohesiveLaw, Fracture, MeasuredCurve, Recorder, ShellMaterial, opening_test
 from shellcut.contact.contact_points import contact_points
 from shellcut.fracture.puncture import puncture_force
@@ -86,9 +86,9 @@ def on_the_page():
     """Return share [%], depth [mm] and work [N·mm] as shown by film [mm] and duration [s]."""
     told = {}
     for film, *cells in table("docs/howto/pierce.md", "film | time for 95°")[1]:
-        columns = zip(*map(numbers, cells), strict=True)
+        columns = zip(*map(numbers_of, cells), strict=True)
         for duration, *figures in columns:
-            told[float(numbers(film)[0]), 1e-3 * float(duration)] = figures
+            told[float(numbers_of(film)[0]), 1e-3 * float(duration)] = figures
     return told
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from page_tables import numbers, table
+from page_tables import numbers_of, table
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 from benchmarks import yielding_disc
@@ -44,5 +44,5 @@ def test_what_is_said_of_the_solids_follows_from_the_figures(young):
     solids = next(row for name, row in by_name.items() if "solids" in name)
     over = next(row for name, row in by_name.items() if "over it" in name)
     for cell, w, w_solids in zip(over, ours, solids, strict=True):
-        assert abs(float(numbers(cell)[0]) - 100.0 * (float(w) / float(w_solids) - 1.0)) < 0.06
-    assert max(abs(float(numbers(cell)[0])) for cell in over) < 2.0
+        assert abs(float(numbers_of(cell)[0]) - 100.0 * (float(w) / float(w_solids) - 1.0)) < 0.06
+    assert max(abs(float(numbers_of(cell)[0])) for cell in over) < 2.0
