@@ -87,7 +87,7 @@ def check(case, size=SIZE):
     assert imbalance < 1e-3
     begins = "quads of 0.8 mm; rows" if size == SIZE else "free cut in a mesh by Gmsh"
     told = row("docs/verification.md", begins)[2].split("; ")
-    assert in_range(told[0], by_tool), by_tool
+    assert in_range(told[0], by_tool), (by_tool, by_cables)
     assert in_range(told[1], by_cables), by_cables
     # Every cut lies on the blade's mid-plane: y = 0, to a twentieth of the local edge length, by
     # which corners are met.
