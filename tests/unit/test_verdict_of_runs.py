@@ -137,14 +137,11 @@ def test_a_crack_that_leads_has_not_left_the_path(strip_cut):
         assert line["kind"] == "good", line
 
 
-@pytest.mark.parametrize(
-    ("law", "work", "of_cables"),
-    # Measured in N*mm on quads of 0.1 mm: a film that yields before it parts is drawn along. On the
-    # page are those of the first shape.
-    [(WEAK, 5.36, 3.95), (STRONG, 16.1, 0.4)],
-    ids=["cut", "drawn"],
-)
-def test_a_film_that_yields_takes_the_same_along_edges_and_through_quads(law, work, of_cables):
+@pytest.mark.parametrize(("law", "strength"), [(WEAK, "7 MPa"), (STRONG, "14 MPa")])
+def test_a_film_that_yields_takes_the_same_along_edges_and_through_quads(law, strength):
+    # Work in N*mm on quads of 0.1 mm: a film that yields before it parts is drawn along.
+    _, rows = table("docs/theory/yielding-cut.md", "strength | work of the tool")
+    ((work, of_cables),) = [tuple(map(float, told)) for name, *told in rows if name == strength]
     took = []
     for path in ("edges", "free"):
         for number in (1, 2):
@@ -156,12 +153,6 @@ def test_a_film_that_yields_takes_the_same_along_edges_and_through_quads(law, wo
             assert max(beside) < 0.2 * 0.4
             entries = simulation.ledger.entries()
             took.append((entries["work of the tool"], entries["cables"]))
-    (told,) = table("docs/theory/yielding-cut.md", "quads of 0.4 mm")[1]
-    of_law = told[3:5] if law is WEAK else told[1:3]
-    for cell, work_and_cables in zip(of_law, took[::2], strict=True):
-        assert [float(text) for text in cell.split(", ")] == pytest.approx(
-            work_and_cables, abs=0.01 * work
-        )
     tool, cables = np.array(took).T
     # Discretisation, and buckling modes: of the film that is cut one shape takes 4.6 % more, the
     # others 1 % less. On quads of 0.8 mm all take 4 to 13 % more, cables in the drawn film four
