@@ -56,7 +56,7 @@ def test_three_meshes_agree(tmp_path):
     forces, of_cables = zip(*found, strict=True)
     assert max(forces) / min(forces) - 1.0 < 0.015
     page = "docs/verification.md"
-    assert shown_as(row(page, "guillotine, mean force from the tool's work")[2], *forces)
+    assert shown_as(row(page, "guillotine, mean force from the tool's work from 10 mm")[2], *forces)
     assert shown_as(row(page, "its cables, mean force")[2], *of_cables)
 
 
