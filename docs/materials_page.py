@@ -16,7 +16,7 @@ PICTURE = PAGE.parent / "img" / "materials.png"
 TOP = """# Materials by name
 
 This page lists films with published numbers. A name stands for keys of `[material]`. Below its keys
-stands who measured what on which film.
+stands who measured what on which film. `python docs/materials_page.py` makes this page.
 
 ```sh
 shellcut run opening --set material=pet --set material.thickness="36 um" -o out

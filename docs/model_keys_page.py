@@ -13,7 +13,8 @@ TOP = """# Model keys
 
 All keys of a [model file](howto/model-file.md) with values, units, defaults and meanings. Where a
 unit is given, a value may also be a text with a unit. `shellcut keys WORD` searches the keys on
-the command line; `--set SECTION.KEY=VALUE` sets one for a run.
+the command line; `--set SECTION.KEY=VALUE` sets one for a run. `python docs/model_keys_page.py`
+makes this page.
 
 """
 HEAD = "| key | value | unit | default | meaning |\n|---|---|---|---|---|"

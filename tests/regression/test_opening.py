@@ -9,13 +9,21 @@ import numpy as np
 import pytest
 
 from films import unstructured_disc
+from page_tables import numbers_of, row, shown_as
 from runs import broken_ratio, run
 from shellcut import Fracture, opening_test
 from shellcut.models.opening import steady_work_per_radian
 from shellcut.tool.shapes import tooth_ring
 
 BOUND = 43.5 * 0.074 * 2.0 * np.pi * 9.4
+SHAPES = [(60.0, 12.0), (40.0, 12.0), (80.0, 12.0), (60.0, 16.0)]
+"""Inclination of the edges [°] and pitch [mm]."""
 N_RING = {"quick": 72, "M1": 152, "M2": 276}
+
+
+def on_the_page(begins):
+    """Return the figures of a row of docs/verification.md as it shows them."""
+    return numbers_of(row("docs/verification.md", begins)[2])
 
 
 def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options):
@@ -55,6 +63,21 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     return summary
 
 
+def steady_as_on_the_page(mesh, summary):
+    """Whether docs/howto/read-results.md shows this steady window and its means."""
+    _, window, torque, work = row("docs/howto/read-results.md", f"opening, {mesh} |")
+    rate, theory = "dWcoh_dtheta", steady_work_per_radian()
+    return (
+        shown_as(window, summary["window_from_deg"], summary["window_to_deg"])
+        and shown_as(torque, summary["torque_plateau_Nmm"], half_width(summary, "torque_plateau"))
+        and shown_as(work, summary[f"{rate}_Nmm"] / theory, half_width(summary, rate) / theory)
+    )
+
+
+def half_width(summary, name):
+    return summary[f"{name}_half_width_Nmm"]
+
+
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
     # Regressions, by twenty perturbed runs: 27.24942 ± 0.00001 and 68.8656 ± 0.0004 (rows are 0.05
@@ -68,6 +91,9 @@ def test_quick(tmp_path):
     assert summary["axial_force_plateau_N"] == pytest.approx(-0.268, abs=0.01)
     assert summary["imbalance_rel"] < 3e-5
     assert summary["kinetic_rel"] < 0.009
+    assert steady_as_on_the_page("quick", summary)
+    over_theory = summary["dWcoh_dtheta_Nmm"] / steady_work_per_radian()
+    assert shown_as(on_the_page("opening quick, dW_coh/dθ")[0], over_theory)
     # What goes in between nodes is felt, to half the film's thickness or so: 0.017 mm.
     assert summary["unfelt_film_edge_mm"] < 0.6 * 0.074
 
@@ -97,9 +123,11 @@ def test_six_teeth_could_be_steady_until_their_cuts_come_near_each_other(tmp_pat
     assert 0.0 < left < 2.0
     assert high < 46.0
     theory = steady_work_per_radian(n_teeth=6)
+    work = cables_work_between(history, low, high)
+    assert shown_as(on_the_page("opening quick, dW_coh/dθ")[1], work / theory)
     # Closed form. Discretisation: the window is three spacings of the nodes, in each of which two
     # cables break at once; measured 1.019, on M1 1.002.
-    assert cables_work_between(history, low, high) == pytest.approx(theory, rel=0.035)
+    assert work == pytest.approx(theory, rel=0.035)
     # So short a window has no mean and no ±.
     assert not {"torque_plateau_Nmm", "dWcoh_dtheta_Nmm"} & summary.keys()
 
@@ -123,18 +151,25 @@ def test_teeth_that_leave_the_film_are_steady_until_then(tmp_path):
     assert 35.0 < high < 48.0
     assert history["to_spare_edge_1"][-1] == 0.0
     theory = steady_work_per_radian(pitch=40.0)
-    # Closed form; measured 0.993.
-    assert cables_work_between(history, low, high) == pytest.approx(theory, rel=0.02)
+    work = cables_work_between(history, low, high)
+    assert work == pytest.approx(theory, rel=0.02)  # closed form
+    assert shown_as(on_the_page("opening quick, dW_coh/dθ")[2], work / theory)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("eta", "pitch"), [(60.0, 12.0), (40.0, 12.0), (80.0, 12.0), (60.0, 20.0)])
+@pytest.mark.parametrize(("eta", "pitch"), SHAPES)
 def test_two_meshes(tmp_path, eta, pitch):
-    torque = [
-        check_opening(mesh, tmp_path / mesh, eta=eta, pitch=pitch)["torque_plateau_Nmm"]
-        for mesh in ("M1", "M2")
-    ]
+    meshes = ("M1", "M2")
+    found = [check_opening(mesh, tmp_path / mesh, eta=eta, pitch=pitch) for mesh in meshes]
+    torque = [summary["torque_plateau_Nmm"] for summary in found]
     assert torque[1] == pytest.approx(torque[0], rel=0.03)
+    theory = steady_work_per_radian(pitch=pitch, edge_inclination_deg=eta)
+    rate = found[0]["dWcoh_dtheta_Nmm"] / theory
+    assert shown_as(on_the_page("opening M1, dW_coh/dθ")[SHAPES.index((eta, pitch))], rate)
+    if (eta, pitch) == SHAPES[0]:
+        assert steady_as_on_the_page("M1", found[0])
+        assert shown_as(*on_the_page("mean torque, M1, (60°"), torque[0])
+        assert shown_as(*on_the_page("imbalance, largest"), 100.0 * found[0]["imbalance_rel"])
 
 
 @pytest.mark.slow

@@ -13,10 +13,12 @@ from pathlib import Path
 import pytest
 
 from browser import CHROMIUM
+from page_tables import tables
 from shellcut.model_file.section_table import LISTS, SECTIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+COMMANDS = ROOT / "src" / "shellcut" / "command_line"
 KEY = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)\]")
 
 
@@ -148,6 +150,49 @@ def test_every_page_of_theory_has_one_figure():
     pages = sorted((ROOT / "docs" / "theory").glob("*.md"))
     figures = {page.name: page.read_text(encoding="utf-8").count("![") for page in pages}
     assert {name: n for name, n in figures.items() if n != 1} == {}
+
+
+def written_from(page, text):
+    """Return the place in a page from which a script has written it, its length if none has.
+
+    That script stands in a comment "made by" above it, or makes the page by the words before the
+    first section; and the script names the page.
+    """
+    head = text.partition("\n## ")[0]
+    by_comment = re.search(r"<!-- made by (\S+\.py)", text)
+    by_words = re.search(r"`python (\S+\.py)`\s+makes\s+(?:it|the\s+page|this\s+page)", head)
+    for found, at in ((by_words, 0), (by_comment, by_comment and by_comment.start())):
+        if found and page.name in (ROOT / found[1]).read_text(encoding="utf-8"):
+            return at
+    return len(text)
+
+
+def is_made_or_tested(section):
+    """Whether a section names a command that there is, or a file of tests."""
+    tests = {path.name for path in (ROOT / "tests").rglob("test_*.py")}
+    scripts = re.findall(r"python ((?:tests|docs|examples)/\S+?\.py)", section)
+    scripts += [
+        f"tests/{name.replace('.', '/')}.py" for name in re.findall(r"python -m ([\w.]+)", section)
+    ]
+    commands = re.findall(r"(?:^|`)shellcut (\w+)", section, re.MULTILINE)
+    return (
+        any((ROOT / script).exists() for script in scripts)
+        or any(name in tests for name in re.findall(r"\b(test_\w+\.py)", section))
+        or any((COMMANDS / f"{name}.py").exists() for name in commands)
+    )
+
+
+def test_tables_of_figures_say_what_makes_or_reads_them():
+    bare = []
+    for page in sorted((ROOT / "docs").rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        by_hand = text[: written_from(page, text)]
+        for section in re.split(r"^(?=#+ )", by_hand, flags=re.MULTILINE):
+            for _, rows in tables(section):
+                figures = re.findall(r"\d\.\d", "\n".join(rows[2:]))
+                if len(figures) >= 5 and not is_made_or_tested(section):
+                    bare.append((page.relative_to(ROOT).as_posix(), rows[0]))
+    assert bare == []
 
 
 def test_every_stored_picture_is_shown():

@@ -7,6 +7,7 @@ import pytest
 
 from naive import shell as naive
 from naive.layered_strip import elasticity
+from page_tables import shown_as, table
 from shellcut import Pressure, Statics, Support
 from shellcut.material import Elastic, Linear, Orthotropic, Plastic
 from shellcut.material.shear_factors import shear_factors
@@ -107,6 +108,14 @@ def test_a_soft_core_bends_as_in_elasticity(layers, span, close):
     hard = {ALUMINIUM: Plastic(ALUMINIUM, Linear(200.0)), LDPE: Plastic(LDPE, Linear(10.0))}
     yielding = film(*((hard[one.material], one.thickness) for one in layers.layers))
     assert deflection(yielding, span) == pytest.approx(deflection(layers, span), rel=1e-6)
+
+
+def test_the_page_shows_what_a_soft_core_costs():
+    (_, *spans), (with_k, even) = table("docs/theory/shell.md", "span | 1 mm")
+    for k, span in enumerate((float(words.removesuffix(" mm")) for words in spans), start=1):
+        for row, strip in ((with_k, SANDWICH), (even, replace(SANDWICH, shear_factor=5.0 / 6.0))):
+            off = 100.0 * (shell(strip, span) / elasticity(SANDWICH, span) - 1.0)
+            assert shown_as(row[k], off), (row[0], span, off)
 
 
 def shell(film, span):

@@ -7,6 +7,7 @@ from scipy.integrate import quad
 import shellcut as sc
 from naive import cases
 from naive.shell import shape
+from page_tables import numbers_of, row, shown_as, table
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.sheet_stress import sheet_stress
@@ -281,6 +282,13 @@ def test_cables_slide_as_the_film_does_where_they_are(rise, fibres):
     np.testing.assert_allclose(found, wanted, rtol=1e-9)  # round-off
 
 
+def on_the_page(first):
+    """Return J as docs/theory/tears.md shows it, by the reaches of the domains [mm]."""
+    _, rows = table("docs/theory/tears.md", "[`test_tip_force.py`]")
+    (row,) = [row for row in rows if row[0].startswith(first)]
+    return dict(zip(map(float, numbers_of(row[1])), row[2].split(", "), strict=True))
+
+
 def pressed_strip(load, beside=0.0):
     """A strip notched to its middle, at rest under a load."""
     sim = notched(12.0, 6.0, beside, loads=[load])
@@ -332,7 +340,12 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
         force = force_on(sim, place, reach)
         # Discretisation: 1.01, weight, which is lumped with the mass, 1.03; on quads half as long
         # 1.00 for both.
-        assert force.of(sim.state)[0] == pytest.approx(released, rel=0.04)
+        found = force.of(sim.state)[0]
+        assert found == pytest.approx(released, rel=0.04)
+        if load == sc.Pressure(PRESSURE):
+            assert shown_as(on_the_page("strip")[reach], found / released)
+        told = row("docs/verification.md", "strip under pressure; under its weight")[2]
+        assert shown_as(told.split("; ")[isinstance(load, sc.Gravity)], found / released)
 
 
 def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
@@ -387,7 +400,9 @@ def parted(slit):
 
 def test_forces_on_nodes_in_the_domain_do_not_change_what_is_released():
     (_, short), (sim, _), (_, long) = parted(9.0), parted(10.0), parted(11.0)
-    J = released_in(sim, (3.0, 4.0, 6.0, 8.0))  # the forces are 5 mm behind the tip
+    told = on_the_page("slit")
+    J = released_in(sim, told)  # the forces are 5 mm behind the tip
+    assert [shown_as(*pair) for pair in zip(told.values(), J[:, 0], strict=True)] == [True] * 4
     # Discretisation, 0.8 to 1.8 %.
     assert J[:, 0] == pytest.approx(0.5 * 0.1 * (long - short) / 2.0, rel=0.03)
     assert np.ptp(J[1:, 1]) < 0.05 * abs(J[0, 1])
@@ -404,7 +419,9 @@ def test_a_wedge_within_the_domain_does_not_change_what_is_released():
     )
     while sim.state.time < 2.5e-3:  # until it rests
         sim.step()
-    J = released_in(sim, (3.0, 4.0, 6.0, 8.0))  # the wedge ends 4 mm behind the tip
+    told = on_the_page("blunt wedge")
+    J = released_in(sim, told)  # the wedge ends 4 mm behind the tip
+    assert [shown_as(*pair) for pair in zip(told.values(), J[:, 0], strict=True)] == [True] * 4
     # Discretisation: 2.5 and 7 %.
     assert J[:, 0] == pytest.approx(J[0, 0], rel=0.04)
     assert J[:, 1] == pytest.approx(J[0, 1], rel=0.12)
@@ -415,8 +432,10 @@ def test_a_blade_and_the_cables_that_it_bends_do_not_change_what_is_released():
     sim = case.simulation
     sim.run(0.8 * case.duration)
     assert (sim.state.cable.status == JOINTED).sum() > 10
-    J = released_in(sim, (3.0, 4.0, 5.0))[:, 0]
-    # 0.116, 0.124, 0.131 N: the zone ahead of the edge is 3 mm long.
+    told = on_the_page("blade that cuts")
+    J = released_in(sim, told)[:, 0]
+    # The zone ahead of the edge is 3 mm long. By chance in the run.
+    assert [float(text) for text in told.values()] == pytest.approx(J, abs=2e-3)
     assert np.ptp(J) < 0.2 * J.min()
 
 

@@ -1,10 +1,14 @@
-"""The fast verification cases, one test each; all of them by ``run.py``."""
+"""The fast verification cases, one test each; all of them by ``run.py``.
+
+docs/verification.md shows their figures, which are those of today.
+"""
 
 import json
 
 import pytest
 
 from harness import as_json, load_cases, run_case
+from page_tables import ROOT, cells, tables
 
 SIBLINGS = {"B09": "B03", "C03": "C01", "C04": "C05", "C13": "C15", "D04": "D07"}
 """Cases of some seconds, each with a quick one of the same kind that is in the default tests."""
@@ -26,3 +30,19 @@ def test_case(module):
         if c.gate and not c.passed
     ]
     assert not failed, failed
+    told = on_the_page(result)
+    assert [one[0] for one in told] == [check.quantity for check in result.checks]
+    for check, (_, reference, ours, *_) in zip(result.checks, told, strict=True):
+        assert reference == f"{check.reference:.6g}"
+        unit = 1.0 if check.absolute else abs(check.reference)
+        # By round-off and chance; a tenth of what is allowed is no other result. Six digits shown.
+        close = 0.1 * check.band * unit + 5e-6 * abs(check.ours)
+        assert abs(float(ours) - check.ours) <= close, check.quantity
+
+
+def on_the_page(result):
+    """Return the rows of a case in docs/verification.md, as cells."""
+    text = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
+    section = text.split(f"\n### {result.id} ")[1].partition("\n### ")[0]
+    ((_, rows),) = tables(section)
+    return [cells(row) for row in rows[2:]]

@@ -11,6 +11,7 @@ import pytest
 
 import shellcut as sc
 from curved_films import moved
+from page_tables import in_range, row
 from shellcut.mesh.structured import rectangle
 from shellcut.models.free_cut import free_cut
 from shellcut.models.guillotine import blade_before
@@ -84,6 +85,10 @@ def check(case, size=SIZE):
     assert by_tool == pytest.approx(1.0, abs=0.025)
     assert by_cables == pytest.approx(1.0, abs=0.015)
     assert imbalance < 1e-3
+    begins = "quads of 0.8 mm; rows" if size == SIZE else "free cut in a mesh by Gmsh"
+    told = row("docs/verification.md", begins)[2].split("; ")
+    assert in_range(told[0], by_tool), (by_tool, by_cables)
+    assert in_range(told[1], by_cables), by_cables
     # Every cut lies on the blade's mid-plane: y = 0, to a twentieth of the local edge length, by
     # which corners are met.
     assert max(abs(cut.reference[1]) for cut in sim.state.split_log) < 0.05 * longest

@@ -15,6 +15,7 @@ import pytest
 import scipy
 
 import shellcut as sc
+from page_tables import shown_as, table
 from shellcut.fracture.quad_polygon import CORNERS, on_side
 from shellcut.fracture.tip import Segment
 from shellcut.mesh.structured import rectangle
@@ -116,12 +117,16 @@ def errors(size, rise):
 @pytest.mark.parametrize(("rise", "short"), [(0.0, 0.22), (0.3, 0.38)])
 def test_energy_release_converges_to_the_closed_form(rise, short):
     coarse, fine = np.array([errors(size, rise) for size in (1.0, 0.5)])
-    # Discretisation, first order: measured by the energy 6.9, 3.8, 2.0, 1.0 % on a line of the
-    # mesh and 12.3, 6.7, 3.5, 1.7 % at 0.3 of a quad, h = 1 to 1/8 mm; by the force on the tip 9.2,
-    # 4.6, 2.2, 1.2 % and 14.3, 7.3, 3.7, 2.0 %. Halved sizes have 1.79 to 2.1 times less.
+    # Discretisation, first order. By the force on the tip 9.0 and 4.4 % on a line of the mesh, 14.2
+    # and 7.2 % at 0.3 of a quad.
     assert (np.abs(coarse / fine - 1.95) < 0.2).all()
     # What is left by extrapolation to h = 0: measured 0.8 and 1.1 %, from the next two 0.2 %.
     assert abs(2.0 * fine[0] - coarse[0]) < 0.015
+    _, rows = table("docs/verification.md", "edge h [mm]")
+    row = rows[[0.0, 0.3].index(rise)]
+    assert shown_as(row[1], 100.0 * coarse[0])
+    assert shown_as(row[2], 100.0 * fine[0])
+    assert shown_as(row[3], np.log2(coarse[0] / fine[0]))
     # How much shorter the crack looks.
     growth = np.log(closed_form(HALF_CRACK + 0.01) / closed_form(HALF_CRACK - 0.01)) / 0.02
     assert -fine[0] / growth / 0.5 == pytest.approx(short, abs=0.03)

@@ -14,6 +14,7 @@ import pytest
 import shellcut as sc
 from curved_films import moved
 from harness import load_cases
+from page_tables import in_range, numbers_of, row
 from shellcut.models.trouser import TEAR_LAW, THICKNESS
 
 LENGTH, WIDTH, NOTCH = 19.0, 6.0, 6.0
@@ -81,6 +82,10 @@ def torn_as_it_should(kind, size):
     place = np.array([cut.reference for cut in sim.state.split_log if cut.kind != "notch"])
     # Straight: off the middle by a quarter of an edge at most, in 9 mm.
     assert np.abs(place[:, 1]).max() < 0.25 * size
+    told = row("docs/verification.md", "trouser, six meshes")[2].split("; ")
+    found = force / (0.5 * TEARING), slope(cables, 0.5 * apart) / TEARING, slope(apart, crack)
+    assert [in_range(*pair) for pair in zip(told, found, strict=False)] == [True] * 3, found
+    assert np.abs(place[:, 1]).max() <= float(numbers_of(told[3])[0])
     assert (np.diff(place[:, 0]) > 0.0).all()
     assert len(sim.cracks.tips) == 1
 

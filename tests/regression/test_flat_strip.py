@@ -1,0 +1,54 @@
+"""A flat film hangs on where it lies, one with a shape at the start does not.
+
+The table of docs/theory/time.md. At z = 10 mm round-off is too coarse for the film to leave its
+plane, and the upright blade presses it by its whole thickness.
+"""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from page_tables import shown_as, table
+from shellcut.mesh.structured import rectangle
+from shellcut.models.guillotine import blade_before
+
+SIZE, LENGTH, WIDTH, NOTCH, TRAVEL, SPEED = 0.8, 24.0, 8.0, 2.4, 16.0, 6000.0
+LAW, FILM = sc.CohesiveLaw(), sc.ShellMaterial.homogeneous()
+
+
+def force_at(z, number):
+    """Return the steady force on a strip at a height, with a shape at the start, over G h."""
+    mesh = rectangle(LENGTH, WIDTH, size=SIZE)
+    start = mesh.nodes[:, 0].min()
+    notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < start + NOTCH + 0.1))
+    blade, motion, duration = blade_before(mesh, None, travel=TRAVEL, speed=SPEED, law=LAW)
+    lift = np.array([0.0, 0.0, z])
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(mesh.nodes + lift, mesh.quads, node_sets=mesh.node_sets).cut(notch),
+        FILM,
+        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        tool=blade.translated(tuple(lift)),
+        motion=motion,
+        law=LAW,
+        fracture=sc.Fracture(path="edges"),
+        imperfection=number,
+    )
+    rows = []
+    while sim.state.time < duration:
+        sim.step()
+        if sim.state.step % 100 == 0:
+            rows.append((sim.motion.coordinate(sim.state.time), sim.close_ledger().tool_work))
+    way, work = np.array(rows).T
+    # Whole spacings of the nodes.
+    ends = way[-1] - SIZE * int((way[-1] - 8.8) / SIZE), way[-1]
+    steady = np.diff(np.interp(ends, way, work))[0] / (ends[1] - ends[0])
+    return steady / (LAW.fracture_energy * FILM.thickness)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [0, 1])
+def test_the_force_is_that_of_the_page(number):
+    _, rows = table("docs/theory/time.md", "| z = 0")
+    for z, told in zip((0.0, 10.0), rows[number][1:], strict=True):
+        found = force_at(z, number)
+        assert shown_as(told, found), (z, found)
