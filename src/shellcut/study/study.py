@@ -26,16 +26,13 @@ from .common_window import CommonWindow
 from .design import Design
 from .engines import AnyExecutor, Engine, Say, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import Definition, Plan, PlannedRun, planned_runs
+from .plan import FEW_FILES, Definition, Plan, PlannedRun, planned_runs
 from .report.studied import of_interest
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
 
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""
-
-FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
-"""What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
 
 
 @dataclass(frozen=True)
