@@ -48,7 +48,6 @@ def test_the_last_key_keeps_the_energy():
         ({PLATEAU: "20 kPa : 45 kPa"}, 0.03, 0.02, 0.045),
         ({"material.thickness": "50 um : 80 um"}, 0.074, 0.05, 0.08),
         ({"cohesive.cutting_energy": "1:16"}, 4.0, 1.0, 16.0),  # the model has none
-        ({"thickness": "50 um:80 um", "material": "foil"}, 0.0632455532, 0.05, 0.08),
         ({"quasi_static": "0.001:0.004"}, 0.002, 0.001, 0.004),  # before all sections
     ],
 )
