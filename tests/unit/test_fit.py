@@ -71,6 +71,7 @@ def test_a_short_name_is_that_of_its_section():
         ({PLATEAU: "-6:24"}, False, "must be|above 0"),
         ({"tool.phase_deg": "-6:24"}, False, "a range to fit must be above 0, got -6:24"),
         ({PLATEAU: "24:6"}, False, "a range must go up"),
+        ({PLATEAU: "6 kPa : 24 MPa"}, False, f"{PLATEAU}: both ends of a range must have one unit"),
         ({PLATEAU: "8,12", OPENING: "3:5"}, False, "a range low:high .*, got 2 values"),
         ({"plateau": "6:24", PLATEAU: "8:16"}, False, f"{PLATEAU} must have one range"),
         ({PLATEAU: 12.0}, False, "at least one key a range"),

@@ -96,7 +96,8 @@ def sweep(
     factors : mapping from str to values
         By key, as of :func:`read_model`: a list, a text like ``"40,60,80"``, or a range like
         ``"10:20"`` or ``"1 mm : 2 mm"``, for designs other than a grid. Values of several keys
-        that go together: ``{"tool.edge_inclination_deg, motion.pitch": [(40, 12), (60, 20)]}``.
+        that go together: ``{"tool.edge_inclination_deg, motion.pitch": [(40, 12), (60, 20)]}``. One
+        value that is a list is written in another: ``{"r_values": [[1.2, 1.0, 1.1]]}``.
     out : str or path
         Folder of the study; each run has a folder in it.
     settings : mapping, optional
