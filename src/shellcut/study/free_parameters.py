@@ -112,7 +112,7 @@ def _free(variants: ModelVariants, factor: Factor) -> Free:
     if factor.ends is None:
         raise ValueError(
             f"{factor.name}: a fit takes one value, or a range low:high in which to fit it, "
-            f"got {len(factor.values)} values; one value that is a list is written in another"
+            f"got {len(factor.values)} values"
         )
     several = ({}, *map(factor.settings, factor.probes()))
     models = [variants.read(values, try_out=False) for values in several]

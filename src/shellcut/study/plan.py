@@ -125,7 +125,7 @@ def sought(
     """
     factors, single = factors_of({**FEW_FILES, **(settings or {})})
     if not factors:
-        raise ValueError("nothing varies: give at least one key a range low:high in the settings")
+        raise ValueError("nothing varies: give at least one key a range, KEY=LOW:HIGH")
     variants = ModelVariants(model, single)
     _try_values(variants, factors, [{}])
     return factors, variants
