@@ -60,7 +60,9 @@ class FreeParameters:
             except ValueError as problem:
                 problems.append(str(problem))
         keys = [one.key for one in self.all]
-        problems += [f"{key} must have one range" for key in set(keys) if keys.count(key) > 1]
+        problems += [
+            f"{key} must have one range" for key in dict.fromkeys(keys) if keys.count(key) > 1
+        ]
         if keep_energy and len(factors) < 2:
             problems.append("to keep the energy two or more keys must vary: the last follows")
         if keep_energy and keys and not keys[-1].startswith("cohesive."):
