@@ -2,13 +2,13 @@
 =============================
 
 A short cut by the guillotine plays the experiment: its force, with noise of 3 % of the peak, is
-"measured". The fit then starts from another plateau of the cohesive law, and finds the one that the
-experiment had. ::
+"measured". The fit then starts from the model's plateau of the cohesive law, and finds the one that
+the experiment had. ::
 
     python examples/fit_a_curve.py --out DIR
 
 writes cap.csv, the runs, fit.json and fit.png into DIR. With a curve of your own:
-``shellcut fit MODEL cap.csv --free cohesive.plateau -o DIR``.
+``shellcut fit MODEL cap.csv --set cohesive.plateau=6:24 -o DIR``.
 """
 
 import argparse
@@ -30,9 +30,9 @@ options = parser.parse_args()
 # %%
 # Model
 # -----
-# A short guillotine; the plateau of its law is free.
+# A short guillotine; the plateau of its law is 12 MPa, that of the experiment less.
 
-KEY, TRUE, START = "cohesive.plateau", 12.0, 9.5  # MPa
+KEY, TRUE = "cohesive.plateau", 9.5  # MPa
 SETTINGS = {
     "membrane.length": options.travel + 4.0,
     "membrane.width": 4.0,
@@ -56,14 +56,13 @@ columns = np.column_stack([history["path"], force])
 np.savetxt(measured, columns, delimiter=",", header="path [mm],force [N]", comments="")
 
 # %%
-# Then the fit.
+# Then the fit: a key with a range is fitted.
 
 found = fit(
     "guillotine",
     [FitCurve(measured)],
-    [KEY],
     options.out,
-    settings={**SETTINGS, KEY: START},
+    settings={**SETTINGS, KEY: "6:24"},
     search=Search(max_runs=options.max_runs),
     executor=options.jobs,
 )

@@ -418,7 +418,7 @@ LONG, NO_TEXT = "x" * 300, os.fsdecode(b"x\xff")
         "tensile {} --columns 1 2 --units - MPa -o out",
         "sweep {} -o out",
         "preview {}",
-        "fit guillotine {} --free cohesive.plateau -o out",
+        "fit guillotine {} --set cohesive.plateau=6:24 -o out",
     ],
 )
 def test_names_that_cannot_be_are_refused(tmp_path, monkeypatch, name, command):

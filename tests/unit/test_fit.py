@@ -14,42 +14,90 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.free_parameters import FreeParameters
+from shellcut.study.plan import sought
 from tiny_study import SETTINGS
 
 PLATEAU, OPENING = "cohesive.plateau", "cohesive.opening_u"
 
 
+def free(model, given, *, keep=False):
+    """Return the free parameters of the settings of a fit."""
+    factors, variants = sought(model, given)
+    return FreeParameters(variants, factors, keep_energy=keep)
+
+
 def test_the_last_key_keeps_the_energy():
     variants = ModelVariants("opening")
-    free = FreeParameters(variants, [PLATEAU, OPENING], {}, keep_energy=True)
+    parameters = free("opening", {PLATEAU: "4:36", OPENING: "1.5:12"}, keep=True)
     energy = variants.read({}).sections["cohesive"].made().fracture_energy
-    assert [one.key for one in free.varied] == [PLATEAU]
+    assert [one.key for one in parameters.varied] == [PLATEAU]
     for log in (-0.1, 0.0, 0.15):
-        values = free.values([log])
+        values = parameters.values([log])
         assert values[PLATEAU] == pytest.approx(12.0 * np.exp(log), rel=1e-6)  # seven digits
         law = variants.read(values).sections["cohesive"].made()
         assert law.fracture_energy == pytest.approx(energy, rel=1e-6)
     with pytest.raises(ValueError, match="keeps the energy"):
-        free.values([-1.0])
+        parameters.values([-1.0])
 
 
 @pytest.mark.parametrize(
-    ("keys", "bounds", "keep", "said"),
+    ("given", "start", "low", "high"),
     [
-        (["cohesive.plateau", "motion.axis"], {}, False, "no such key"),
-        (["plateau"], {}, False, "written SECTION.KEY"),
-        (["cohesive.joint"], {}, False, "cohesive.joint is no number, but"),
-        ([PLATEAU], {PLATEAU: (13.0, 20.0)}, False, "around its start, 12"),
-        ([PLATEAU], {OPENING: (1.0, 5.0)}, False, "not among the free keys"),
-        ([PLATEAU], {}, True, "two or more keys"),
-        ([PLATEAU, "motion.pitch"], {}, True, "must be of"),
-        ([PLATEAU, PLATEAU], {}, False, "given once"),
-        ([], {}, False, "at least one"),
+        ({"plateau": "6:24"}, 12.0, 6.0, 24.0),
+        ({PLATEAU: "20:45"}, 30.0, 20.0, 45.0),  # the model's lies below
+        ({PLATEAU: "20 kPa : 45 kPa"}, 0.03, 0.02, 0.045),
+        ({"material.thickness": "50 um : 80 um"}, 0.074, 0.05, 0.08),
+        ({"cohesive.cutting_energy": "1:16"}, 4.0, 1.0, 16.0),  # the model has none
+        ({"quasi_static": "0.001:0.004"}, 0.002, 0.001, 0.004),  # before all sections
     ],
 )
-def test_free_keys_that_cannot_be_are_refused(keys, bounds, keep, said):
+def test_a_fit_starts_at_the_model_or_in_the_middle_of_the_range(given, start, low, high):
+    (one,) = free("opening", given).all
+    assert (one.start, one.low, one.high) == pytest.approx((start, low, high), rel=1e-9)
+
+
+def test_a_short_name_is_that_of_its_section():
+    (one,) = free("opening", {"plateau": "6:24"}).all
+    assert (one.key, one.unit) == (PLATEAU, "MPa")
+
+
+@pytest.mark.parametrize(
+    ("given", "keep", "said"),
+    [
+        ({"cohesive.plateu": "6:24"}, False, "did you mean plateau"),
+        ({"cohesive.joint": "1:2"}, False, "must be .*, got 1.0"),
+        ({"tool.teeth": "3:6"}, False, "must be a whole number"),
+        ({PLATEAU: "6 mm:24 mm"}, False, "must be a number in MPa"),
+        ({PLATEAU: "-6:24"}, False, "must be|above 0"),
+        ({"tool.phase_deg": "-6:24"}, False, "a range to fit must be above 0, got -6:24"),
+        ({PLATEAU: "24:6"}, False, "a range must go up"),
+        ({PLATEAU: "6 kPa : 24 MPa"}, False, f"{PLATEAU}: both ends of a range must have one unit"),
+        ({PLATEAU: "8,12", OPENING: "3:5"}, False, "a range low:high .*, got 2 values"),
+        ({"plateau": "6:24", PLATEAU: "8:16"}, False, f"{PLATEAU} must have one range"),
+        ({PLATEAU: 12.0}, False, "at least one key a range"),
+        (None, False, "at least one key a range"),
+        ({PLATEAU: "6:24"}, True, "two or more keys"),
+        ({PLATEAU: "6:24", "motion.pitch": "6:24"}, True, "must be of"),
+    ],
+)
+def test_ranges_that_cannot_be_fitted_are_refused(given, keep, said):
     with pytest.raises(ValueError, match=said):
-        FreeParameters(ModelVariants("opening"), keys, bounds, keep_energy=keep)
+        free("opening", given, keep=keep)
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("fit opening a.csv -o x --free cohesive.plateau", "--free cohesive.plateau; a key that"),
+        ("fit opening a.csv -o x --bounds plateau=6:24", "--set plateau=6:24; a key that varies"),
+        ("optimise opening -o x --minimise a --vary k=6:24", "--set k=6:24; a key that varies"),
+        ("optimise opening -o x --minimise a --vary=k=6:24", "--vary=k=6:24; a key that varies"),
+    ],
+)
+def test_options_that_are_gone_are_told_what_to_write(command, said, capsys):
+    with pytest.raises(SystemExit):
+        main(command.split())
+    assert said in capsys.readouterr().err
 
 
 def test_intervals_are_those_of_linear_regression():
@@ -80,7 +128,7 @@ def test_intervals_are_those_of_linear_regression():
 def known(tmp_path_factory):
     """Return the folder of a run whose parameters are known."""
     out = tmp_path_factory.mktemp("known")
-    values = {PLATEAU: [12.0]}
+    values = {PLATEAU: [10.0]}
     study = sc.sweep("guillotine", values, out, settings=SETTINGS, executor=1, say=str)
     return study.plan.runs[0].folder(study.folder)
 
@@ -144,9 +192,8 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
         return sc.fit(
             "guillotine",
             [curve],
-            [PLATEAU],
             tmp_path,
-            settings={**SETTINGS, PLATEAU: 10.0},
+            settings={**SETTINGS, "plateau": "4:36"},
             search=sc.Search(max_runs=12),
             executor=1,
             say=lines.append,
@@ -154,7 +201,8 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
 
     found = fitted()
     (plateau,) = found.values
-    assert plateau.value == pytest.approx(12.0, rel=0.01)  # of smoothed curves with a sawtooth
+    assert (plateau.key, plateau.start) == (PLATEAU, 12.0)
+    assert plateau.value == pytest.approx(10.0, rel=0.01)  # of smoothed curves with a sawtooth
     assert plateau.low <= plateau.value <= plateau.high < 1.2 * plateau.value
     assert found.rms < 0.2 * found.rms_at_start
     assert found.n_run <= 12
@@ -178,7 +226,7 @@ def test_a_search_that_cannot_be_is_refused(wrong):
 def test_too_few_runs_are_refused_before_any(tmp_path):
     search = sc.Search(max_runs=2)
     with pytest.raises(ValueError, match="must be 3 or more"):
-        sc.fit("guillotine", [], [PLATEAU], tmp_path / "none", search=search)
+        sc.fit("guillotine", [], tmp_path / "none", settings={PLATEAU: "6:24"}, search=search)
     assert not (tmp_path / "none").exists()
 
 
@@ -187,14 +235,14 @@ def asked(monkeypatch):
     """Return a function that gives the curves a command would fit; nothing runs."""
     seen = {}
 
-    def not_run(model, curves, free, out, **options):
+    def not_run(model, curves, out, **options):
         seen["curves"] = curves
         raise ValueError("not run")
 
     monkeypatch.setattr("shellcut.study.fit.fit", not_run)
 
     def curves_of(*arguments):
-        assert main(["fit", "guillotine", *arguments, "--free", PLATEAU, "-o", "x"]) == 2
+        assert main(["fit", "guillotine", *arguments, "--set=plateau=6:24", "-o", "x"]) == 2
         return seen.pop("curves", None)
 
     return curves_of
@@ -234,14 +282,15 @@ def test_keys_of_no_curve_are_refused(asked, capsys, given, said):
 def test_a_curve_cannot_set_what_is_fitted(tmp_path, key):
     curves = [sc.FitCurve("a.csv"), sc.FitCurve("b.csv", settings={key: 9.0})]
     with pytest.raises(ValueError, match=f"is fitted, so a curve must not set it, got {key}"):
-        sc.fit("guillotine", curves, [PLATEAU], tmp_path / "none")
+        sc.fit("guillotine", curves, tmp_path / "none", settings={"plateau": "6:24"})
     assert not (tmp_path / "none").exists()
 
 
 @pytest.mark.slow
 def test_keys_that_do_the_same_to_the_curve_are_told(tmp_path):
     # Force is G h: a plateau and a thickness that are 12 MPa and 0.074 mm, from 10 and 0.08.
-    both = [PLATEAU, "material.thickness"]
+    start = {PLATEAU: 10.0, "material.thickness": 0.08}
+    sc.read_model("guillotine", start).write(tmp_path / "start.toml")
     settings = {**SETTINGS, "membrane.length": 8, "travel": 4.0}
     known = sc.sweep("guillotine", {}, tmp_path / "known", settings=settings, executor=1, say=str)
     history = read(known.plan.runs[0].folder(known.folder)).history
@@ -249,11 +298,10 @@ def test_keys_that_do_the_same_to_the_curve_are_told(tmp_path):
     noise = np.random.default_rng(0).standard_normal(x.size)
     measured = sc.MeasuredCurve(x, force + 0.03 * force.max() * noise, "mm", "N")
     found = sc.fit(
-        "guillotine",
+        tmp_path / "start.toml",
         [sc.FitCurve(measured)],
-        both,
         tmp_path / "fit",
-        settings={**settings, PLATEAU: 10.0, both[1]: 0.08},
+        settings={**settings, **{key: f"{one / 3}:{one * 3}" for key, one in start.items()}},
         executor=1,
         say=str,
     )
@@ -280,12 +328,12 @@ def test_a_search_of_the_box_fits_several_curves_at_once(tmp_path):
     whole = curves[0].measured
     half = sc.MeasuredCurve(whole.x[whole.x < 1.0], whole.y[whole.x < 1.0], "mm", "N")
     curves.append(replace(curves[0], measured=half))
+    sc.read_model("guillotine", {PLATEAU: 18.0}).write(tmp_path / "start.toml")
     found = sc.fit(
-        "guillotine",
+        tmp_path / "start.toml",
         curves,
-        [PLATEAU],
         tmp_path / "fit",
-        settings={**SETTINGS, PLATEAU: 18.0},
+        settings={**SETTINGS, PLATEAU: "6:54"},
         search=sc.Search(method="global", max_runs=30),
         executor=1,
     )

@@ -24,11 +24,10 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
     def found():
         return sc.optimise(
             "guillotine",
-            {PLATEAU: "6:12", ANGLE: [10, 14]},
             tmp_path,
             minimise="force_peak",
             subject_to=["cohesive_work >= 0.75", "n_loose == 0"],
-            settings=SETTINGS,
+            settings={**SETTINGS, PLATEAU: "6:12", ANGLE: [10, 14]},
             max_runs=9,
             allow_doubts=True,  # the runs are too fast
             executor=1,
@@ -55,7 +54,7 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
 
 def test_the_command_confirms_on_another_mesh(tmp_path, capsys):
     asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
-    asked += [*in_words(SETTINGS), "--vary", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
+    asked += [*in_words(SETTINGS), "--set", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
     asked += ["--allow-doubts"]
     assert main([*asked, "--confirm", "size=1"]) == 0
     said = capsys.readouterr().out
@@ -86,7 +85,7 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
 
 def test_what_a_verdict_distrusts_is_not_the_best_unless_that_is_allowed(tmp_path, capsys):
     asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "5"]
-    asked += [*in_words(SETTINGS), "--vary=motion.speed=2500:3500", "--maximise=force_peak"]
+    asked += [*in_words(SETTINGS), "--set=motion.speed=2500:3500", "--maximise=force_peak"]
     assert main(asked) == 0
     said = capsys.readouterr().out
     trials = json.loads((tmp_path / OPTIMUM).read_text())["trials"]
@@ -108,7 +107,7 @@ def test_what_a_verdict_distrusts_is_not_the_best_unless_that_is_allowed(tmp_pat
 
 def test_where_no_run_keeps_to_the_limits_the_nearest_is_told_with_four(tmp_path, capsys):
     asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
-    asked += [*in_words(SETTINGS), "--vary", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
+    asked += [*in_words(SETTINGS), "--set", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
     assert main([*asked, "--subject-to", "crack length >= 500", "--subject-to=flaps==0"]) == 4
     said = capsys.readouterr().out
     assert "no run is the best: 2 runs, 2 beyond the limits" in said
@@ -146,12 +145,14 @@ def test_every_number_of_a_summary_is_a_name_that_a_search_knows(tmp_path):
         ({"minimise": "force_paek"}, "no figure force_paek; did you mean force_peak_N"),
         ({"minimise": "force_peak", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
         ({"minimise": "force_peak", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
+        ({"minimise": "force_peak", "keys": {PLATEAU: "6 mm:12 mm"}}, "must be a number in MPa"),
+        ({"minimise": "force_peak", "confirm": {"siez": 1}}, "did you mean size"),
     ],
 )
 def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
     keys = given.pop("keys", {PLATEAU: "6:12"})
     with pytest.raises(ValueError, match=said):
-        sc.optimise("guillotine", keys, tmp_path / "none", settings=SETTINGS, **given)
+        sc.optimise("guillotine", tmp_path / "none", settings={**SETTINGS, **keys}, **given)
     assert not Path(tmp_path / "none").exists()
 
 
@@ -159,10 +160,9 @@ def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
     with pytest.raises(RuntimeError, match=r"no figure torque_peak_Nmm; .*force_peak_N"):
         sc.optimise(
             "guillotine",
-            {PLATEAU: "6:12"},
             tmp_path,
             minimise="torque_peak",
-            settings=SETTINGS,
+            settings={**SETTINGS, PLATEAU: "6:12"},
             executor=1,
             say=lambda _: None,
         )

@@ -26,6 +26,7 @@ from shellcut.command_line import main
 from shellcut.command_line.main import parser_of_all
 from shellcut.command_line.shared_arguments import settings_of
 from shellcut.model_file import shipped_models
+from shellcut.study.plan import sought
 from shellcut.tool.shapes import tooth_ring
 from test_tensile import bilinear
 from test_tensile import write as write_film
@@ -314,7 +315,9 @@ def test_commands_are_understood(line, tmp_path, monkeypatch, capsys):
     if getattr(arguments, "model", None) in shipped_models():
         if arguments.command == "sweep":
             assert main([*words, "--dry-run"]) == 0, capsys.readouterr().err
-        elif arguments.command != "optimise":  # which varies files that are not there
+        elif arguments.command in ("fit", "optimise"):
+            sought(arguments.model, settings_of(arguments, str))
+        else:
             settings = settings_of(arguments)
             for file in (str(v) for v in settings.values() if re.search(r"\.(stl|msh)$", str(v))):
                 Path(file).parent.mkdir(exist_ok=True)

@@ -1,11 +1,11 @@
 """``fit``: fit keys of a model to measured curves.
 
-Fit keys of a model to measured curves by least squares. Writes OUT/fit.json, with 95 % confidence
-intervals, and with Matplotlib OUT/fit.png. Runs are kept: the same call again repeats none, and an
-interrupted fit goes on.
+Fit keys of a model to measured curves by least squares: those with a range (8:16). Writes
+OUT/fit.json, with 95 % confidence intervals, and with Matplotlib OUT/fit.png. Runs are kept: the
+same call again repeats none, and an interrupted fit goes on.
 
-example: shellcut fit opening slow.csv fast.csv --for fast.csv motion.duration=3e-3 --free
-cohesive.plateau,cohesive.opening_u -o OUT
+example: shellcut fit opening slow.csv fast.csv --for fast.csv motion.duration=3e-3 --set
+plateau=6:24 --set opening_u=3.2:8 -o OUT
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .shared_arguments import (
     add_engine_to,
     add_options,
     add_settings_to,
-    key_and_value,
+    keys_with_values,
     made_of,
     named,
     print_found,
@@ -36,18 +36,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
-    parser.add_argument(
-        "--free", metavar="KEYS", required=True, help="keys to fit, SECTION.KEY, with commas"
-    )
     parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
-    add_settings_to(parser)
-    parser.add_argument(
-        "--bounds",
-        metavar="KEY=LOW:HIGH",
-        action="append",
-        default=[],
-        help="of a key, in its unit; by default a third of its value to three times it",
-    )
+    add_settings_to(parser, ", or give what is fitted a range LOW:HIGH")
     flags = {name: f"--{name.replace('_', '-')}" for name in ("keep_energy", "max_runs", "method")}
     add_options(parser, Search, **flags)
     parser.add_argument(
@@ -84,10 +74,9 @@ def run(arguments: argparse.Namespace) -> int:
         lambda executor: fit(
             arguments.model,
             _curves(arguments),
-            [key.strip() for key in arguments.free.split(",") if key.strip()],
             arguments.out,
-            settings=settings_of(arguments),
-            search=made_of(arguments, Search, bounds=_bounds(arguments)),
+            settings=settings_of(arguments, str),  # texts: ranges are read later
+            search=made_of(arguments, Search),
             executor=executor,
         ),
         f"in {arguments.out}: fit.json" + ", fit.png" * can_draw(),
@@ -121,8 +110,6 @@ def _settings_of_curves(
     files: Sequence[str], given: Sequence[Sequence[str]]
 ) -> list[dict[str, object]]:
     """Return the settings of each curve."""
-    from shellcut.model_file.source import parse_value
-
     found: list[dict[str, object]] = [{} for _ in files]
     problems = []
     for curve, text in given:
@@ -132,23 +119,11 @@ def _settings_of_curves(
             numbers = "1" if len(files) == 1 else f"1 to {len(files)}"
             problems.append(f"--for {curve}: must be one of the files {known}, or {numbers}")
         try:
-            key, value = key_and_value(text)
+            own = keys_with_values(f"--for {curve}", [text])
             for k in of:
-                found[k][key] = parse_value(value)
+                found[k] |= own
         except ValueError as problem:
-            problems.append(f"--for {curve} {text}: {problem}")
+            problems.append(str(problem))
     if problems:
         raise ValueError("\n".join(problems))
-    return found
-
-
-def _bounds(arguments: argparse.Namespace) -> dict[str, tuple[float, float]]:
-    found = {}
-    for text in arguments.bounds:
-        key, _, ends = text.partition("=")
-        low, _, high = ends.partition(":")
-        try:
-            found[key.strip()] = float(low), float(high)
-        except ValueError:
-            raise ValueError(f"--bounds {text}: must be KEY=LOW:HIGH with two numbers") from None
     return found

@@ -39,6 +39,7 @@ _COMMANDS = (
 )
 """A file each, whose text is the help: in one line, at length, and an example."""
 _RUNS = ("run", "resume")
+_GONE = {"--vary", "--free", "--bounds"}
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
 """Commands that show figures, in units of the user's choice."""
 
@@ -46,9 +47,12 @@ _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare"
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """End as argparse does, and name the option for a key without one."""
-        keys = [word for word in message.split() if "=" in word]
+        words = message.split()
+        keys = [word for word in words if "=" in word and not word.startswith("-")]
         if message.startswith("unrecognized arguments") and keys:
             message += f"; keys of the model are set by --set {' --set '.join(keys)}"
+        if _GONE.intersection(word.partition("=")[0] for word in words):
+            message += "; a key that varies has a range or several values: --set KEY=LOW:HIGH"
         super().error(message)
 
 

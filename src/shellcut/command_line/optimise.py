@@ -1,12 +1,12 @@
 """``optimise``: seek the values of keys that make a figure least, or largest.
 
-Seek the values of some keys that make a figure least, or largest, within limits on others. The
-first run is the model as given, Optuna proposes the others. A run that its verdict distrusts is not
-the best. Writes OUT/optimum.json, and with
-Matplotlib OUT/optimum.png. Runs are kept: the same call again repeats none, an interrupted search
-goes on.
+Seek the values of some keys that make a figure least, or largest, within limits on others: of keys
+with a range (0.2:0.5), several values (3,4,5) or files (caps/*.stl). The first run is the model as
+given, Optuna proposes the others. A run that its verdict distrusts is not the best. Writes
+OUT/optimum.json, and with Matplotlib OUT/optimum.png. Runs are kept: the same call again repeats
+none, an interrupted search goes on.
 
-example: shellcut optimise opening --set mesh=quick --vary tool.half_thickness=0.2:0.5 --minimise
+example: shellcut optimise opening --set mesh=quick --set tool.half_thickness=0.2:0.5 --minimise
 torque_peak --subject-to 'n_loose == 1' -o OUT
 """
 
@@ -17,7 +17,7 @@ import argparse
 from .shared_arguments import (
     add_engine_to,
     add_settings_to,
-    key_and_value,
+    keys_with_values,
     named,
     print_found,
     settings_of,
@@ -28,13 +28,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
-    parser.add_argument(
-        "--vary",
-        metavar="KEY=LOW:HIGH",
-        action="append",
-        required=True,
-        help="a key and its range, or values to choose from, with commas; any number of times",
-    )
+    add_settings_to(parser, ", or give what is sought a range LOW:HIGH, or values with commas")
     aim = parser.add_mutually_exclusive_group(required=True)
     for word in ("minimise", "maximise"):
         aim.add_argument(f"--{word}", metavar="FIGURE", default="", help="name in summary.json")
@@ -45,7 +39,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="FIGURE <= NUMBER, or with >= or ==; any number of times",
     )
-    add_settings_to(parser)
     parser.add_argument(
         "--confirm",
         metavar="KEY=VALUE",
@@ -66,20 +59,18 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the best values."""
-    from shellcut.model_file.source import parse_value
     from shellcut.study.optimise import OPTIMUM, optimise
 
     return print_found(
         arguments,
         lambda executor: optimise(
             arguments.model,
-            dict(map(key_and_value, arguments.vary)),
             arguments.out,
             minimise=arguments.minimise,
             maximise=arguments.maximise,
             subject_to=arguments.subject_to,
-            settings=settings_of(arguments),
-            confirm={k: parse_value(v) for k, v in map(key_and_value, arguments.confirm)},
+            settings=settings_of(arguments, str),  # texts: lists and ranges are read later
+            confirm=keys_with_values("--confirm", arguments.confirm),
             max_runs=arguments.max_runs,
             allow_doubts=arguments.allow_doubts,
             executor=executor,

@@ -27,44 +27,41 @@ def named(text: str) -> Path:
     return Path(text)
 
 
-def add_settings_to(parser: argparse.ArgumentParser) -> None:
-    """Add ``--set``."""
+def add_settings_to(parser: argparse.ArgumentParser, more: str = "") -> None:
+    """Add ``--set``, and say what more it can do than set a key."""
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
         action="append",
         default=[],
         dest="settings",
-        help="replace a key, e.g. membrane.mesh=quick or mesh=quick; any number of times",
+        help=f"replace a key, e.g. membrane.mesh=quick or mesh=quick{more}; any number of times",
     )
 
 
 def settings_of(
     arguments: argparse.Namespace, read: Callable[[str], object] = parse_value
 ) -> dict[str, object]:
-    """Return the keys set, with their values read, by default as TOML; bare words are strings.
+    """Return the keys set, with their values read; see :func:`keys_with_values`."""
+    return keys_with_values("--set", arguments.settings, read)
 
-    ModelFileError lists those that are not of the form key=value.
+
+def keys_with_values(
+    flag: str, texts: Sequence[str], read: Callable[[str], object] = parse_value
+) -> dict[str, object]:
+    """Return the keys of an option, with their values read, by default as TOML.
+
+    Bare words are strings. ModelFileError lists texts that are not of the form key=value.
     """
-    settings: dict[str, object] = {}
-    wrong = []
-    for text in arguments.settings:
-        try:
-            key, value = key_and_value(text)
-            settings[key] = read(value)
-        except ValueError as problem:
-            wrong.append(Problem(f"--set {text}", str(problem)))
+    split = [text.partition("=") for text in texts]
+    wrong = [
+        Problem(f"{flag} {text}", "must be KEY=VALUE")
+        for text, (key, equals, _) in zip(texts, split, strict=True)
+        if not equals or not key.strip()
+    ]
     if wrong:
         raise ModelFileError(wrong)
-    return settings
-
-
-def key_and_value(text: str) -> tuple[str, str]:
-    """Split ``key=value``; ValueError if there is no key, or no ``=``."""
-    key, equals, value = text.partition("=")
-    if not equals or not key.strip():
-        raise ValueError("must be KEY=VALUE")
-    return key.strip(), value.strip()
+    return {key.strip(): read(value.strip()) for key, _, value in split}
 
 
 def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **flags: str) -> None:
@@ -87,11 +84,11 @@ def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **fl
         parser.add_argument(flag, help=f"{option.text}{unless}", **given)
 
 
-def made_of(arguments: argparse.Namespace, owner: Callable[..., T], **more: Any) -> T:
+def made_of(arguments: argparse.Namespace, owner: Callable[..., T]) -> T:
     """Return the class called with the arguments that are given."""
     own = f"{owner.__name__}."
     given = {n.removeprefix(own): v for n, v in vars(arguments).items() if n.startswith(own)}
-    return owner(**{name: v for name, v in given.items() if v is not None}, **more)
+    return owner(**{name: v for name, v in given.items() if v is not None})
 
 
 def add_shown_in_to(parser: argparse.ArgumentParser) -> None:

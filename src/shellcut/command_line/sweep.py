@@ -36,7 +36,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
-    add_settings_to(parser)
+    add_settings_to(parser, ", or make a factor of it, with several values or a range")
     add_options(parser, Design, kind="--design", n="--n", seed="--seed")
     add_engine_to(parser)
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
@@ -67,8 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _planned(arguments: argparse.Namespace) -> Plan:
     """Return the plan of a model with its factors, or of a study file."""
     from shellcut.study.factors import factors_of
-    from shellcut.study.plan import Definition
-    from shellcut.study.study import FEW_FILES
+    from shellcut.study.plan import FEW_FILES, Definition
     from shellcut.study.study_file import is_study, read_study
 
     given = settings_of(arguments, str)  # texts: a study also reads several values, and ranges

@@ -40,7 +40,7 @@ def overridden(
         place = f"set {name}={value}"
         place = place if len(place) <= _LONGEST_PLACE else f"{place[:_LONGEST_PLACE]}..."
         try:
-            path = _path_of(name, str(values.get("model", "")))
+            path = path_of(name, str(values.get("model", "")))
         except ValueError as problem:
             problems.append(Problem(place, str(problem)))
             continue
@@ -81,7 +81,8 @@ def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) ->
     return table
 
 
-def _path_of(name: str, model: str) -> KeyPath:
+def path_of(name: str, model: str) -> tuple[str, ...]:
+    """Return section and key that a setting means in a model; ValueError if there is no such."""
     if name in HEAD.keys:
         return (name,)
     if name == "material":

@@ -16,9 +16,9 @@ from .common_window import NOT_COMMON
 from .companions import companions_of
 from .engines import AnyExecutor, Say, engine_of
 from .one_run import Outcome
-from .plan import Definition
+from .plan import FEW_FILES, Definition
 from .report.studied import of_interest
-from .study import FEW_FILES, run_study
+from .study import run_study
 
 
 def converge(

@@ -88,7 +88,7 @@ def factor(name: str, given: object) -> Factor:
     if len(keys) > 1:
         values = _groups(name, len(keys), given)
     elif isinstance(given, str):
-        if (found := _RANGE.fullmatch(given)) and (ends := _numbers(found[1], found[2])):
+        if (found := _RANGE.fullmatch(given)) and (ends := _numbers(name, found[1], found[2])):
             low, high, unit = ends
             if not low < high:
                 raise ValueError(f"{name}: a range must go up, low:high, got {low:g}:{high:g}")
@@ -150,11 +150,13 @@ def _groups(name: str, n_key: int, given: object) -> list[object]:
     return [tuple(group) for group in groups if isinstance(group, Sequence)]
 
 
-def _numbers(first: str, last: str) -> tuple[float, float, str] | None:
-    """Return both ends and the unit, None if these are no numbers of one unit."""
+def _numbers(key: str, first: str, last: str) -> tuple[float, float, str] | None:
+    """Return both ends and the unit, None if these are no numbers."""
     a, b = _NUMBER.fullmatch(first), _NUMBER.fullmatch(last)
-    if not a or not b or (a[2] and a[2] != b[2]):
+    if not a or not b:
         return None
+    if a[2] and a[2] != b[2]:
+        raise ValueError(f"{key}: both ends of a range must have one unit, got {first}:{last}")
     return float(a[1]), float(b[1]), b[2]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
@@ -18,7 +18,6 @@ import scipy
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
 from shellcut.files.file_list import folder_named
-from shellcut.model_file.reader import ModelVariants
 from shellcut.recording.resistance import resistance_of
 
 from .curve_misfit import FitCurve, read_curves
@@ -26,7 +25,8 @@ from .engines import AnyExecutor, Say, engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
 from .fit_runs import FitRuns, OutOfRuns
 from .free_parameters import FreeParameters
-from .study import FEW_FILES, taken
+from .plan import sought
+from .study import taken
 
 Method = Literal["local", "global"]
 
@@ -45,33 +45,26 @@ _SPREAD = 0.4
 class Search:
     """How a fit looks for the best values.
 
-    Parameters
-    ----------
-    bounds : mapping from str to (low, high)
-        Of some keys, in their unit; a third of the start to three times it for the others.
-
     Examples
     --------
-    >>> Search(bounds={"cohesive.plateau": (8.0, 16.0)}).max_runs
+    >>> Search(method="global").max_runs
     40
     """
 
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     keep_energy: Annotated[
         bool,
-        Option("", "keep the fracture energy of the law: the last free key follows"),
+        Option("", "keep the fracture energy of the law: the last key with a range follows"),
     ] = False
     max_runs: Annotated[int, Option("", "runs to take at most", least=1)] = 40
     method: Annotated[
         Method,
-        Option("", "least squares from the model's values, or a search of all within the bounds"),
+        Option("", "least squares from the model's values, or a search of all within the ranges"),
     ] = "local"
 
 
 def fit(
     model: str | os.PathLike[str],
     curves: Sequence[FitCurve],
-    free: Sequence[str],
     out: str | os.PathLike[str],
     *,
     settings: Mapping[str, object] | None = None,
@@ -85,14 +78,15 @@ def fit(
     ----------
     curves : sequence of FitCurve
         What was measured; each may have settings of its own, then it takes a run of its own.
-    free : sequence of str
-        Keys that are fitted, as ``cohesive.plateau``; numbers above zero. They start at the values
-        of the model.
     out : str or path
         Folder for the runs and the result.
+    settings : mapping
+        By key: one value for all runs; or a range above zero, as ``"8:16"`` or ``"1 mm : 2 mm"``,
+        in which the key is fitted. It starts at the value of the model, or in the geometric middle
+        of the range if the model has none in it. At least one key must be fitted.
     search : Search, optional
-        Bounds, method, and how many runs it may take.
-    model, settings, executor, say
+        Method, and how many runs it may take.
+    model, executor, say
         As of :func:`shellcut.sweep`.
 
     Returns
@@ -103,7 +97,7 @@ def fit(
     Raises
     ------
     ModelFileError, ValueError
-        With what is wrong with model, keys, bounds or curves, before anything runs.
+        With what is wrong with model, settings or curves, before anything runs.
     FileExistsError
         If a file of the fit in the folder is somebody else's.
     RuntimeError
@@ -112,15 +106,15 @@ def fit(
     Examples
     --------
     >>> found = fit(
-    ...     "opening", [FitCurve("cap.csv")], ["cohesive.plateau"], "fitted"
+    ...     "opening", [FitCurve("cap.csv")], "fitted", settings={"cohesive.plateau": "8:16"}
     ... )  # doctest: +SKIP
     >>> found.values[0].value, found.values[0].low, found.values[0].high  # doctest: +SKIP
     (12.02, 11.9, 12.13)
     """
     search = search or Search()
-    variants = ModelVariants(model, {**FEW_FILES, **(settings or {})})
-    parameters = FreeParameters(variants, free, search.bounds, keep_energy=search.keep_energy)
-    _refuse_free_settings(curves, free)
+    factors, variants = sought(model, settings)
+    parameters = FreeParameters(variants, factors, keep_energy=search.keep_energy)
+    _refuse_free_settings(curves, [one.key for one in parameters.all])
     least = len(parameters.varied) + 2
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")

@@ -1,4 +1,4 @@
-"""Free parameters of a fit: keys with a start and bounds, and the energy that may be kept.
+"""Free parameters of a fit: keys with a range and a start in it, and the energy that may be kept.
 
 All are positive and vary by factors: the fit works with log(value / start). If the fracture energy
 is kept, the last of them follows from the others, so that the law's area stays that of the model.
@@ -15,11 +15,10 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
-from shellcut.model_file import Model
+from shellcut.model_file.overrides import path_of
 from shellcut.model_file.reader import ModelVariants
 
-_FACTOR = 3.0
-"""Default bounds: a third of the start and three times it."""
+from .factors import Factor
 
 _N_TRIED = 65
 """Values of a key among which that with a given energy is sought."""
@@ -37,43 +36,37 @@ class Free:
     start: float
     low: float
     high: float
-    """Value of the model, and bounds, in the unit of the key."""
+    """Where the fit starts, and the ends of the range, in the unit of the key."""
     unit: str = ""
     """Of the key, for messages."""
 
 
 class FreeParameters:
-    """The free parameters of a fit, by section and key, some with bounds.
+    """The free parameters of a fit: the factors of its settings, which must be ranges.
 
-    With ``keep_energy`` the last key follows from the law's fracture energy. Raises ValueError with
-    all that is wrong with keys and bounds.
+    With ``keep_energy`` the last of them follows from the law's fracture energy. Raises ValueError
+    with all that is wrong with them.
     """
 
     def __init__(
-        self,
-        variants: ModelVariants,
-        keys: Sequence[str],
-        bounds: Mapping[str, tuple[float, float]],
-        *,
-        keep_energy: bool = False,
+        self, variants: ModelVariants, factors: Sequence[Factor], *, keep_energy: bool = False
     ) -> None:
         self._variants, self.keep_energy = variants, keep_energy
-        model = variants.read({})
-        problems = [f"{key} is not among the free keys" for key in bounds if key not in keys]
-        if len(set(keys)) < len(keys):
-            problems.append("each free key must be given once")
-        if keep_energy and len(keys) < 2:
-            problems.append("to keep the energy two or more keys must be free: the last follows")
-        if keep_energy and keys and not keys[-1].startswith("cohesive."):
-            problems.append(f"to keep the energy the last must be of [cohesive], not {keys[-1]}")
         self.all: list[Free] = []
-        for key in keys:
+        problems = []
+        for factor in factors:
             try:
-                self.all.append(_free(model, key, bounds.get(key)))
+                self.all.append(_free(variants, factor))
             except ValueError as problem:
                 problems.append(str(problem))
-        if not keys:
-            problems.append("give at least one free key")
+        keys = [one.key for one in self.all]
+        problems += [
+            f"{key} must have one range" for key in dict.fromkeys(keys) if keys.count(key) > 1
+        ]
+        if keep_energy and len(factors) < 2:
+            problems.append("to keep the energy two or more keys must vary: the last follows")
+        if keep_energy and keys and not keys[-1].startswith("cohesive."):
+            problems.append(f"to keep the energy the last must be of [cohesive], not {keys[-1]}")
         if problems:
             raise ValueError("\n".join(problems))
         self.varied = self.all[:-1] if keep_energy else self.all
@@ -116,27 +109,26 @@ class FreeParameters:
         )
 
 
-def _free(model: Model, key: str, bounds: tuple[float, float] | None) -> Free:
-    title, _, name = key.partition(".")
-    section = model.sections.get(title)
-    if section is None or not name:
+def _free(variants: ModelVariants, factor: Factor) -> Free:
+    """Return the free parameter of a range, whose ends the model reads as any other value."""
+    if factor.ends is None:
         raise ValueError(
-            f"{key}: a free key is written SECTION.KEY, of {', '.join(model.sections)}"
+            f"{factor.name}: a fit takes one value, or a range low:high in which to fit it, "
+            f"got {len(factor.values)} values"
         )
-    keys = section.of.keys
-    if name not in keys:
-        raise ValueError(f"{key}: [{title}] has no such key, but {', '.join(keys)}")
-    start, wants = section.values[name], keys[name].form.wants
-    if not wants.endswith("number"):
-        raise ValueError(f"{key} is no number, but {wants}: it cannot be fitted")
-    if start is None:
-        raise ValueError(f"{key} has no value in the model: set one from which the fit starts")
-    if isinstance(start, bool) or not isinstance(start, int | float) or not start > 0.0:
-        raise ValueError(f"{key} must be a number above 0 in the model, where it is {start!r}")
-    low, high = bounds or (start / _FACTOR, start * _FACTOR)
-    if not 0.0 < low <= start <= high or not low < high:
-        raise ValueError(f"{key}: the bounds {low:g}:{high:g} must lie around its start, {start:g}")
-    return Free(key, float(start), low, high, keys[name].option.unit)
+    several = ({}, *map(factor.settings, factor.probes()))
+    models = [variants.read(values, try_out=False) for values in several]
+    tables = [{"": one.head, **one.sections} for one in models]
+    title, _, name = ".".join(path_of(factor.name, models[0].head.model)).rpartition(".")
+    keys = tables[1][title].of.keys
+    name, key = next((n, key) for n, key in keys.items() if name in (n, key.also))
+    low, high = (one[title].values[name] for one in tables[1:])
+    if not low > 0.0:
+        raise ValueError(f"{factor.name}: a range to fit must be above 0, got {low:g}:{high:g}")
+    start = tables[0][title].values.get(name) if title in tables[0] else None
+    if not isinstance(start, float) or not low <= start <= high:
+        start = math.sqrt(low * high)
+    return Free(f"{title}.{name}".removeprefix("."), start, low, high, key.option.unit)
 
 
 def _energy(variants: ModelVariants, values: Mapping[str, object]) -> float:

@@ -21,7 +21,6 @@ import numpy as np
 
 from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
-from shellcut.model_file.reader import ModelVariants
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import half_width_of
@@ -37,10 +36,10 @@ from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .common_window import NOT_COMMON, CommonWindow
 from .engines import AnyExecutor, Say, engine_of
-from .factors import Factor, factors_of
+from .factors import Factor
 from .one_run import Outcome, outcome_in
-from .plan import PlannedRun
-from .study import FEW_FILES, run_values, taken
+from .plan import PlannedRun, sought
+from .study import run_values, taken
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
@@ -209,7 +208,6 @@ class Optimum:
 
 def optimise(
     model: str | os.PathLike[str],
-    keys: Mapping[str, object],
     out: str | os.PathLike[str],
     *,
     minimise: str = "",
@@ -226,8 +224,6 @@ def optimise(
 
     Parameters
     ----------
-    keys : mapping
-        Keys with a range, as ``"40:80"``, or values to choose from, as of :func:`shellcut.sweep`.
     out : str or path
         Folder for the runs, ``optimum.json`` and, with Matplotlib, ``optimum.png``.
     minimise, maximise : str
@@ -235,9 +231,12 @@ def optimise(
         ``torque_peak_Nmm``; its unit may be left out, and the words of the reports are names, too.
     subject_to : sequence of str
         Limits on such figures: ``"n_loose == 1"``, ``"crack_length >= 58"``.
-    settings, confirm : mapping, optional
-        Keys with another value than in the model; in all runs, and in two further runs of the model
-        as given and of the best values, as on a finer mesh.
+    settings : mapping
+        By key: one value for all runs; or what is sought, a range, as ``"40:80"``, or values to
+        choose from, as the factors of :func:`shellcut.sweep`. At least one key must be sought.
+    confirm : mapping, optional
+        Keys with another value in two further runs, of the model as given and of the best values,
+        as on a finer mesh.
     max_runs : int
         Runs to take at most.
     allow_doubts : bool
@@ -264,7 +263,10 @@ def optimise(
     Examples
     --------
     >>> found = optimise(  # doctest: +SKIP
-    ...     "opening", {"tool.half_thickness": "0.2:0.5"}, "teeth", minimise="torque_peak"
+    ...     "opening",
+    ...     "teeth",
+    ...     settings={"mesh": "quick", "tool.half_thickness": "0.2:0.5"},
+    ...     minimise="torque_peak",
     ... )
     >>> found.best.values  # doctest: +SKIP
     {'tool.half_thickness': 0.2213}
@@ -276,32 +278,26 @@ def optimise(
         raise ValueError(f"max_runs must be 2 or more, got {max_runs}")
     sign, wanted = (1 if minimise else -1), known_figure(minimise or maximise, UNITS)
     limits = [_limit(text) for text in subject_to]
-    factors, single = factors_of(keys)
-    if not factors:
-        raise ValueError("give at least one key a range low:high, or several values")
-    given = {**FEW_FILES, **(settings or {}), **single}
-    variants = ModelVariants(model, given)
-    for factor in factors:
-        for value in factor.probes():
-            variants.read(factor.settings(value), try_out=False)
+    factors, variants = sought(model, settings)
+    confirm = confirm or {}
+    variants.read(confirm, try_out=False)  # what is wrong with it shows before the search
     engine, folder = engine_of(executor), folder_named(out)
     study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=0))
     trials = list[Trial]()
 
-    def run(several: Sequence[Mapping[str, object]], more: Mapping[str, object]) -> list[Trial]:
-        these = ModelVariants(model, {**given, **more})
-        done = run_values(these, several, folder, engine, say)
+    def run(several: Sequence[Mapping[str, object]]) -> list[Trial]:
+        done = run_values(variants, several, folder, engine, say)
         return [_trial(one, outcome, folder, wanted, limits) for one, outcome in done]
 
     with taken(folder, [OPTIMUM, PICTURE]):
-        trials += run([{}], {})
+        trials += run([{}])
         if trials[0].figure is None:
             raise RuntimeError(
                 f"the model as given must run and have all these figures: {trials[0].reason}"
             )
         while len(trials) < max_runs:
             asked = [study.ask() for _ in range(min(_AT_A_TIME, max_runs - len(trials)))]
-            done = run([_proposed(one, factors) for one in asked], {})
+            done = run([_proposed(one, factors) for one in asked])
             for one, trial in zip(asked, done, strict=True):
                 one.set_constraint("limits", trial.missed)
                 one.set_constraint("doubts", 0.0 if allow_doubts else len(trial.doubts))
@@ -314,7 +310,8 @@ def optimise(
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
             found = replace(found, compared=_in_common(trials[0], found.best, wanted))
         if confirm and found.best:
-            found = replace(found, confirmed=tuple(run([{}, found.best.values], confirm)))
+            again = run([confirm, {**found.best.values, **confirm}])
+            found = replace(found, confirmed=tuple(again))
         found.write(folder)
     return found
 

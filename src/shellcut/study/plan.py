@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -22,6 +23,9 @@ from .factors import Factor, factors_of
 
 RUNS = "runs"
 """Folder of the runs in that of the study."""
+
+FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
+"""What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
 
 _DIGITS = 16
 """Of a hash, in the name of a folder: no two of a billion studies share one."""
@@ -110,6 +114,21 @@ def planned_runs(
     digest = cache(digest_of)
     for number, values in enumerate(combined):
         yield PlannedRun(number, values, _key(variants.read(values, try_out=False), digest))
+
+
+def sought(
+    model: str | os.PathLike[str], settings: Mapping[str, object] | None
+) -> tuple[list[Factor], ModelVariants]:
+    """Return the factors among the settings of a search, and its model with the other settings.
+
+    Raises ValueError if there are no factors, and ModelFileError as :meth:`Definition.plan` does.
+    """
+    factors, single = factors_of({**FEW_FILES, **(settings or {})})
+    if not factors:
+        raise ValueError("nothing varies: give at least one key a range, KEY=LOW:HIGH")
+    variants = ModelVariants(model, single)
+    _try_values(variants, factors, [{}])
+    return factors, variants
 
 
 def _try_values(

@@ -26,16 +26,13 @@ from .common_window import CommonWindow
 from .design import Design
 from .engines import AnyExecutor, Engine, Say, engine_of
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import Definition, Plan, PlannedRun, planned_runs
+from .plan import FEW_FILES, Definition, Plan, PlannedRun, planned_runs
 from .report.studied import of_interest
 from .study_file import STUDY, write_study
 from .table import TABLE, columns_of, write_table
 
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""
-
-FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
-"""What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,8 @@ def sweep(
     factors : mapping from str to values
         By key, as of :func:`read_model`: a list, a text like ``"40,60,80"``, or a range like
         ``"10:20"`` or ``"1 mm : 2 mm"``, for designs other than a grid. Values of several keys
-        that go together: ``{"tool.edge_inclination_deg, motion.pitch": [(40, 12), (60, 20)]}``.
+        that go together: ``{"tool.edge_inclination_deg, motion.pitch": [(40, 12), (60, 20)]}``. One
+        value that is a list is written in another: ``{"r_values": [[1.2, 1.0, 1.1]]}``.
     out : str or path
         Folder of the study; each run has a folder in it.
     settings : mapping, optional
