@@ -102,7 +102,7 @@ class Option:
         if within and finite:
             return ""
         wanted = [self.bounds, *([] if finite or (self.bounds and value != value) else ["finite"])]
-        why, unit = f" ({self.why})" * bool(self.why), f" {self.unit}" * bool(self.unit)
+        why, unit = f" ({self.why})" if self.why else "", f" {self.unit}" if self.unit else ""
         return f"must be {' and '.join(filter(None, wanted))}{why}, got {_shown(value)}{unit}"
 
 

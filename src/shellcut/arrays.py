@@ -42,7 +42,7 @@ StiffnessBy: TypeAlias = Mapping[str, NodeStiffness]
 def product(first: Any, *others: Any) -> Any:
     """Return the matrix product of vectors, matrices or stacks of them, from left to right."""
     for other in others:
-        rows, columns = "h" * (np.ndim(first) > 1), "j" * (np.ndim(other) > 1)
+        rows, columns = "h" if np.ndim(first) > 1 else "", "j" if np.ndim(other) > 1 else ""
         first = np.einsum(f"...{rows}i,...i{columns}->...{rows}{columns}", first, other)
     return first
 

@@ -350,3 +350,39 @@ def test_the_page_of_the_keys_is_searched_in_the_site(tmp_path):
     assert found["screw"] == [["pitch", "duration"], ["[motion]", 'kind = "screw"'], "2 found"]
     assert found["motion MM"][0] == ["pitch", "speed"]
     assert found["nothing"] == [[], [], "0 found"]
+
+
+def packed_lines(tree):
+    """Yield the lines of an optional text made by a product, of a step chosen in a slice, of a
+    tuple that has a name only to be unpacked once."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.BinOp(left=ast.JoinedStr() | ast.Constant(str()), op=ast.Mult(), right=by):
+                counts = isinstance(by, ast.Constant) or ast.unparse(by).startswith("int(")
+                if not counts:
+                    yield node.lineno
+            case ast.Slice(step=ast.IfExp()):
+                yield node.lineno
+            case ast.FunctionDef():
+                named = {}
+                for one in ast.walk(node):
+                    match one:
+                        case ast.Assign(targets=[ast.Name(name)], value=ast.Tuple()):
+                            named[name] = one.lineno
+                        case ast.Assign(targets=[ast.Tuple(names)], value=ast.Tuple(values)):
+                            pairs = zip(names, values, strict=False)
+                            tuples = [a for a, b in pairs if isinstance(b, ast.Tuple)]
+                            named |= {a.id: one.lineno for a in tuples if isinstance(a, ast.Name)}
+                read = Counter(n.id for n in ast.walk(node) if isinstance(n, ast.Name))
+                stars = Counter(
+                    n.value.id
+                    for n in ast.walk(node)
+                    if isinstance(n, ast.Starred) and isinstance(n.value, ast.Name)
+                )
+                yield from (at for name, at in named.items() if (read[name], stars[name]) == (2, 1))
+
+
+def test_code_is_not_packed():
+    sources = sorted((ROOT / "src").rglob("*.py"))
+    trees = ((path, ast.parse(path.read_text(encoding="utf-8"))) for path in sources)
+    assert [f"{path.name}:{line}" for path, tree in trees for line in packed_lines(tree)] == []

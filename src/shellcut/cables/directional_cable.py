@@ -87,8 +87,15 @@ class CableForces(NamedTuple):
     def of(cls, touch: Touch) -> CableForces:
         """Return what the kernel has written."""
         work, start_work, friction_work, n_made, n_broken, *couple = touch.sums.tolist()
-        works = work, start_work, friction_work
-        return cls(touch.wrench.copy(), np.array(couple), *works, int(n_made), int(n_broken))
+        return cls(
+            touch.wrench.copy(),
+            np.array(couple),
+            work,
+            start_work,
+            friction_work,
+            int(n_made),
+            int(n_broken),
+        )
 
 
 _N_SUM = 8  # the numbers of CableForces and, last, its couple

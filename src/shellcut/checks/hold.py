@@ -83,8 +83,8 @@ def pieces_of(
     >>> free
     ['along y', 'along z', 'about x', 'about y']
     """
-    ends = np.repeat(quads[:, 0], 3), quads[:, 1:].ravel()
-    piece = by_first_appearance(connected_parts(*ends, len(x)))
+    first, others = np.repeat(quads[:, 0], 3), quads[:, 1:].ravel()
+    piece = by_first_appearance(connected_parts(first, others, len(x)))
     found: list[tuple[Ints, list[str]]] = []
     for k in range(int(piece.max()) + 1):
         nodes = np.flatnonzero(piece == k)

@@ -78,7 +78,7 @@ def edge_line(sweep: Sweep) -> str:
     n_staying = sum(fate.stays for fate in fates)
     which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
     if n_staying == n:
-        return f"cut    {which} the film and stay{'s' * (n == 1)} in it to the end"
+        return f"cut    {which} the film and {'stays' if n == 1 else 'stay'} in it to the end"
     never = [fate.chain for fate in fates if not fate.meets]
     if len(never) == n:
         return f"cut    none: no cutting edge of {n} meets the film"
@@ -204,7 +204,7 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
         f"{OFF_ROW:g} of their length, since cracks follow it: beside it the force is too large, "
         "or nothing is cut",
         came + ("; some run across it" if none else ""),
-        'let cracks go through the quads, fracture.path = "free", or ' * (not bound)
+        ('let cracks go through the quads, fracture.path = "free", or ' if not bound else "")
         + "mesh along it",
     )
 

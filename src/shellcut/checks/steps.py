@@ -72,7 +72,7 @@ def check_steps(
             f"the cutting edge should move by less than {FOUND_WITHIN:g} sides of a quad "
             f"in the {check_every} steps between two looks at the cracks, or it cuts late",
             came,
-            remedy + "; or check more often, fracture.check_every" * (check_every > 1),
+            remedy + ("; or check more often, fracture.check_every" if check_every > 1 else ""),
         )
     elif speed > OF_WAVE * wave:
         yield doubt(

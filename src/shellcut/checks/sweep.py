@@ -199,8 +199,13 @@ class Sweep:
                         ends.append(np.full(stop, len(owner)))
                 owner.append(k)
         tree = scipy.spatial.cKDTree(np.concatenate(found))
-        of_points = np.concatenate(ahead), np.concatenate(ends)
-        return _Path(tree, *of_points, np.concatenate(chains), np.array(owner, np.int64))
+        return _Path(
+            tree,
+            np.concatenate(ahead),
+            np.concatenate(ends),
+            np.concatenate(chains),
+            np.array(owner, np.int64),
+        )
 
     def _lines(self, k: int) -> Iterator[tuple[Floats, float]]:
         """Yield the lines that one edge draws, shape (n, 3), and the spacing of points on them."""

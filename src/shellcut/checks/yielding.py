@@ -60,7 +60,7 @@ def check_strength(material: ShellMaterial, law: CohesiveLaw | None) -> Iterator
 
 def _carries(most: LargestNominalStress) -> str:
     where = f"{most.pull}, at {_per_cent(most.strain)} strain"
-    where += ", across its direction" * most.across
+    where += ", across its direction" if most.across else ""
     return f"this film carries {most.stress:.3g} MPa at most ({where})"
 
 

@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
             search=made_of(arguments, Search),
             executor=executor,
         ),
-        f"in {arguments.out}: fit.json" + ", fit.png" * can_draw(),
+        f"in {arguments.out}: fit.json" + (", fit.png" if can_draw() else ""),
     )
 
 

@@ -75,7 +75,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         ignore_ctrl_c()
         is_study = hasattr(arguments, "jobs")
-        print("interrupted" + "; to continue, call it again" * is_study, file=sys.stderr)
+        print("interrupted" + ("; to continue, call it again" if is_study else ""), file=sys.stderr)
         return INTERRUPTED
     finally:
         ignore_ctrl_c()

@@ -149,8 +149,7 @@ class SideTears:
         row, entry = self._path.rows_ahead(tip)[0]
         ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
         nodes = state.quads[[*(one.row for one in segments), row]]
-        known = segments, nodes, np.array(ways), corner_at(entry)
-        return _Tried(*known, sums, weighed)
+        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, weighed)
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""

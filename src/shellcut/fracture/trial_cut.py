@@ -269,8 +269,8 @@ class TrialSums:
         for p, pair in enumerate(pairs):
             for sign, side in enumerate(pair.sides):
                 np.add.at(mass[p, sign], side.part, self._trial_cut.corner_mass(side))
-                columns = side.rows.tolist(), side.nodes.tolist(), side.part.tolist()
-                for row, node, part in zip(*columns, strict=True):
+                rows, nodes, parts = side.rows.tolist(), side.nodes.tolist(), side.part.tolist()
+                for row, node, part in zip(rows, nodes, parts, strict=True):
                     corner = corners.setdefault((row, node), len(corners))
                     members.append((p, sign, part, corner))
                 cables += [(p, sign, *link[:2]) for link in side.cables]
@@ -291,9 +291,18 @@ class TrialSums:
     def weigh(self, state: State) -> None:
         """Write what the trials have at their tips, at the present positions and forces."""
         n, c, trial = state.node, state.cable, self._trial_cut
-        force = trial.corner_forces(state, self._rows, self._nodes)
-        known = force, c.status, c.force, c.area, trial.carried, trial.thickness
-        self._weigh(n.x, n.t, n.X, self._trials, *known)
+        self._weigh(
+            n.x,
+            n.t,
+            n.X,
+            self._trials,
+            trial.corner_forces(state, self._rows, self._nodes),
+            c.status,
+            c.force,
+            c.area,
+            trial.carried,
+            trial.thickness,
+        )
 
     def of_tear(self, state: State, segment: Segment) -> float:
         """Return |F| over what the cables would carry; less if it presses. A tear is due at 1."""

@@ -167,8 +167,9 @@ class LoadSet:
         for dead in self._dead:
             dead.follow(state)
             times, sums = float(dead.factor(now)), np.zeros(-(-n.count // NODE_CHUNK))
-            scaled = dead.force, times, n.velocity_half, n.force_rows, sums
-            self._workers.run(self._added, n.count, *scaled)
+            self._workers.run(
+                self._added, n.count, dead.force, times, n.velocity_half, n.force_rows, sums
+            )
             work += 0.5 * (times + dead.factor(before)) * dt * float(np.add.reduce(sums))
         self._add_nodal_forces(state, n.force)
         for ids, force, factor in self._nodal:

@@ -91,8 +91,8 @@ class Mesh:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy cannot be pickled: pickle plain dicts; the constructor makes proxies again
-        sets = dict(self.node_sets), dict(self.quad_sets)
-        return Mesh, (self.nodes, self.quads, self.directors, *sets, self.origin)
+        node_sets, quad_sets = dict(self.node_sets), dict(self.quad_sets)
+        return Mesh, (self.nodes, self.quads, self.directors, node_sets, quad_sets, self.origin)
 
     def __repr__(self) -> str:
         return (
@@ -161,8 +161,9 @@ class Mesh:
         MeshError
             Lists all problems, one per line.
         """
-        sets = node_sets, quad_sets
-        return cls(*checked_arrays(nodes, quads, *sets, directors, origin, max_fold_deg))
+        return cls(
+            *checked_arrays(nodes, quads, node_sets, quad_sets, directors, origin, max_fold_deg)
+        )
 
     @property
     def n_node(self) -> int:

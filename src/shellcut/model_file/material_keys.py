@@ -280,7 +280,9 @@ def _contradictions(
         several = [", ".join(n for n in group if n in given) for group in hardened]
         yield f"{several[0]} must be the only hardening, got {' and '.join(several[1:])} too"
     if (keys.young_across is None) != (keys.shear is None):
-        there, missing = ("shear", "young_across")[:: 1 if keys.shear is not None else -1]
+        there, missing = "shear", "young_across"
+        if keys.shear is None:
+            there, missing = missing, there
         yield f"{there} needs {missing} too: both make the layer orthotropic"
     for name in _THROUGH:
         if keys.young_across is None and getattr(keys, name) is not None:

@@ -146,7 +146,7 @@ def _entry_at(text: str, line: int) -> str:
     start, path = starts[-1]
     entry = text.splitlines()[start - 1].partition("=")[0].strip()
     first = min(number for number, one in starts if one == path)
-    return f", {entry} in line {start}" + f", first in line {first}" * (first < start)
+    return f", {entry} in line {start}" + (f", first in line {first}" if first < start else "")
 
 
 def _lines(text: str) -> dict[KeyPath, int]:

@@ -206,7 +206,7 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
         poses.append(pose_at(motion, at).to_space(tool.vertices))
         place, unit = motion.coordinate(at), motion.coordinate_unit
         where = f"{np.degrees(place):.4g}°" if unit == "rad" else with_unit(place, unit)
-        seen = " as seen from the film" * isinstance(motion, SeenFromFilm)
+        seen = " as seen from the film" if isinstance(motion, SeenFromFilm) else ""
         titles.append(f"t = {1e3 * at:.4g} ms, {where}{seen}")
     return poses, titles
 
@@ -250,7 +250,7 @@ def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
     for what, color, chains in groups:
         if chains:
             mine = np.isin(tool.edge_chain, chains)
-            does = what.format("s" * (len(chains) == 1))
+            does = what.format("s" if len(chains) == 1 else "")
             label = f"{counted(len(chains), 'cutting edge')} {does}"
             yield EdgeGroup(label, np.asarray(tool.edges[mine]), color, dashed=color != _STAYS)
 

@@ -231,8 +231,8 @@ def at(values: Floats, n: Any, c: int, lane: Lane) -> Number:
         kind = LANES if takes_all(lane) else DOUBLE
         return builder.load(address(context, builder, values, values_, [n_, c_], kind), align=8)
 
-    taken = values, n if of_ids else types.intp, types.intp, lane_of(lane)
-    return numbers_of(lane)(*taken), code
+    row = n if of_ids else types.intp
+    return numbers_of(lane)(values, row, types.intp, lane_of(lane)), code
 
 
 @always_inline

@@ -48,7 +48,7 @@ def source_digest(*functions: Callable[..., Any]) -> str:
         digest.update(path.name.encode() + _content(path))
     for text in found.texts:
         digest.update(text.encode())
-    return digest.hexdigest() + f" {NOT_STORED}" * found.has_unknown
+    return digest.hexdigest() + (f" {NOT_STORED}" if found.has_unknown else "")
 
 
 class _Found:

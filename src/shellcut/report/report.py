@@ -92,7 +92,7 @@ def _lead(run: Gathered) -> str:
     parts.append(f"{results.n_frame} frames")
     kept = "What the run has said keeps mm, N and s; its pictures keep the units they bear."
     converted = any(shown(unit)[1] != 1.0 for unit in LIBRARY_UNITS.values())
-    return ", ".join(parts) + "." + f" {kept}" * converted
+    return ", ".join(parts) + "." + (f" {kept}" if converted else "")
 
 
 def _body(run: Gathered) -> str:

@@ -163,8 +163,8 @@ class Comparison:
             name = f"mean over {low:.3g}-{high:.3g}{after(unit)}"
             both.insert(2, (name, y, c.mean_measured, c.mean_simulated, _percent(c.mean_error)))
             spread = "± of the mean, 95 %"
-            widths = c.mean_measured_half_width, c.mean_simulated_half_width
-            both.insert(3, (spread, y, *widths, ""))
+            measured, simulated = c.mean_measured_half_width, c.mean_simulated_half_width
+            both.insert(3, (spread, y, measured, simulated, ""))
         if np.isfinite(c.pierced_at):
             unit, factor = shown(x)
             name = f"at first piercing, {factor * c.pierced_at:.3g}{after(unit)}"

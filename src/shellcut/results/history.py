@@ -264,9 +264,9 @@ def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
         table = csv.writer(file)
         table.writerow(_header((name, unit) for name, (unit, _) in _OF_SPLITS.items()))
         for s in splits:
-            row = (s.time, s.node, s.twin, s.kind, s.measure, s.force_jump)
-            pierced = (s.edge + 1, s.force, s.depth, s.work)
-            table.writerow([*row, *s.place, *s.reference, *s.end, *pierced])
+            row = [s.time, s.node, s.twin, s.kind, s.measure, s.force_jump]
+            row += [*s.place, *s.reference, *s.end]
+            table.writerow([*row, s.edge + 1, s.force, s.depth, s.work])
 
 
 def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:

@@ -266,8 +266,8 @@ def read(path: str | os.PathLike[str]) -> Results:
     """
     file = result_in(Path(path))
     folder = file.parent
-    beside = history_in(folder), summary_in(folder), read_splits(folder / SPLITS)
-    return Results(folder, file.stem, VtkHdfReader(file), *beside)
+    history, summary, splits = history_in(folder), summary_in(folder), read_splits(folder / SPLITS)
+    return Results(folder, file.stem, VtkHdfReader(file), history, summary, splits)
 
 
 def history_in(folder: Path) -> tuple[dict[str, Floats], dict[str, str]]:

@@ -110,7 +110,7 @@ def key_figures(
         names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in elsewhere]
     window, doubtful = window_of(summary), distrusted_figures(summary)
     return [
-        (label_of(n, window) + " (distrust)" * (n in doubtful), said_of(n, summary))
+        (label_of(n, window) + (" (distrust)" if n in doubtful else ""), said_of(n, summary))
         for n in names
         if n in summary
     ]

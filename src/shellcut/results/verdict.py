@@ -82,7 +82,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
             Line(
                 "note",
                 "No figure proves that the crack took the right path"
-                + ", which follows the sides of the quads" * ("n_copy" not in figures)
+                + (", which follows the sides of the quads" if "n_copy" not in figures else "")
                 + ": look at the picture (docs/limits.md).",
             )
         )
@@ -398,7 +398,7 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         where = (
             "" if away is None else f" They lie within {away:.2g} mm of the path of the cutting "
         )
-        where += "edges, or straight ahead of it." * bool(where)
+        where += "edges, or straight ahead of it." if where else ""
         yield Line(
             "note",
             f"{torn:,} of {n + torn:,} cuts are tears: there the film tore by itself, driven by no "
@@ -408,12 +408,13 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         return
     far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
     ahead = f", or straight ahead of it by up to {lead:.3g} mm" if lead else ""
+    others = " other than tears" if torn else ""
     lie = f"lie beside it, up to {far:.3g} mm" if off else f"lie on it{ahead}, at most {far:.3g} mm"
     yield _judged(
         off == 0,
         "The cracks kept to the path of the cutting edges",
         "Cracks left the path of the cutting edges; the crack map shows where",
-        f"{off or n:,} of {n:,} splits{' other than tears' * bool(torn)} {lie} off",
+        f"{off or n:,} of {n:,} splits{others} {lie} off",
         "a fifth of the side of a quad",
         _remedies(figures, "through quads"),
     )
@@ -451,12 +452,12 @@ def _account(figures: Figures) -> Iterator[Line]:
     first, *others = asked
     said = f"{first.words} took {_percent(first.share, ASKED_LIMIT)} of the dissipated work"
     said += "".join(f", {line.words} {_percent(line.share)}" for line in others)
-    said += f", together {_percent(together, ASKED_LIMIT)}" * bool(others)
+    said += f", together {_percent(together, ASKED_LIMIT)}" if others else ""
     yield _judged(
         together >= ASKED_LIMIT,
         "Cables, film and friction took the work, not damping and contact",
         "Damping and contact took too much of the work, because film springs open"
-        + " or a tool presses on film that does not part" * _is_of_a_tool(figures),
+        + (" or a tool presses on film that does not part" if _is_of_a_tool(figures) else ""),
         said,
         f"at least {_percent(ASKED_LIMIT)}",
         _remedies(figures, "shorter sides", *_SLOWER),

@@ -107,6 +107,7 @@ def view_html(
     results = run if isinstance(run, Results) else read(run)
     scripts = scene_scripts()
     scene = packed_scene(results, frames, _LARGEST - len(scripts), look)
+    dropped = f" ({scene.dropped})" if scene.dropped else ""
     html = string.Template(_part("page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
@@ -115,7 +116,7 @@ def view_html(
         scripts=scripts,
         footer=escape(
             f"{len(scene.frames)} of {results.n_frame} frames of "
-            f"{results.folder.resolve()}{f' ({scene.dropped})' * bool(scene.dropped)}. Written by "
+            f"{results.folder.resolve()}{dropped}. Written by "
             f"shellcut {importlib.metadata.version('shellcut')} with three.js."
         ),
     )

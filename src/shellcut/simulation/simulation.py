@@ -191,10 +191,17 @@ class Simulation:
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         if self.law is not None:
-            film, tool = (self.shell, self.loads), (self.tool, self.motion)
-            points = next((one for one in self.terms if isinstance(one, PointContact)), None)
-            way = self.fracture, self.law
-            self.cracks = Cracks(self.state, *way, *film, *tool, points, self.film_motion)
+            self.cracks = Cracks(
+                self.state,
+                self.fracture,
+                self.law,
+                self.shell,
+                self.loads,
+                self.tool,
+                self.motion,
+                next((one for one in self.terms if isinstance(one, PointContact)), None),
+                self.film_motion,
+            )
 
     def _begin(self, imperfection: int) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""

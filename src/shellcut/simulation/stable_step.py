@@ -322,8 +322,7 @@ class StableStep:
         if state.flank.count:
             nodes, stiffness = hand_on_stiffness(state, nodes, stiffness)
         quads, largest = np.empty(state.n_quad, np.int64), np.empty(state.n_quad)
-        at_node = n.mass, n.quads, n.n_quad_at
-        count = self._stiffest_nodes(nodes, stiffness, *at_node, quads, largest)
+        count = self._stiffest_nodes(nodes, stiffness, n.mass, n.quads, n.n_quad_at, quads, largest)
         return quads[:count], largest[:count]
 
 

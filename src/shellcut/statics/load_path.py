@@ -334,8 +334,8 @@ class LoadPath:
 
     def _position(self) -> _Position:
         x, t = self.state.node.x.copy(), self.state.node.t.copy()
-        known = self.factor, self._force_before, self.n_negative, self._moved
-        return _Position(x, t, self._history, *known)
+        before, n_negative = self._force_before, self.n_negative
+        return _Position(x, t, self._history, self.factor, before, n_negative, self._moved)
 
     def _put_back(self, position: _Position) -> None:
         self.state.node.x[:], self.state.node.t[:], self._history = position[:3]

@@ -228,7 +228,9 @@ def free_rigid_motions(state: State) -> list[str]:
     """Return in words the rigid motions of the present state that its supports leave free."""
     n, node = state.n_node, state.node
     pieces = pieces_of(state.quads, node.x[:n], node.t[:n], node.support[:n], _LEVER)
-    where = [f" of part {k + 1} of {len(pieces)}" * (len(pieces) > 1) for k in range(len(pieces))]
+    where = [
+        f" of part {k + 1} of {len(pieces)}" if len(pieces) > 1 else "" for k in range(len(pieces))
+    ]
     return [way + said for (_, free), said in zip(pieces, where, strict=True) for way in free]
 
 

@@ -120,8 +120,17 @@ class FitResult:
                 said = [f"{key} = {value}" for key, value in settings.items()]
                 if now.window:
                     said.append(f"all averaged over {now.window:.3g} {now.x_unit}")
-                names = now.x_name, now.x_unit, now.y_name, now.y_unit
-                diagrams.append(Diagram(now.x, curves, *names, title=", ".join(said)))
+                diagrams.append(
+                    Diagram(
+                        now.x,
+                        curves,
+                        now.x_name,
+                        now.x_unit,
+                        now.y_name,
+                        now.y_unit,
+                        title=", ".join(said),
+                    )
+                )
             draw_curves(folder / PICTURE, diagrams, size=(9.0, 4.0 * len(diagrams)))
 
 

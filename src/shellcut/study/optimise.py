@@ -168,7 +168,7 @@ class Optimum:
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
         given, found = self._said(start), self._said(best)
         alike = best.folder != start.folder and self._alike(start, best)
-        less = ", less than the ± of both" * alike
+        less = ", less than the ± of both" if alike else ""
         yield f"{name}: {given} as given, {found} at best ({change:+.1f} %{less}){beyond}"
         for which, one in {"as given": start, "at best": best}.items():
             yield from (f"distrust {which}: {doubt}" for doubt in one.doubts)
@@ -305,8 +305,8 @@ def optimise(
                 value = None if trial.figure is None else sign * trial.figure
                 study.tell(one, value, optuna.trial.TrialState.FAIL if failed else None)
             trials += done
-        of = tuple(subject_to), tuple(trials)
-        found = Optimum(wanted, sign, *of, allow_doubts=allow_doubts)
+        kept = tuple(subject_to)
+        found = Optimum(wanted, sign, kept, tuple(trials), allow_doubts=allow_doubts)
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
             found = replace(found, compared=_in_common(trials[0], found.best, wanted))
         if confirm and found.best:

@@ -261,7 +261,7 @@ class _Progress:
             figures = key_figures(outcome.figures, chosen[:1])
             said = f"{outcome.seconds:.1f} s" + "".join(f", {name} {v}" for name, v in figures)
             if n := len(outcome.doubts):
-                said += f", distrusted by {n} check" + "s" * (n > 1)
+                said += f", distrusted by {n} check" + ("s" if n > 1 else "")
         left, new = self._n_run - n_ended, n_ended - self._done_before
         if left > 0 and new > 0:
             said += f"; {duration((time.monotonic() - self._began) / new * left)} left"

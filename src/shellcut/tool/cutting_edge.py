@@ -85,8 +85,8 @@ class CuttingEdges(NamedTuple):
             # Read-only, as those of a tool: for another type the cables' kernel is compiled again.
             none = np.zeros(0, np.int64)
             none.flags.writeable = False
-            boxes = np.zeros(1, np.int64), *np.zeros((2, 0, 3))
-            return cls(np.zeros((0, 4, 3)), none, solid, 0.0, *boxes)
+            low, high = np.zeros((2, 0, 3))
+            return cls(np.zeros((0, 4, 3)), none, solid, 0.0, np.zeros(1, np.int64), low, high)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
         every = np.arange(tool.n_edge)

@@ -174,13 +174,15 @@ def _bar_on(stream: TextIO) -> Any:
     if not console.is_terminal or console.is_dumb_terminal:
         return None
     whole = Column(no_wrap=True)
-    columns = (
+    return RichProgress(
         TextColumn("{task.description}", table_column=whole),
         BarColumn(bar_width=_BAR_WIDTH),
         TextColumn("{task.fields[done]} %", table_column=whole),
         TextColumn("{task.fields[text]}", markup=False, table_column=Column(ratio=1)),
+        console=console,
+        auto_refresh=False,
+        expand=True,
     )
-    return RichProgress(*columns, console=console, auto_refresh=False, expand=True)
 
 
 def percent(share: float) -> int:

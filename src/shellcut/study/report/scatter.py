@@ -51,6 +51,6 @@ def said_of(study: Study, rows: Bools) -> list[str]:
         for f in study.inputs:
             text = f.texts[row] if f.names else f"{f.values[row]:.5g}{after(f.unit)}"
             inputs.append(f"{f.name} {text}")
-        doubted = ", distrusted" * bool(study.doubted[row])
+        doubted = ", distrusted" if study.doubted[row] else ""
         said.append(f"run {study.numbers[row]}{doubted}: {', '.join(inputs)}")
     return said

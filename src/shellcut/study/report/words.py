@@ -101,7 +101,7 @@ def _row(study: Study, row: int, page: Path) -> str:
     for one in study.inputs:
         cells.append(_cell(one.texts[row] if one.names else one.values[row]))
     cells += [_cell(figure.values[row]) for figure in study.figures]
-    kind = {"failed": "bad", "done": "doubted" * bool(study.doubted[row])}.get(status, "waits")
+    kind = {"failed": "bad", "done": "doubted" if study.doubted[row] else ""}.get(status, "waits")
     reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""
     cells.append(f'<td class="status {kind}">{escape(status)}{reason}</td>')
     folder = study.run_folder(row)
