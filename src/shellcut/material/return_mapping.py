@@ -227,10 +227,28 @@ def _in_proportion(G, B, dp, stiff, beyond):
 
 
 @apart
-def _part_of_least(p, first, beyond, eq):
-    """Return :func:`part_of` for the least plastic strain of the lanes that yield."""
+def _part_and_slope(p, first, beyond, eq):
+    """Return :func:`part_of` for the least p of the lanes that yield, and dR/dp of all of them."""
     not_inlined()
-    return _part_of(p, first, least(where_above(beyond, 0.0, eq, np.inf)))
+    part = _part_of(p, first, least(where_above(beyond, 0.0, eq, np.inf)))
+    _, slope = _rise(p, part, eq)
+    return part, slope
+
+
+@apart
+def _rise_of_several(p, part, plastic):
+    """Return :func:`rise`, where a loop has registers of its own."""
+    not_inlined()
+    return _rise(p, part, plastic)
+
+
+@always_inline
+def _rise_from(p, part, plastic):
+    """Return :func:`rise`, without a loop where no lane is beyond the first part."""
+    if seldom(any_above(plastic, p[part + 3])):
+        return _rise_of_several(p, part, plastic)
+    slope = p[part + 1] + 0.0 * plastic
+    return p[part + 2] + slope * plastic, slope
 
 
 def _make_yield_stress(rate_factor: Any, has_rate: bool) -> Any:
@@ -238,9 +256,9 @@ def _make_yield_stress(rate_factor: Any, has_rate: bool) -> Any:
     def yield_stress(p, at, part, eq, dp, dt):
         """Return σ_y with its slope, and R with its slope, after a step of p of length ``dp``.
 
-        part : of :func:`_part_of_least` at the start of the step.  eq : of lanes that yield.
+        part : a place of :func:`part_of` for the start of the step, of all lanes that yield.
         """
-        R, steep = _rise(p, part, eq + dp)
+        R, steep = _rise_from(p, part, eq + dp)
         static = p[at] + R
         if not has_rate:
             return (static, steep), (R, steep)
@@ -269,14 +287,13 @@ def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
         # No loop: the compiler would first load all constants of its body, and then store them.
         not_inlined()
         eq, R_old = state
-        part = _part_of_least(p, at + 1, beyond, eq)
-        none = zero_like(eq)
-        start = where_above(beyond, 0.0, eq, none)
+        part, steep = at + 2, p[at + 3] + 0.0 * eq
+        if seldom(any_above(eq, p[part + 3])):
+            part, steep = _part_and_slope(p, at + 1, beyond, eq)
         total, slopes, _ = sums(q, mu)
-        _, steep = _rise(p, part, start)
         dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
-        dp = where_above(beyond, 0.0, dp, none)
-        off, found = turn(p, at, part, q, mu, beyond, start, dp, dt)
+        dp = where_above(beyond, 0.0, dp, zero_like(eq))
+        off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
         if seldom(any_above(off, _ENOUGH)):
             return further(p, at, part, q, mu, beyond, state, dp, dt)
         return end(p, at, beyond, state, dp, found)
@@ -334,12 +351,11 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
         none = zero_like(eq)
         total, _, softest = sums(q, mu)
         # σ_eq <= σ_eq^trial/(1 + Δλ μ_min) has come down to the first yield by here.
-        start = where_above(beyond, 0.0, eq, none)
         low, high = none, (square_root(total) - (p[at] + R_old)) / softest
         closed = 64.0 * _ROUND_OFF * high
         count = 0
         while True:
-            off, found = turn(p, at, part, q, mu, beyond, start, dp, dt)
+            off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
             G, change = found[5], found[4]
             low = where_above(G, 1.0, dp, low)
             high = where_above(G, 1.0, high, dp)
