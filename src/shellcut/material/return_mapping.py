@@ -62,7 +62,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Number, product
-from shellcut.numerics.jit import always_inline, apart, apart_as
+from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_exponentials import exponential
 from shellcut.numerics.lane_functions import (
     any_above,
@@ -75,9 +75,9 @@ from shellcut.numerics.lane_functions import (
 from shellcut.numerics.processor import not_inlined, seldom
 from shellcut.numerics.small_matrices import symmetric_eigen
 
-from .hardening import part_of, rise
+from . import hardening
 
-_part_of, _rise = always_inline(part_of), always_inline(rise)
+_part_of, _rise = always_inline(hardening.part_of), always_inline(hardening.rise)
 
 _TURNS = 80
 # Relative spacing of doubles.
@@ -226,39 +226,21 @@ def _in_proportion(G, B, dp, stiff, beyond):
     return where_above(beyond, 0.0, off, none), dp * (exponential(x) - 1.0)
 
 
-@apart
-def _part_and_slope(p, first, beyond, eq):
-    """Return :func:`part_of` for the least p of the lanes that yield, and dR/dp of all of them."""
-    not_inlined()
-    part = _part_of(p, first, least(where_above(beyond, 0.0, eq, np.inf)))
-    _, slope = _rise(p, part, eq)
-    return part, slope
-
-
-@apart
-def _rise_of_several(p, part, plastic):
-    """Return :func:`rise`, where a loop has registers of its own."""
-    not_inlined()
-    return _rise(p, part, plastic)
-
-
 @always_inline
-def _rise_from(p, part, plastic):
-    """Return :func:`rise`, without a loop where no lane is beyond the first part."""
-    if seldom(any_above(plastic, p[part + 3])):
-        return _rise_of_several(p, part, plastic)
+def _straight_rise(p, part, plastic):
+    """Return R and dR/dp by one straight part, wherever it ends."""
     slope = p[part + 1] + 0.0 * plastic
     return p[part + 2] + slope * plastic, slope
 
 
-def _make_yield_stress(rate_factor: Any, has_rate: bool) -> Any:
+def _make_yield_stress(rise: Any, rate_factor: Any, has_rate: bool) -> Any:
     @always_inline
     def yield_stress(p, at, part, eq, dp, dt):
         """Return σ_y with its slope, and R with its slope, after a step of p of length ``dp``.
 
         part : a place of :func:`part_of` for the start of the step, of all lanes that yield.
         """
-        R, steep = _rise_from(p, part, eq + dp)
+        R, steep = rise(p, part, eq + dp)
         static = p[at] + R
         if not has_rate:
             return (static, steep), (R, steep)
@@ -277,32 +259,33 @@ def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
     least one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
     """
     _, sums, _ = _OF_MODES[n_mode]
-    turn = _make_turn(always_inline(rate_factor), has_rate, n_mode)
+    turn = _make_turn(_straight_rise, always_inline(rate_factor), has_rate, n_mode)
     end = _make_end(has_rate, n_mode)
     name = f"{rate_factor.__module__}.{rate_factor.__qualname__} {n_mode} {has_rate}"
-    further = _make_further(turn, end, sums, name)
+    along = _make_turn(_rise, always_inline(rate_factor), has_rate, n_mode)
+    further = _make_further(along, end, sums, name)
 
     @apart_as(name)
     def flow(p, at, q, mu, beyond, state, dt):
         # No loop: the compiler would first load all constants of its body, and then store them.
         not_inlined()
         eq, R_old = state
-        part, steep = at + 2, p[at + 3] + 0.0 * eq
-        if seldom(any_above(eq, p[part + 3])):
-            part, steep = _part_and_slope(p, at + 1, beyond, eq)
+        part, limit = at + 2, p[at + 5]
+        if any_above(eq, limit):
+            return further(p, at, q, mu, beyond, state, dt)
         total, slopes, _ = sums(q, mu)
-        dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
+        dp = _first_flow(total, p[at] + R_old, total * p[part + 1] + slopes)
         dp = where_above(beyond, 0.0, dp, zero_like(eq))
         off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
-        if seldom(any_above(off, _ENOUGH)):
-            return further(p, at, part, q, mu, beyond, state, dp, dt)
+        if seldom(any_above(off, _ENOUGH)) or seldom(any_above(eq + dp, limit)):
+            return further(p, at, q, mu, beyond, state, dt)
         return end(p, at, beyond, state, dp, found)
 
     return flow
 
 
-def _make_turn(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
-    yield_stress = _make_yield_stress(rate_factor, has_rate)
+def _make_turn(rise: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
+    yield_stress = _make_yield_stress(rise, rate_factor, has_rate)
     one_turn, _, _ = _OF_MODES[n_mode]
     newton = _in_proportion if has_rate else _straight
 
@@ -344,18 +327,26 @@ def _make_end(has_rate: bool, n_mode: int) -> Any:
 
 def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
     @apart_as(name)
-    def further(p, at, part, q, mu, beyond, state, dp, dt):
+    def further(p, at, q, mu, beyond, state, dt):
         """Return the flow by as many turns as it takes, between bounds that close in on Δp."""
         not_inlined()
         eq, R_old = state
         none = zero_like(eq)
-        total, _, softest = sums(q, mu)
-        # σ_eq <= σ_eq^trial/(1 + Δλ μ_min) has come down to the first yield by here.
-        low, high = none, (square_root(total) - (p[at] + R_old)) / softest
-        closed = 64.0 * _ROUND_OFF * high
+        part = _part_of(p, at + 1, least(where_above(beyond, 0.0, eq, np.inf)))
+        total, slopes, softest = sums(q, mu)
+        _, steep = _rise(p, part, eq)
+        dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
+        dp = where_above(beyond, 0.0, dp, none)
+        low, high, closed = none, none, none
         count = 0
         while True:
             off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
+            if not any_above(off, _ENOUGH):
+                break
+            if count == 0:
+                # σ_eq <= σ_eq^trial/(1 + Δλ μ_min) has come down to the first yield by here.
+                high = (square_root(total) - (p[at] + R_old)) / softest
+                closed = 64.0 * _ROUND_OFF * high
             G, change = found[5], found[4]
             low = where_above(G, 1.0, dp, low)
             high = where_above(G, 1.0, high, dp)
