@@ -272,13 +272,13 @@ def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
         eq, R_old = state
         part, limit = at + 2, p[at + 5]
         if any_above(eq, limit):
-            return further(p, at, q, mu, beyond, state, dt)
+            return further(p, at, q, mu, beyond, state, eq, dt)
         total, slopes, _ = sums(q, mu)
         dp = _first_flow(total, p[at] + R_old, total * p[part + 1] + slopes)
         dp = where_above(beyond, 0.0, dp, zero_like(eq))
         off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
         if seldom(any_above(off, _ENOUGH)) or seldom(any_above(eq + dp, limit)):
-            return further(p, at, q, mu, beyond, state, dt)
+            return further(p, at, q, mu, beyond, state, dp, dt)
         return end(p, at, beyond, state, dp, found)
 
     return flow
@@ -327,16 +327,21 @@ def _make_end(has_rate: bool, n_mode: int) -> Any:
 
 def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
     @apart_as(name)
-    def further(p, at, q, mu, beyond, state, dt):
-        """Return the flow by as many turns as it takes, between bounds that close in on Δp."""
+    def further(p, at, q, mu, beyond, state, dp, dt):
+        """Return the flow by as many turns as it takes, between bounds that close in on Δp.
+
+        dp : of the first turn where no p is beyond the first straight part.
+        """
         not_inlined()
         eq, R_old = state
         none = zero_like(eq)
-        part = _part_of(p, at + 1, least(where_above(beyond, 0.0, eq, np.inf)))
         total, slopes, softest = sums(q, mu)
-        _, steep = _rise(p, part, eq)
-        dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
-        dp = where_above(beyond, 0.0, dp, none)
+        part = at + 2
+        if any_above(eq, p[part + 3]):
+            part = _part_of(p, at + 1, least(where_above(beyond, 0.0, eq, np.inf)))
+            _, steep = _rise(p, part, eq)
+            dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
+            dp = where_above(beyond, 0.0, dp, none)
         low, high, closed = none, none, none
         count = 0
         while True:
