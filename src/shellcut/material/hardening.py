@@ -83,15 +83,13 @@ class Table:
 
     plastic_strain: tuple[float, ...]
     stress_at: tuple[float, ...]
-    formula: str = field(compare=False)
+    law: str = field(compare=False)
 
     def __init__(
         self,
-        plastic_strain: Annotated[
-            Any, Option("", "plastic strains, true, from 0", form="numbers")
-        ],
+        plastic_strain: Annotated[Any, Option("", "plastic strains, true, from 0", form="numbers")],
         stress: Annotated[Any, Option("MPa", "true yield stresses at these", form="numbers")],
-        formula: Annotated[str, Option("", "what cards say of it")] = "",
+        law: Annotated[str, Option("", "what cards say of it", unset="both ends")] = "",
     ) -> None:
         object.__setattr__(self, "plastic_strain", tuple(float(one) for one in plastic_strain))
         object.__setattr__(self, "stress_at", tuple(float(one) for one in stress))
@@ -117,8 +115,10 @@ class Table:
                         "strength to the cohesive law"
                     )
         refuse(problems)
-        ends = f"{sigma[0]:.4g} MPa, {sigma[-1]:.4g} MPa at a plastic strain of {p[-1]:.4g}"
-        object.__setattr__(self, "formula", formula or ends)
+        ends = (
+            f"table, {sigma[0]:.4g} MPa to {sigma[-1]:.4g} MPa at a plastic strain of {p[-1]:.4g}"
+        )
+        object.__setattr__(self, "law", law or ends)
 
     @property
     def first_yield(self) -> float:
@@ -153,7 +153,7 @@ Modulus: TypeAlias = Annotated[
 
 
 @checked
-def Linear(yield_stress: YieldStress, modulus: Modulus = 0.0) -> Table:  # noqa: N802
+def Linear(yield_stress: YieldStress, modulus: Modulus = 0.0) -> Table:
     """Return the table of σ_0 + H p, to a plastic strain of 100.
 
     Examples
@@ -166,7 +166,7 @@ def Linear(yield_stress: YieldStress, modulus: Modulus = 0.0) -> Table:  # noqa:
 
 
 @checked
-def Swift(  # noqa: N802
+def Swift(
     strength: Annotated[
         float, Option("MPa", "K of the yield stress K (start + p)^exponent", above=0)
     ],
@@ -185,14 +185,15 @@ def Swift(  # noqa: N802
     """
     # σ''/σ is n (n - 1)/(ε_0 + p)²: points at equal ratios of ε_0 + p.
     whole = math.log1p(FARTHEST / start)
-    count = whole * math.sqrt(exponent * (1.0 - exponent) / (8.0 * ACCURACY))
-    away = start * np.expm1(np.linspace(0.0, whole, math.ceil(max(count, 1.0)) + 1))
-    stress = strength * (start + away) ** exponent
+    least = whole * math.sqrt(exponent * (1.0 - exponent) / (8.0 * ACCURACY))
+    count = math.ceil(max(least, 1.0))
+    away = [start * math.expm1(whole * k / count) for k in range(count + 1)]
+    stress = [strength * math.pow(start + plastic, exponent) for plastic in away]
     return Table(away, stress, f"Swift, {strength:g} MPa ({start:g} + p)^{exponent:g}")
 
 
 @checked
-def Voce(  # noqa: N802
+def Voce(
     yield_stress: YieldStress,
     gain: Annotated[
         float, Option("MPa", "Voce: further rise, which saturates", least=0, why=SOFTENING)
@@ -204,22 +205,22 @@ def Voce(  # noqa: N802
 
     Examples
     --------
-    >>> float(Voce(20.0, 10.0, 0.05).stress(1.0))
+    >>> round(float(Voce(20.0, 10.0, 0.05).stress(1.0)), 2)
     30.0
     """
 
-    def curve(plastic: Floats) -> Floats:
-        return yield_stress - gain * np.expm1(-plastic / strain) + modulus * plastic
+    def curve(plastic: float) -> float:
+        return yield_stress - gain * math.expm1(-plastic / strain) + modulus * plastic
 
-    # The least length over which the stress rises much, and a hundredth of it.
+    # A hundredth of the strain in which the curvature, or the stress, changes much.
     least = 0.01 * min(strain, yield_stress / (gain / strain + modulus + yield_stress / FARTHEST))
-    fine = np.append(0.0, np.geomspace(least, FARTHEST, _FINE))
-    # Half the accuracy: beyond the last point but one the rest of the gain is left out.
-    bend = gain * np.exp(-fine / strain) / curve(fine)  # times the square of the strain
+    whole = math.log(FARTHEST / max(least, 1e-15))
+    fine = [0.0, *(FARTHEST * math.exp(whole * (k / _FINE - 1.0)) for k in range(_FINE + 1))]
+    # |σ''|/σ times p_c². Half the accuracy: of the last part only one end is where it is curved.
+    bend = np.array([gain * math.exp(-plastic / strain) / curve(plastic) for plastic in fine])
     density = np.sqrt(bend / (8.0 * 0.5 * ACCURACY)) / strain
-    parts = 0.5 * (density[1:] + density[:-1]) * np.diff(fine)
-    summed = np.append(0.0, np.cumsum(parts))
-    away = np.interp(np.arange(math.ceil(summed[-1])), summed, fine)
-    away = np.append(away, FARTHEST) if len(away) else np.array([0.0, FARTHEST])
+    summed = np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))
+    inner = np.arange(1, math.ceil(summed[-1]))
+    away = [0.0, *np.interp(inner, summed, fine[1:]).tolist(), FARTHEST]
     said = f"Voce, {yield_stress:g} MPa + {gain:g} MPa (1 - exp(-p/{strain:g})) + {modulus:g} MPa p"
-    return Table(away, curve(away), said)
+    return Table(away, [curve(plastic) for plastic in away], said)

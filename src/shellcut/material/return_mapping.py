@@ -34,16 +34,17 @@ first turn from the left takes it there,
 
     Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
 
-The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6;
-the last correction is added to the first order, which leaves 1e-11 to 1e-10. A flow that changes the stress by less than
-its round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows
-of 1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
+The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6; the
+last correction is added to the first order, which leaves 1e-11 to 1e-10 of the stress, and less
+than 4e-6 where it passes a corner of the hardening. A flow that changes the stress by less than its
+round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows of
+1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
 and σ_eq^trial bounds Δp from above; a turn that would leave it halves it, and the iteration ends
 when the bracket has closed to round-off at the latest. A lane that is not solved in ``_TURNS``
-turns gets nan, and the run is stopped by name. The flow changes
-no bit of lanes that do not yield; that a block leaves the short way of an elastic film when one of
-its lanes first yields (:mod:`.plastic`) changes the others by round-off. Isotropic moduli with von
-Mises have two modes, the mean and the deviator.
+turns gets nan, and the run is stopped by name. The flow changes no bit of lanes that do not yield;
+that a block leaves the short way of an elastic film when one of its lanes first yields
+(:mod:`.plastic`) changes the others by round-off. Isotropic moduli with von Mises have two modes,
+the mean and the deviator.
 
 **Where nothing yields**, which is most of a film at most times, the block is left after the trial:
 R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.

@@ -81,8 +81,8 @@ def read_hardening(
         0.01,22.4
 
     Columns are known by the words strain and stress in their headings; without headings the first
-    two are taken. Of more than 24 points those are left that keep the shape. FileError if columns or units are
-    not known, or the values are no hardening curve.
+    two are taken. Of more than 24 points those are left that keep the shape. FileError if columns
+    or units are not known, or the values are no hardening curve.
     """
     table = read_number_table(path)
     (strain_at, strain_unit), (stress_at, stress_unit) = _columns(table, Path(path))
