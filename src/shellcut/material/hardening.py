@@ -44,8 +44,8 @@ strip is ten thousand times as long."""
 _FINE = 4000  # places at which the curvature is summed
 
 
-def part_of(p: Floats, first: int, plastic: float) -> int:
-    """Return where the straight part stands in the row that holds a plastic strain.
+def part_of(p: Floats, first: int, plastic: Number) -> int:
+    """Return where the straight part stands in the row that holds the least of plastic strains.
 
     The row holds the count of the parts, and of each its start, its slope and R continued to p = 0;
     then a start that no strain is above.
@@ -54,7 +54,7 @@ def part_of(p: Floats, first: int, plastic: float) -> int:
     while left > 1:
         half = left // 2
         ahead = at + 3 * half
-        at = ahead if p[ahead] <= plastic else at
+        at = at if any_above(-plastic, -p[ahead]) else ahead
         left -= half
     return at
 

@@ -65,14 +65,7 @@ import numpy as np
 from shellcut.arrays import Floats, Number, product
 from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_exponentials import exponential
-from shellcut.numerics.lane_functions import (
-    any_above,
-    larger,
-    least,
-    square_root,
-    where_above,
-    zero_like,
-)
+from shellcut.numerics.lane_functions import any_above, larger, square_root, where_above, zero_like
 from shellcut.numerics.processor import not_inlined, seldom
 from shellcut.numerics.small_matrices import symmetric_eigen
 
@@ -339,7 +332,7 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
         total, slopes, softest = sums(q, mu)
         part = at + 2
         if any_above(eq, p[part + 3]):
-            part = _part_of(p, at + 1, least(where_above(beyond, 0.0, eq, np.inf)))
+            part = _part_of(p, at + 1, where_above(beyond, 0.0, eq, np.inf))
             _, steep = _rise(p, part, eq)
             dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
             dp = where_above(beyond, 0.0, dp, none)

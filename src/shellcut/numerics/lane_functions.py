@@ -1,4 +1,4 @@
-"""Choices, square roots and the least of numbers, which material laws need besides + - * /.
+"""Choices and square roots of numbers, which material laws need besides + - * /.
 
 As in :mod:`shellcut.numerics.lanes` the same call works on one float or on all lanes of a block.
 Lanes cannot branch; :func:`where_above` selects, lane by lane, one of two computed numbers, and on
@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 
 from shellcut.arrays import Number
 
 from .intrinsics import in_kernels
 from .lane_arithmetic import broadcast, called
-from .lane_instructions import DOUBLE, DOUBLES, LANES, LANES_NAME, WIDTH, ZEROS, LanesType
+from .lane_instructions import DOUBLE, DOUBLES, LANES, WIDTH, ZEROS, LanesType
 
 
 def _number(*kinds: Any) -> Any:
@@ -102,24 +101,3 @@ def _any_above(a: Any, b: Any) -> Any:
         return builder.icmp_unsigned("!=", mask, ir.Constant(mask.type, 0))
 
     return types.boolean(_number(a), types.float64), code
-
-
-def least(a: Number) -> float:
-    """Return the least number of all lanes; nan counts as none."""
-    return float(np.fmin.reduce(np.ravel(a)))
-
-
-@in_kernels(least)
-def _least(a: Any) -> Any:
-    def code(context: Any, builder: Any, given: Any) -> Any:
-        (value,) = given
-        if value.type != LANES:
-            return value
-        function = cgutils.get_or_insert_function(
-            builder.module,
-            ir.FunctionType(DOUBLE, [LANES]),
-            f"llvm.vector.reduce.fmin.{LANES_NAME}",
-        )
-        return builder.call(function, [value])
-
-    return types.float64(_number(a)), code
