@@ -68,13 +68,13 @@ def image(png: bytes, alt: str) -> str:
 def figures_of(thing: Any) -> Figures:
     """Return the figures of a dataclass, and of those in it, that are declared as options.
 
-    Numbers that are as they are by default are left out.
+    Numbers and texts that are as they are by default are left out.
     """
     found: Figures = []
     kind: Any = type(thing)
     for name, value in vars(thing).items():
         known = declared(kind).get(name)
-        if known and isinstance(value, int | float) and value != known.default:
+        if known and isinstance(value, int | float | str) and value != known.default:
             found.append((name.replace("_", " "), value, known.option.unit))
         elif is_dataclass(value):
             found += figures_of(value)

@@ -52,39 +52,42 @@ def flow(r_values, angle_deg):
     return own.T @ np.array([[G + H, -H, 0.0], [-H, F + H, 0.0], [0.0, 0.0, 2 * N]]) @ own
 
 
-def yield_stress(hardening, p):
-    """σ_y(p) [MPa] by the formulae in the docstrings of the kinds of hardening."""
-    h = hardening
-    match type(h).__name__:
-        case "Linear":
-            return h.yield_stress + h.modulus * p
-        case "Swift":
-            return h.strength * (h.start + p) ** h.exponent
-        case "Voce":
-            return h.yield_stress + h.gain * (1.0 - np.exp(-p / h.strain)) + h.modulus * p
-        case "Table":
-            return np.interp(p, h.plastic_strain, h.stress_at)
-    raise TypeError(hardening)
+def linear(yield_stress, modulus=0.0):
+    """σ_y(p) = σ_0 + H p [MPa]."""
+    return lambda p: yield_stress + modulus * p
 
 
-def step(C, P, yield_stress, kinematic, strain, history):
+def swift(strength, start, exponent):
+    """σ_y(p) = K (ε_0 + p)^n [MPa]."""
+    return lambda p: strength * (start + p) ** exponent
+
+
+def voce(yield_stress, gain, strain, modulus=0.0):
+    """σ_y(p) = σ_0 + Q (1 - exp(-p/p_c)) + H p [MPa]."""
+    return lambda p: yield_stress + gain * (1.0 - np.exp(-p / strain)) + modulus * p
+
+
+def table(strain, stress):
+    """σ_y(p) straight between points, constant beyond [MPa]."""
+    return lambda p: np.interp(p, strain, stress)
+
+
+def step(C, P, yield_stress, strain, history):
     """Return T, p, ε_p after a step to a logarithmic strain; history = (p, ε_p)."""
     p, plastic = history
     trial = C @ (strain - plastic)
-    back = kinematic * np.linalg.solve(P, plastic)
-    xi = trial - back
-    if np.sqrt(xi @ P @ xi) <= yield_stress(p):
+    if np.sqrt(trial @ P @ trial) <= yield_stress(p):
         return trial, p, plastic
 
     def at(flow):
-        moved = np.linalg.solve(np.eye(3) + flow * (C @ P + kinematic * np.eye(3)), xi)
+        moved = np.linalg.solve(np.eye(3) + flow * (C @ P), trial)
         return moved, np.sqrt(moved @ P @ moved)
 
     def beyond(flow):
         _, eq = at(flow)
         return eq - yield_stress(p + flow * eq)
 
-    most = 1.0 / np.linalg.eigvals(C @ P).real.min() * np.sqrt(xi @ P @ xi) / yield_stress(p)
+    most = 1.0 / np.linalg.eigvals(C @ P).real.min() * np.sqrt(trial @ P @ trial) / yield_stress(p)
     flow = brentq(beyond, 0.0, most, xtol=1e-300, rtol=1e-15)
     moved, eq = at(flow)
     plastic = plastic + flow * (P @ moved)

@@ -18,6 +18,7 @@ FOIL = sc.Plastic(sc.Elastic(70_000.0, 0.33, 2.7e-9), sc.Voce(50.0, 20.0, 0.1))
 LAMINATE = sc.ShellMaterial(
     [sc.Layer(sc.Elastic(200.0, 0.42, 0.92e-9), 0.065), sc.Layer(FOIL, 0.009)]
 )
+VOCE = "Voce, 50 MPa + 20 MPa (1 - exp(-p/0.1)) + 0 MPa p"
 
 
 def simulation():
@@ -53,8 +54,16 @@ def test_layers_are_drawn_to_scale_with_their_names():
     [
         (lambda: MESH, {"quads": "32", "extent": "4 × 2 × 0 mm"}, 32),
         (lambda: BLADE, {"cutting edges": "1", "their length": "3 mm"}, BLADE.n_triangle),
-        (lambda: LAMINATE, {"thickness": "0.074 mm", "yield stress": "50 MPa"}, 2),
-        (lambda: FOIL, {"young": "70,000 MPa", "density": "2.7e-09 t/mm³", "gain": "20 MPa"}, 0),
+        (lambda: LAMINATE, {"thickness": "0.074 mm", "law": VOCE}, 2),
+        (
+            lambda: FOIL,
+            {
+                "young": "70,000 MPa",
+                "density": "2.7e-09 t/mm³",
+                "law": VOCE,
+            },
+            0,
+        ),
         (simulation, {"quads": "32", "work of the tool": "0 N·mm"}, 32),
     ],
     ids=["mesh", "tool", "film", "material", "simulation"],

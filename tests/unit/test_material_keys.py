@@ -77,10 +77,6 @@ def material(**keys):
             Plastic(MODULI, Linear(20.0), (0.8, 1.2, 1.6), angle_deg=45.0),
         ),
         (
-            {"yield_stress": 20, "kinematic_modulus": 9.0},
-            Plastic(MODULI, Linear(20.0), kinematic=9.0),
-        ),
-        (
             {"yield_stress": 20, "cowper_symonds_rate": 40, "cowper_symonds_exponent": 5},
             Plastic(MODULI, Linear(20.0), rate=CowperSymonds(40.0, 5.0)),
         ),
@@ -106,6 +102,7 @@ def test_what_keys_build(keys, wanted):
         ({"law": "plastic"}, 'law = "plastic" needs a hardening: yield_stress, or swift_strength'),
         ({"law": "elastc"}, 'must be one of "elastic", "hencky", "plastic"'),
         ({"yield_stres": 3}, "unknown key [material].yield_stres; did you mean yield_stress?"),
+        ({"yield_stress": 3, "kinematic_modulus": 9}, "unknown key [material].kinematic_modulus"),
         ({"swift_strength": 3}, "swift_start, swift_exponent must be given too, with swift_str"),
         (
             {"yield_stress": 3, "swift_strength": 3},
@@ -139,8 +136,8 @@ def test_what_is_refused_with_the_name_of_the_key(keys, said):
 
 def test_all_problems_are_told_together():
     with pytest.raises(ModelFileError) as refused:
-        material(yield_stress=-1, hardening_modulus=-2, kinematic_modulus=-3, young=-4)
-    for key in ("yield_stress", "hardening_modulus", "kinematic_modulus", "young"):
+        material(yield_stress=-1, hardening_modulus=-2, young=-4)
+    for key in ("yield_stress", "hardening_modulus", "young"):
         assert f"[material].{key} must" in str(refused.value)
 
 

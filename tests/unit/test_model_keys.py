@@ -72,7 +72,6 @@ BESIDE = {
     **dict.fromkeys(SWIFT, SWIFT),
     **dict.fromkeys(CURVE, CURVE),
     "r_values": YIELDS,
-    "kinematic_modulus": YIELDS,
     "cowper_symonds_rate": {**YIELDS, "cowper_symonds_rate": 4.0, "cowper_symonds_exponent": 5.0},
     "cowper_symonds_exponent": {
         **YIELDS,

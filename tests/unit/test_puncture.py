@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.special import k1
 
-from naive import pressed_plate
+from naive import plastic, pressed_plate
 from shellcut import (
     CohesiveLaw,
     Elastic,
@@ -245,10 +245,13 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
 PE, FOIL = Elastic(200.0, 0.4, 0.92e-9), Elastic(69000.0, 0.33, 2.7e-9)
 SOFT_PE = Plastic(PE, Linear(10.5, 17.0))
 O_TEMPER = Plastic(FOIL, Swift(164.51, 0.0002951, 0.25704))
-ONE_LAYER = [
-    ((Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(first, slope)), 0.074),)
-    for first, slope in ((17.0, 170.0), (9.0, 500.0), (9.0, 170.0), (5.0, 400.0))
-]
+CURVES = {SOFT_PE: plastic.linear(10.5, 17.0), O_TEMPER: plastic.swift(164.51, 0.0002951, 0.25704)}
+CURVES |= {
+    Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(*numbers)): plastic.linear(*numbers)
+    for numbers in ((17.0, 170.0), (9.0, 500.0), (9.0, 170.0), (5.0, 400.0))
+}
+"""Formulae of the yield stress of those that yield."""
+ONE_LAYER = [((one, 0.074),) for one in CURVES if one not in (SOFT_PE, O_TEMPER)]
 LAMINATES = [
     ((O_TEMPER, 0.003), (PE, 0.05), (O_TEMPER, 0.003)),
     ((PE, 0.03), (O_TEMPER, 0.007), (PE, 0.02)),
@@ -286,11 +289,7 @@ def plain(material, thickness):
     if not isinstance(material, Plastic):
         return pressed_plate.Layer(material.young, material.poisson, thickness)
     strain = np.append(0.0, np.geomspace(1e-6, 5.0, 200))
-    moduli, hard = material.elastic, material.hardening
-    if isinstance(hard, Swift):
-        flow = hard.strength * (hard.start + strain) ** hard.exponent
-    else:
-        flow = hard.yield_stress + hard.modulus * strain
+    moduli, flow = material.elastic, CURVES[material](strain)
     return pressed_plate.Layer(moduli.young, moduli.poisson, thickness, (strain, flow))
 
 

@@ -1,15 +1,21 @@
-"""Hardening: the yield stress as a function of the equivalent plastic strain.
+r"""Hardening: the yield stress as a function of the equivalent plastic strain.
 
-Each kind is a class for the user, with its checks, and a function of numbers for the kernels, which
-returns R = σ_y(p) - σ_y(0) and its slope dR/dp [MPa] (:mod:`shellcut.material.point_law` says what
-such functions may use). Parameters for a kernel come in one row, from the index ``first`` on.
+It is a :class:`Table`: straight between points (p, σ), constant beyond the last. For the kernels,
+:func:`part_of` finds the straight part that holds the least strain of a block, by halving, and
+:func:`rise` goes on from there to R = σ_y(p) - σ_y(0) and its slope dR/dp [MPa] of all lanes, as
+:mod:`shellcut.material.point_law` says. The numbers stand in one row, from ``first`` on.
+
+Three formulae make a table, of as many points as it takes to be within ``ACCURACY`` of them:
 
 =============  ===============================================================================
 `Linear`       σ_0 + H p
 `Swift`        K (ε_0 + p)^n, with σ_0 = K ε_0^n
 `Voce`         σ_0 + Q (1 - exp(-p/p_c)) + H p
-`Table`        straight between given points (p, σ), constant beyond the last
 =============  ===============================================================================
+
+Between points at a distance d the curve is by d² \|σ''\|/8 above the straight line, so they lie
+at equal steps of the integral of √(\|σ''\|/σ). Stresses are right to ``ACCURACY``, slopes to some
+percent: a maximum of the nominal stress is found at one of the points.
 
 Softening is refused: a film that softens localises in one row of quads, whatever its size, so that
 its dissipation depends on the mesh. What a film loses in strength belongs to the cohesive law.
@@ -19,239 +25,55 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, TypeAlias
+from dataclasses import dataclass, field
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Number
-from shellcut.numerics.lane_exponentials import exponential, power
-from shellcut.numerics.lane_functions import any_above, larger, where_above
+from shellcut.numerics.lane_functions import any_above, where_above
 
 from .material import refuse
 
-MOST_POINTS = 24
-"""Points of a table: each that a film has passed costs a few operations a step and point."""
+ACCURACY = 1e-4
+"""Of the formulae's yield stress, relative."""
+FARTHEST = 100.0
+"""Plastic strain at which the tables of formulae end, to which no film comes: at a tenth of it a
+strip is ten thousand times as long."""
+_FINE = 4000  # places at which the curvature is summed
 
 
-def _linear(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
-    """H."""
-    return p[first] * plastic, p[first] + 0.0 * plastic
+def part_of(p: Floats, first: int, plastic: Number) -> int:
+    """Return where the straight part stands in the row that holds the least of plastic strains.
 
-
-def _linear_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
-    return p[first] + 0.0 * plastic
-
-
-def _swift(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
-    """K, ε_0, n, σ_0."""
-    reached = plastic + p[first + 1]
-    whole = p[first] * power(reached, p[first + 2])
-    return whole - p[first + 3], p[first + 2] * whole / reached
-
-
-def _swift_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
-    return p[first + 2] * (reached + p[first + 3]) / (plastic + p[first + 1])
-
-
-def _voce(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
-    """Q, 1/p_c, H."""
-    left = p[first] * exponential(-p[first + 1] * plastic)
-    return (
-        (p[first] - left) + p[first + 2] * plastic,
-        p[first + 1] * left + p[first + 2],
-    )
-
-
-def _voce_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
-    left = (p[first] - reached) + p[first + 2] * plastic
-    return p[first + 1] * left + p[first + 2]
-
-
-def _table(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
-    """Count, then the start, length and slope of each straight part."""
-    stress, slope = 0.0 * plastic, 0.0 * plastic
-    for k in range(int(p[first])):
-        at = first + 1 + 3 * k
-        into = plastic - p[at]
-        if not any_above(into, -p[at + 1]):
-            break  # far from this part and from all that follow
-        within = larger(where_above(into, p[at + 1], p[at + 1], into), 0.0)
-        stress = stress + p[at + 2] * within
-        # On a corner the slope of the part that follows.
-        part = where_above(p[at + 1], into, p[at + 2], 0.0)
-        slope = slope + where_above(0.0, into, 0.0, part)
-    return stress, slope
-
-
-def _table_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
-    slope = 0.0 * plastic
-    for k in range(int(p[first])):
-        at = first + 1 + 3 * k
-        into = plastic - p[at]
-        if not any_above(into, -p[at + 1]):
-            break
-        slope = slope + where_above(0.0, into, 0.0, where_above(p[at + 1], into, p[at + 2], 0.0))
-    return slope
-
-
-@dataclass(frozen=True)
-class Hardening:
-    """How a yield stress grows; use one of the subclasses."""
-
-    function: ClassVar[Callable[..., Any]]
-    slope: ClassVar[Callable[..., Any]]
-    """dR/dp at p and R, by fewer operations."""
-    kind: ClassVar[str]
-
-    @property
-    def first_yield(self) -> float:
-        """σ_y(0) [MPa]."""
-        raise NotImplementedError
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        raise NotImplementedError
-
-    def stress(self, plastic: float | Floats) -> Floats:
-        """Return σ_y [MPa] at equivalent plastic strains, of any shape."""
-        p = np.asarray(plastic, float)
-        row = np.array(self.row())
-        above = [self.function(row, 0, float(one))[0] for one in p.ravel()]
-        return self.first_yield + np.array(above).reshape(p.shape)
-
-
-# What the kernels ask a class for, and what it is.
-_ASKED = {
-    "function": "a static function (p, first, plastic) that returns R and dR/dp",
-    "slope": "a static function (p, first, plastic, reached) that returns dR/dp at p and R",
-    "kind": "a word for the law's name",
-}
-
-
-def hardening_problems(hardening: object) -> list[str]:
-    """Return in words why something is no hardening."""
-    kind = type(hardening)
-    if not isinstance(hardening, Hardening) or kind is Hardening:
-        return [f"hardening must be a Linear, Swift, Voce or Table, got {hardening!r}"]
-    missing = [
-        f"{name}, {what}"
-        for name, what in _ASKED.items()
-        if not (isinstance(getattr(kind, name, None), str) or callable(getattr(kind, name, None)))
-    ]
-    if not missing:
-        return []
-    return [f"the hardening {kind.__name__} lacks {'; '.join(missing)}"]
-
-
-SOFTENING = "a film that softens localises in one row of quads"
-YieldStress: TypeAlias = Annotated[float, Option("MPa", "at which it yields, true", above=0)]
-Modulus: TypeAlias = Annotated[
-    float,
-    Option("MPa", "H, rise of the yield stress over plastic strain", least=0, why=SOFTENING),
-]
-
-
-@checked
-@dataclass(frozen=True)
-class Linear(Hardening):
-    """σ_0 + H p.
-
-    Examples
-    --------
-    >>> float(Linear(20.0, 100.0).stress(0.1))
-    30.0
+    The row holds the count of the parts, and of each its start, its slope and R continued to p = 0;
+    then a start that no strain is above.
     """
-
-    function = staticmethod(_linear)
-    slope = staticmethod(_linear_slope)
-    kind = "linear"
-
-    yield_stress: YieldStress
-    modulus: Modulus = 0.0
-
-    @property
-    def first_yield(self) -> float:
-        """σ_y(0) [MPa]."""
-        return self.yield_stress
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        return [self.modulus]
+    at, left = first + 1, int(p[first])
+    while left > 1:
+        half = left // 2
+        ahead = at + 3 * half
+        at = at if any_above(-plastic, -p[ahead]) else ahead
+        left -= half
+    return at
 
 
-@checked
-@dataclass(frozen=True)
-class Swift(Hardening):
-    """K (ε_0 + p)^n.
-
-    Examples
-    --------
-    >>> foil = Swift(strength=150.0, start=0.002, exponent=0.2)
-    >>> round(foil.first_yield, 2)
-    43.28
-    """
-
-    function = staticmethod(_swift)
-    slope = staticmethod(_swift_slope)
-    kind = "Swift"
-
-    strength: Annotated[
-        float, Option("MPa", "K of the yield stress K (start + p)^exponent", above=0)
-    ]
-    start: Annotated[
-        float, Option("", "of Swift's law; with 0 the film would yield at no stress", above=0)
-    ]
-    exponent: Annotated[float, Option("", "of Swift's law", least=0, most=1)]
-
-    @property
-    def first_yield(self) -> float:
-        """σ_y(0) [MPa]."""
-        return self.strength * math.pow(self.start, self.exponent)
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        return [self.strength, self.start, self.exponent, self.first_yield]
+def rise(p: Floats, at: int, plastic: Number) -> tuple[Number, Number]:
+    """Return R and dR/dp at plastic strains, none of which is below the part at ``at``."""
+    slope, at_zero = p[at + 1] + 0.0 * plastic, p[at + 2] + 0.0 * plastic
+    at += 3
+    while any_above(plastic, p[at]):
+        slope = where_above(plastic, p[at], p[at + 1], slope)
+        at_zero = where_above(plastic, p[at], p[at + 2], at_zero)
+        at += 3
+    return at_zero + slope * plastic, slope
 
 
 @checked
 @dataclass(frozen=True)
-class Voce(Hardening):
-    """σ_0 + Q (1 - exp(-p/p_c)) + H p.
-
-    Examples
-    --------
-    >>> Voce(20.0, 10.0, 0.05).row()
-    [10.0, 20.0, 0.0]
-    """
-
-    function = staticmethod(_voce)
-    slope = staticmethod(_voce_slope)
-    kind = "Voce"
-
-    yield_stress: YieldStress
-    gain: Annotated[
-        float, Option("MPa", "Voce: further rise, which saturates", least=0, why=SOFTENING)
-    ]
-    strain: Annotated[float, Option("", "Voce: strain at 63 % of the gain", above=0)]
-    modulus: Modulus = 0.0
-
-    @property
-    def first_yield(self) -> float:
-        """σ_y(0) [MPa]."""
-        return self.yield_stress
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        return [self.gain, 1.0 / self.strain, self.modulus]
-
-
-@checked
-@dataclass(frozen=True)
-class Table(Hardening):
-    """Straight between given points, constant beyond the last.
+class Table:
+    """Yield stress: straight between given points, constant beyond the last.
 
     Examples
     --------
@@ -259,27 +81,23 @@ class Table(Hardening):
     39.0
     """
 
-    function = staticmethod(_table)
-    slope = staticmethod(_table_slope)
-    kind = "table"
-
     plastic_strain: tuple[float, ...]
     stress_at: tuple[float, ...]
+    law: str = field(compare=False)
 
     def __init__(
         self,
-        plastic_strain: Annotated[
-            Any, Option("", "plastic strains, true, from 0; up to 24", form="numbers")
-        ],
+        plastic_strain: Annotated[Any, Option("", "plastic strains, true, from 0", form="numbers")],
         stress: Annotated[Any, Option("MPa", "true yield stresses at these", form="numbers")],
+        law: Annotated[str, Option("", "what cards say of it", unset="both ends")] = "",
     ) -> None:
         object.__setattr__(self, "plastic_strain", tuple(float(one) for one in plastic_strain))
         object.__setattr__(self, "stress_at", tuple(float(one) for one in stress))
         p, sigma = self.plastic_strain, self.stress_at
         problems = []
-        if len(p) != len(sigma) or not 2 <= len(p) <= MOST_POINTS:
+        if len(p) != len(sigma) or len(p) < 2:
             problems.append(
-                f"a table must have 2 to {MOST_POINTS} points, as many strains as stresses, got "
+                "a table must have at least 2 points, as many strains as stresses, got "
                 f"{len(p)} and {len(sigma)}"
             )
         elif not all(math.isfinite(one) for one in (*p, *sigma)):
@@ -297,15 +115,112 @@ class Table(Hardening):
                         "strength to the cohesive law"
                     )
         refuse(problems)
+        ends = (
+            f"table, {sigma[0]:.4g} MPa to {sigma[-1]:.4g} MPa at a plastic strain of {p[-1]:.4g}"
+        )
+        object.__setattr__(self, "law", law or ends)
 
     @property
     def first_yield(self) -> float:
         """σ_y(0) [MPa]."""
         return self.stress_at[0]
 
+    def stress(self, plastic: float | Floats) -> Floats:
+        """Return σ_y [MPa] at equivalent plastic strains, of any shape."""
+        return np.asarray(np.interp(plastic, self.plastic_strain, self.stress_at))
+
     def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
+        """Return the numbers that :func:`part_of` and :func:`rise` read."""
         p, sigma = np.array(self.plastic_strain), np.array(self.stress_at)
-        length = np.diff(p)
-        parts = np.stack([p[:-1], length, np.diff(sigma) / length], axis=1)
-        return [float(len(length)), *parts.ravel().tolist()]
+        slope = np.append(np.diff(sigma) / np.diff(p), 0.0)
+        parts = np.stack([p, slope, (sigma - sigma[0]) - slope * p], axis=1)
+        return [float(len(p)), *parts.ravel().tolist(), math.inf]
+
+
+def hardening_problems(hardening: object) -> list[str]:
+    """Return in words why something is no hardening."""
+    if isinstance(hardening, Table):
+        return []
+    return [f"hardening must be a Linear, Swift, Voce or Table, got {hardening!r}"]
+
+
+SOFTENING = "a film that softens localises in one row of quads"
+YieldStress: TypeAlias = Annotated[float, Option("MPa", "at which it yields, true", above=0)]
+Modulus: TypeAlias = Annotated[
+    float,
+    Option("MPa", "H, rise of the yield stress over plastic strain", least=0, why=SOFTENING),
+]
+
+
+@checked
+def Linear(yield_stress: YieldStress, modulus: Modulus = 0.0) -> Table:
+    """Return the table of σ_0 + H p, to a plastic strain of 100.
+
+    Examples
+    --------
+    >>> float(Linear(20.0, 100.0).stress(0.1))
+    30.0
+    """
+    said = f"linear, {yield_stress:g} MPa + {modulus:g} MPa p"
+    return Table((0.0, FARTHEST), (yield_stress, yield_stress + modulus * FARTHEST), said)
+
+
+@checked
+def Swift(
+    strength: Annotated[
+        float, Option("MPa", "K of the yield stress K (start + p)^exponent", above=0)
+    ],
+    start: Annotated[
+        float, Option("", "of Swift's law; with 0 the film would yield at no stress", above=0)
+    ],
+    exponent: Annotated[float, Option("", "of Swift's law", least=0, most=1)],
+) -> Table:
+    """Return the table of K (ε_0 + p)^n within 1e-4, to a plastic strain of 100.
+
+    Examples
+    --------
+    >>> foil = Swift(strength=150.0, start=0.002, exponent=0.2)
+    >>> round(foil.first_yield, 2)
+    43.28
+    """
+    # σ''/σ is n (n - 1)/(ε_0 + p)²: points at equal ratios of ε_0 + p.
+    whole = math.log1p(FARTHEST / start)
+    least = whole * math.sqrt(exponent * (1.0 - exponent) / (8.0 * ACCURACY))
+    count = math.ceil(max(least, 1.0))
+    away = [start * math.expm1(whole * k / count) for k in range(count + 1)]
+    stress = [strength * math.pow(start + plastic, exponent) for plastic in away]
+    return Table(away, stress, f"Swift, {strength:g} MPa ({start:g} + p)^{exponent:g}")
+
+
+@checked
+def Voce(
+    yield_stress: YieldStress,
+    gain: Annotated[
+        float, Option("MPa", "Voce: further rise, which saturates", least=0, why=SOFTENING)
+    ],
+    strain: Annotated[float, Option("", "Voce: strain at 63 % of the gain", above=0)],
+    modulus: Modulus = 0.0,
+) -> Table:
+    """Return the table of σ_0 + Q (1 - exp(-p/p_c)) + H p within 1e-4, to a plastic strain of 100.
+
+    Examples
+    --------
+    >>> round(float(Voce(20.0, 10.0, 0.05).stress(1.0)), 2)
+    30.0
+    """
+
+    def curve(plastic: float) -> float:
+        return yield_stress - gain * math.expm1(-plastic / strain) + modulus * plastic
+
+    # A hundredth of the strain in which the curvature, or the stress, changes much.
+    least = 0.01 * min(strain, yield_stress / (gain / strain + modulus + yield_stress / FARTHEST))
+    whole = math.log(FARTHEST / max(least, 1e-15))
+    fine = [0.0, *(FARTHEST * math.exp(whole * (k / _FINE - 1.0)) for k in range(_FINE + 1))]
+    # |σ''|/σ times p_c². Half the accuracy: of the last part only one end is where it is curved.
+    bend = np.array([gain * math.exp(-plastic / strain) / curve(plastic) for plastic in fine])
+    density = np.sqrt(bend / (8.0 * 0.5 * ACCURACY)) / strain
+    summed = np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))
+    inner = np.arange(1, math.ceil(summed[-1]))
+    away = [0.0, *np.interp(inner, summed, fine[1:]).tolist(), FARTHEST]
+    said = f"Voce, {yield_stress:g} MPa + {gain:g} MPa (1 - exp(-p/{strain:g})) + {modulus:g} MPa p"
+    return Table(away, [curve(plastic) for plastic in away], said)

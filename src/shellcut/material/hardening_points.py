@@ -6,7 +6,8 @@ import numpy as np
 
 from shellcut.arrays import Floats
 
-from .hardening import MOST_POINTS
+MOST_POINTS = 24
+"""Of a measured curve: more would follow its noise."""
 
 
 def fewer_points(

@@ -58,7 +58,7 @@ class MaterialPoint:
     >>> for strain in (0.02, 0.05, 0.1):
     ...     state = point.pull(strain)
     >>> round(float(state.stress[0]), 2)
-    94.66
+    94.76
     """
 
     def __init__(self, material: Material) -> None:

@@ -6,10 +6,8 @@ stress that of :mod:`.hardening`.
 
 **von Mises** in plane stress, with the mean t = ½ (T_11 + T_22) and the deviator (u, v):
 
-    σ_eq² = t² + 3 (u² + v²),    modes t, u, v with k = ½ E/(1 - ν) + H_k and 3 G + H_k,
-    Δε_p: mean ½ Δλ ξ_t, deviator 3/2 Δλ ξ_u, ξ_v,    β = H_k (2 ε_p mean, 2/3 ε_p deviator):
-
-Prager's rule, α' = 2/3 H_k ε_p', of which β is the plane part.
+    σ_eq² = t² + 3 (u² + v²),    modes t, u, v with μ = ½ E/(1 - ν) and 3 G,
+    Δε_p: mean ½ Δλ t, deviator 3/2 Δλ u, v.
 
 **Hill's criterion of 1948** by r-values, the ratios of plastic strain in width and thickness of
 strips cut at 0, 45 and 90° to MD. With σ_y that of a strip along MD, σ_eq² = T · P T,
@@ -20,9 +18,6 @@ strips cut at 0, 45 and 90° to MD. With σ_y that of a strip along MD, σ_eq² 
 
 (Other codes give F, G, H other places.) Three equal r-values of 1 are von Mises. The surface is
 closed, P positive definite, where all r are positive: G + H = 1, det = FG + GH + HF > 0.
-
-Here the plane-stress back stress is again β = H_k P⁻¹ ε_p, with the Prager rule generalised to
-β' = H_k λ' ξ, of which the uniaxial slope along MD is H_k as before.
 """
 
 from __future__ import annotations
@@ -44,7 +39,7 @@ from shellcut.numerics.small_matrices import inverse
 
 from .elastic import Elastic
 from .elastic_part import WithElasticPart
-from .hardening import Hardening, hardening_problems
+from .hardening import Table, hardening_problems
 from .logarithmic_strain import (
     is_small,
     logarithmic_strain,
@@ -72,8 +67,8 @@ _TURNING = (2,)
 
 # Places in the rows of parameters.
 _LATERAL = 1  # isotropic: ν/(1 - ν); with axes: three numbers
-_MEAN, _SHEAR, _KINEMATIC, _YIELD = 2, 3, 4, 5
-_V, _PLASTIC, _MU, _BACK, _TO_MODES, _H, _YIELD_AXES = 4, 13, 22, 25, 34, 43, 44
+_MEAN, _SHEAR, _YIELD = 2, 3, 4
+_V, _PLASTIC, _MU, _YIELD_AXES = 4, 13, 22, 25
 
 
 @always_inline
@@ -88,7 +83,7 @@ def _in_time(dt: float) -> bool:
     return dt > 0.0
 
 
-def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]:
+def _isotropic_law(flow: Any, may_flow: Any) -> tuple[Any, Any]:
     """Return the functions of von Mises with isotropic moduli."""
 
     def stress(
@@ -105,17 +100,13 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
         if any_above(eq, 0.0):
             both, unlike, slip = both - (p1 + p2), unlike - (p1 - p2), slip - p12
         z = (p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip)
-        if kinematic:
-            h = p[_KINEMATIC]
-            third = h / 3.0
-            z = (z[0] - h * (p1 + p2), z[1] - third * (p1 - p2), z[2] - third * p12)
         of_mean, of_shear = z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2])
         beyond = excess(of_mean + of_shear, p[_YIELD] + R, may_flow(dt))
         lost = zero_like(R)
         flows = any_above(beyond, 0.0)
         if seldom(flows):
-            k = (p[_MEAN] + p[_KINEMATIC], 3.0 * p[_SHEAR] + p[_KINEMATIC])
-            done = flow(p, _YIELD, (of_mean, of_shear), k, beyond, (eq, R), dt)
+            mu = (p[_MEAN], 3.0 * p[_SHEAR])
+            done = flow(p, _YIELD, (of_mean, of_shear), mu, beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
             d_both = done.by_mode[0] * z[0]
             by_shear = 3.0 * done.by_mode[1]
@@ -125,10 +116,6 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
             p12 = p12 + d_slip
         t, Tu, Tv = p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip
         stored = 0.5 * (t * both + Tu * unlike + Tv * slip)
-        if kinematic:
-            # ½ β · ε_p
-            q, d = p1 + p2, p1 - p2
-            stored = stored + 0.5 * h * q * q + (0.5 * third) * (d * d + p12 * p12)
         S = piola_of_mean(t, Tu, Tv, way)
         return S, stored, lost, (eq, R, p1, p2, p12), flows
 
@@ -150,7 +137,7 @@ def _times(p: Floats, first: int, v: Vector) -> Vector:
     )
 
 
-def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]:
+def _law_with_axes(flow: Any, may_flow: Any) -> tuple[Any, Any]:
     """Return the functions of Hill's criterion, or of orthotropic moduli."""
 
     def stress(
@@ -162,29 +149,21 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
         y0 = p[_V] * e1 + p[_V + 3] * e2 + p[_V + 6] * e12
         y1 = p[_V + 1] * e1 + p[_V + 4] * e2 + p[_V + 7] * e12
         y2 = p[_V + 2] * e1 + p[_V + 5] * e2 + p[_V + 8] * e12
-        z = (y0, y1, y2)
-        if kinematic:
-            b0, b1, b2 = _times(p, _BACK, (p1, p2, p12))
-            back = _times(p, _TO_MODES, (b0, b1, b2))
-            z = (y0 - back[0], y1 - back[1], y2 - back[2])
-        m0, m1, m2, h = p[_MU], p[_MU + 1], p[_MU + 2], p[_H]
-        q = (m0 * z[0] * z[0], m1 * z[1] * z[1], m2 * z[2] * z[2])
+        m0, m1, m2 = p[_MU], p[_MU + 1], p[_MU + 2]
+        q = (m0 * y0 * y0, m1 * y1 * y1, m2 * y2 * y2)
         beyond = excess(q[0] + q[1] + q[2], p[_YIELD_AXES] + R, may_flow(dt))
         lost = zero_like(R)
         flows = any_above(beyond, 0.0)
         if seldom(flows):
-            done = flow(p, _YIELD_AXES, q, (m0 + h, m1 + h, m2 + h), beyond, (eq, R), dt)
+            done = flow(p, _YIELD_AXES, q, (m0, m1, m2), beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
-            z0 = done.by_mode[0] * z[0]
-            z1 = done.by_mode[1] * z[1]
-            z2 = done.by_mode[2] * z[2]
+            z0 = done.by_mode[0] * y0
+            z1 = done.by_mode[1] * y1
+            z2 = done.by_mode[2] * y2
             d1, d2, d12 = _times(p, _PLASTIC, (z0, z1, z2))
             p1, p2, p12 = p1 + d1, p2 + d2, p12 + d12
             y0, y1, y2 = y0 - m0 * z0, y1 - m1 * z1, y2 - m2 * z2
         stored = 0.5 * (y0 * y0 + y1 * y1 + y2 * y2)
-        if kinematic:
-            b0, b1, b2 = _times(p, _BACK, (p1, p2, p12))
-            stored = stored + 0.5 * (b0 * p1 + b1 * p2 + b2 * p12)
         S = second_piola_kirchhoff(_times(p, _V, (y0, y1, y2)), way)
         return S, stored, lost, (eq, R, p1, p2, p12), flows
 
@@ -208,16 +187,15 @@ def _never(dt: float) -> bool:
 
 
 @functools.cache
-def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
-    """Return the law for classes of hardening and rate."""
+def _law(rate: Any, axes: bool) -> PointLaw:
+    """Return the law for a class of rate."""
     has_rate = rate is not RateFactor
-    words = ["Hill" if axes else "von Mises", hardening.kind, "kinematic" * kinematic, rate.kind]
-    name = " ".join(word for word in words if word)
+    name = f"{'Hill' if axes else 'von Mises'} {rate.kind}".rstrip()
     functions, n_mode = (_law_with_axes, 3) if axes else (_isotropic_law, 2)
-    flow = make_flow(hardening.function, hardening.slope, rate.function, has_rate, n_mode)
+    flow = make_flow(rate.function, has_rate, n_mode)
     frozen = PointLaw(
         f"{name}, frozen",
-        *functions(flow, _never, kinematic),
+        *functions(flow, _never),
         HISTORY,
         oriented=axes,
         turning=_TURNING,
@@ -226,7 +204,7 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
     return register(
         PointLaw(
             name,
-            *functions(flow, _in_time if has_rate else _at_once, kinematic),
+            *functions(flow, _in_time if has_rate else _at_once),
             HISTORY,
             oriented=axes,
             timed=has_rate,
@@ -260,10 +238,10 @@ class Plastic(WithElasticPart):
     ----------
     elastic : Elastic or Orthotropic
         Moduli and density.
-    hardening : Hardening
+    hardening : Table
         Yield stress in tension, along MD if ``r_values`` are given, by the equivalent plastic
-        strain: :class:`~.hardening.Linear`, :class:`~.hardening.Swift`, :class:`~.hardening.Voce`
-        or :class:`~.hardening.Table`. True stress by true strain.
+        strain: :class:`~.hardening.Table`, or of the formulae of :func:`~.hardening.Linear`,
+        :func:`~.hardening.Swift` and :func:`~.hardening.Voce`. True stress by true strain.
     rate : RateFactor, optional
         :class:`~.rate_factor.CowperSymonds` or :class:`~.rate_factor.JohnsonCook`.
 
@@ -274,24 +252,22 @@ class Plastic(WithElasticPart):
 
     Notes
     -----
-    Isotropic hardening stores nothing: all its plastic work is heat. What kinematic hardening
-    stores comes back when the strain is reversed, and counts as strain energy.
+    Hardening is isotropic and stores nothing: all plastic work is heat.
 
     Examples
     --------
     >>> from shellcut.material.hardening import Voce
     >>> foil = Plastic(Elastic(70_000.0, 0.33, 2.7e-9), Voce(40.0, 60.0, 0.05))
     >>> foil.law.name
-    'von Mises Voce'
+    'von Mises'
     """
 
     elastic: Elastic | Orthotropic
-    hardening: Hardening
+    hardening: Table
     r_values: Annotated[
         tuple[float, float, float] | None,
         Option("", "Hill's r at 0, 45 and 90 deg", form="3 numbers", unset="von Mises"),
     ] = None
-    kinematic: Annotated[float, Option("MPa", "H_k, linear kinematic hardening", least=0)] = 0.0
     rate: RateFactor | None = None
     angle_deg: Annotated[
         float, Option("deg", "of the axes of r_values from the film's direction")
@@ -316,10 +292,8 @@ class Plastic(WithElasticPart):
 
     @property
     def law(self) -> PointLaw:  # type: ignore[override]
-        """The law for this kind of hardening, rate and axes."""
-        rate = RateFactor if self.rate is None else type(self.rate)
-        hardening: Any = type(self.hardening)
-        return _law(hardening, rate, self.kinematic > 0.0, self.has_axes)
+        """The law for this kind of rate and axes."""
+        return _law(RateFactor if self.rate is None else type(self.rate), self.has_axes)
 
     def flow_matrix(self) -> Floats:
         """Return P of σ_eq² = T · P T in the film's axes, shape (3, 3)."""
@@ -338,13 +312,10 @@ class Plastic(WithElasticPart):
                 *V.ravel(),
                 *(inverse(V).T * mu).ravel(),
                 *mu,
-                *(self.kinematic * inverse(P)).ravel(),
-                *inverse(V).ravel(),
-                self.kinematic,
             ]
         else:
             e, nu = self.elastic.stretching_modulus, self._poisson
-            rows = [nu / (1.0 - nu), 0.5 * e / (1.0 - nu), 0.5 * e / (1.0 + nu), self.kinematic]
+            rows = [nu / (1.0 - nu), 0.5 * e / (1.0 - nu), 0.5 * e / (1.0 + nu)]
         rows += [self.hardening.first_yield, *self.hardening.row()]
         rate = [] if self.rate is None else self.rate.row()
         return np.array([1.0 + len(rows), *rows, *rate])

@@ -1,30 +1,31 @@
 r"""Return to the yield surface in plane stress, for von Mises and Hill, in eight lanes at once.
 
-With T = C (ε - ε_p), back stress β, ξ = T - β and σ_eq² = ξ · P ξ, the flow is associated and taken
-at the end of the step ([SimoHughes1998] 3.4):
+With T = C (ε - ε_p) and σ_eq² = T · P T, the flow is associated and taken at the end of the step
+([SimoHughes1998] 3.4):
 
-    Δε_p = Δλ P ξ,      Δp = Δλ σ_eq,      Δβ = Δλ H_k ξ,      σ_eq = σ_y(p + Δp, Δp/Δt).
+    Δε_p = Δλ P T,      Δp = Δλ σ_eq,      σ_eq = σ_y(p + Δp, Δp/Δt).
 
 **Modes.** Let V bring both matrices to diagonals, VᵀPV = diag(μ), V Vᵀ = C (the moduli's Cholesky
-factor times the eigenvectors of its congruence with P). With ξ = V z all is scalar,
+factor times the eigenvectors of its congruence with P). With T = V z all is scalar,
 
-    z_i = z_i^trial / (1 + Δλ (μ_i + H_k)),      g(Δλ) = σ_eq = √(Σ μ_i z_i²),
-    z^trial = Vᵀ(ε - ε_p^old) - V⁻¹ β^old,
+    z_i = z_i^trial / (1 + Δλ μ_i),    g(Δλ) = σ_eq = √(Σ μ_i z_i²),    z^trial = Vᵀ(ε - ε_p^old),
 
 for isotropic and orthotropic moduli, von Mises and Hill alike; only V and μ differ. With Δλ =
-Δp/σ_y, k_i = μ_i + H_k and q_i = μ_i (z_i^trial)², the one equation left has no root in it:
+Δp/σ_y and q_i = μ_i (z_i^trial)², the one equation left has no root in it:
 
-    G(Δp) = Σ q_i/(σ_y + k_i Δp)² = 1,       σ_y = σ_y(p + Δp, Δp/Δt).
+    G(Δp) = Σ q_i/(σ_y + μ_i Δp)² = 1,       σ_y = σ_y(p + Δp, Δp/Δt).
 
-Newton's method for 1/√G, which is a straight line in Δp where all k_i agree and the hardening is
+Newton's method for 1/√G, which is a straight line in Δp where all μ_i agree and the hardening is
 linear, whatever the step, and nearly one otherwise:
 
-    Δp <- Δp + (G √G - G)/B,       B = Σ q_i (dσ_y/dp + k_i)/(σ_y + k_i Δp)³ = -G'/2,
+    Δp <- Δp + (G √G - G)/B,       B = Σ q_i (dσ_y/dp + μ_i)/(σ_y + μ_i Δp)³ = -G'/2,
 
-with a series for the root near G = 1. In the first turn, Δp = 0, all σ_y + k_i Δp are σ_0 + R, and
-the slope of the hardening follows from R without its exponential:
+with a series for the root near G = 1. In the first turn, Δp = 0, all σ_y + μ_i Δp are σ_0 + R:
 
-    Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i),       Q = Σ q_i.
+    Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i),       Q = Σ q_i.
+
+The straight part of the hardening that holds the least p of the lanes that yield is found once;
+both turns go on from there, past as many parts as the lanes are apart.
 
 **With a rate factor** σ_y rises from Δp = 0 like the fifth root of Δp, or steeper: a straight line
 from the right of the root ends below zero. In ln Δp it is no steeper than its own height, and its
@@ -33,23 +34,23 @@ first turn from the left takes it there,
 
     Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
 
-The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6;
-the last correction is added to the first order, which leaves 1e-11 to 1e-10. So a
-step of an explicit run evaluates the hardening once. A flow that changes the stress by less than
-its round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows
-of 1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
+The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6; the
+last correction is added to the first order, which leaves 1e-11 to 1e-10 of the stress, and less
+than 4e-6 where it passes a corner of the hardening. A flow that changes the stress by less than its
+round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows of
+1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
 and σ_eq^trial bounds Δp from above; a turn that would leave it halves it, and the iteration ends
 when the bracket has closed to round-off at the latest. A lane that is not solved in ``_TURNS``
-turns gets nan, and the run is stopped by name. The flow changes
-no bit of lanes that do not yield; that a block leaves the short way of an elastic film when one of
-its lanes first yields (:mod:`.plastic`) changes the others by round-off. Isotropic moduli with von
-Mises have two modes, the mean and the deviator.
+turns gets nan, and the run is stopped by name. The flow changes no bit of lanes that do not yield;
+that a block leaves the short way of an elastic film when one of its lanes first yields
+(:mod:`.plastic`) changes the others by round-off. Isotropic moduli with von Mises have two modes,
+the mean and the deviator.
 
 **Where nothing yields**, which is most of a film at most times, the block is left after the trial:
 R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.
 
-**Work.** The dissipation of the step is the mean of (σ_0 + R) f at both ends times Δp: the plastic
-work T · Δε_p without β · Δε_p, which linear kinematic hardening stores, ½ β · Pβ/H_k in all.
+**Work.** The dissipation of the step is the mean of (σ_0 + R) f at both ends times Δp, the plastic
+work T · Δε_p.
 """
 
 # Its functions are made for each law and take numbers of several kinds.
@@ -68,6 +69,10 @@ from shellcut.numerics.lane_functions import any_above, larger, square_root, whe
 from shellcut.numerics.processor import not_inlined, seldom
 from shellcut.numerics.small_matrices import symmetric_eigen
 
+from . import hardening
+
+_part_of, _rise = always_inline(hardening.part_of), always_inline(hardening.rise)
+
 _TURNS = 80
 # Relative spacing of doubles.
 _ROUND_OFF = 2.0**-52
@@ -81,7 +86,7 @@ class Flow(NamedTuple):
     """What flows in a step; in lanes that do not yield nothing does."""
 
     by_mode: tuple[Number, ...]
-    """Δλ z_i/z_i^trial = Δp/(σ_y + k_i Δp) [1/MPa]."""
+    """Δλ z_i/z_i^trial = Δp/(σ_y + μ_i Δp) [1/MPa]."""
     plastic: Number
     """p at the end of the step."""
     hardening: Number
@@ -102,45 +107,45 @@ def excess(squared: Number, start: Number, may_flow: bool) -> Number:
 
 
 @always_inline
-def _turn_of_two(yielding, q, k, dp):
-    """Return G, 1/(σ_y + k_i Δp) and their slopes, and B; see the head of the module.
+def _turn_of_two(yielding, q, mu, dp):
+    """Return G, 1/(σ_y + μ_i Δp) and their slopes, and B; see the head of the module.
 
     yielding : σ_y and its slope at p + Δp.
     """
     sigma, slope = yielding
-    a0, a1 = sigma + k[0] * dp, sigma + k[1] * dp
+    a0, a1 = sigma + mu[0] * dp, sigma + mu[1] * dp
     over = 1.0 / (a0 * a1)
     i0, i1 = over * a1, over * a0
-    r0, r1 = (slope + k[0]) * i0, (slope + k[1]) * i1
+    r0, r1 = (slope + mu[0]) * i0, (slope + mu[1]) * i1
     s0, s1 = q[0] * i0 * i0, q[1] * i1 * i1
     return s0 + s1, (i0, i1), (r0, r1), s0 * r0 + s1 * r1
 
 
 @always_inline
-def _turn_of_three(yielding, q, k, dp):
+def _turn_of_three(yielding, q, mu, dp):
     """Return the same for three modes."""
     sigma, slope = yielding
-    a0, a1, a2 = sigma + k[0] * dp, sigma + k[1] * dp, sigma + k[2] * dp
+    a0, a1, a2 = sigma + mu[0] * dp, sigma + mu[1] * dp, sigma + mu[2] * dp
     over = 1.0 / (a0 * a1 * a2)
     i0, i1, i2 = over * (a1 * a2), over * (a0 * a2), over * (a0 * a1)
-    r0, r1, r2 = (slope + k[0]) * i0, (slope + k[1]) * i1, (slope + k[2]) * i2
+    r0, r1, r2 = (slope + mu[0]) * i0, (slope + mu[1]) * i1, (slope + mu[2]) * i2
     s0, s1, s2 = q[0] * i0 * i0, q[1] * i1 * i1, q[2] * i2 * i2
     return s0 + s1 + s2, (i0, i1, i2), (r0, r1, r2), s0 * r0 + s1 * r1 + s2 * r2
 
 
 @always_inline
-def _sums_of_two(q, k):
-    """Return Σ q_i, Σ q_i k_i and the least k_i."""
-    return q[0] + q[1], q[0] * k[0] + q[1] * k[1], min(k[0], k[1])
+def _sums_of_two(q, mu):
+    """Return Σ q_i, Σ q_i μ_i and the least μ_i."""
+    return q[0] + q[1], q[0] * mu[0] + q[1] * mu[1], min(mu[0], mu[1])
 
 
 @always_inline
-def _sums_of_three(q, k):
+def _sums_of_three(q, mu):
     """Return the same for three modes."""
     return (
         q[0] + q[1] + q[2],
-        q[0] * k[0] + q[1] * k[1] + q[2] * k[2],
-        min(k[0], min(k[1], k[2])),
+        q[0] * mu[0] + q[1] * mu[1] + q[2] * mu[2],
+        min(mu[0], min(mu[1], mu[2])),
     )
 
 
@@ -205,7 +210,7 @@ def _straight(G, B, dp, stiff, beyond):
 def _in_proportion(G, B, dp, stiff, beyond):
     """Return |x| of the lanes that yield, and the change of Δp, for a rate factor.
 
-    stiff : k/(σ_y + k Δp) of one mode, which says how Δp changes the stress.
+    stiff : μ/(σ_y + μ Δp) of one mode, which says how Δp changes the stress.
     """
     none = zero_like(G)
     _, change = _straight(G, B, dp, stiff, beyond)
@@ -215,11 +220,21 @@ def _in_proportion(G, B, dp, stiff, beyond):
     return where_above(beyond, 0.0, off, none), dp * (exponential(x) - 1.0)
 
 
-def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
+@always_inline
+def _straight_rise(p, part, plastic):
+    """Return R and dR/dp by one straight part, wherever it ends."""
+    slope = p[part + 1] + 0.0 * plastic
+    return p[part + 2] + slope * plastic, slope
+
+
+def _make_yield_stress(rise: Any, rate_factor: Any, has_rate: bool) -> Any:
     @always_inline
-    def yield_stress(p, at, eq, dp, dt):
-        """Return σ_y with its slope, and R with its slope, after a step of p of length ``dp``."""
-        R, steep = hardening(p, at + 1, eq + dp)
+    def yield_stress(p, at, part, eq, dp, dt):
+        """Return σ_y with its slope, and R with its slope, after a step of p of length ``dp``.
+
+        part : a place of :func:`part_of` for the start of the step, of all lanes that yield.
+        """
+        R, steep = rise(p, part, eq + dp)
         static = p[at] + R
         if not has_rate:
             return (static, steep), (R, steep)
@@ -229,51 +244,51 @@ def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
     return yield_stress
 
 
-def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
-    """Return the function that finds the flow of a step, for functions of hardening and rate.
+def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
+    """Return the function that finds the flow of a step, for a function of the rate.
 
-    ``flow(p, at, q, k, beyond, state, dt)`` takes the parameter row, in which σ_0 stands at ``at``,
-    followed by the parameters of the hardening, and p[0] is the place of those of the rate; the
-    shares q_i of the two or three trial modes in σ_eq²; k_i = μ_i + H_k; :func:`excess`, above zero
-    in at least one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
+    ``flow(p, at, q, mu, beyond, state, dt)`` takes the parameter row, in which σ_0 stands at
+    ``at``, followed by the row of the hardening, and p[0] is the place of the numbers of the rate;
+    the shares q_i of the two or three trial modes in σ_eq²; μ_i; :func:`excess`, above zero in at
+    least one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
     """
     _, sums, _ = _OF_MODES[n_mode]
-    first_slope = always_inline(slope)
-    turn = _make_turn(always_inline(hardening), always_inline(rate_factor), has_rate, n_mode)
+    turn = _make_turn(_straight_rise, always_inline(rate_factor), has_rate, n_mode)
     end = _make_end(has_rate, n_mode)
-    inside = (hardening, slope, rate_factor)
-    name = " ".join(
-        [*(f"{one.__module__}.{one.__qualname__}" for one in inside), str(n_mode), str(has_rate)]
-    )
-    further = _make_further(turn, end, sums, name)
+    name = f"{rate_factor.__module__}.{rate_factor.__qualname__} {n_mode} {has_rate}"
+    along = _make_turn(_rise, always_inline(rate_factor), has_rate, n_mode)
+    further = _make_further(along, end, sums, name)
 
     @apart_as(name)
-    def flow(p, at, q, k, beyond, state, dt):
+    def flow(p, at, q, mu, beyond, state, dt):
         # No loop: the compiler would first load all constants of its body, and then store them.
         not_inlined()
         eq, R_old = state
-        total, slopes, _ = sums(q, k)
-        dp = _first_flow(total, p[at] + R_old, total * first_slope(p, at + 1, eq, R_old) + slopes)
+        part, limit = at + 2, p[at + 5]
+        if any_above(eq, limit):
+            return further(p, at, q, mu, beyond, state, eq, dt)
+        total, slopes, _ = sums(q, mu)
+        dp = _first_flow(total, p[at] + R_old, total * p[part + 1] + slopes)
         dp = where_above(beyond, 0.0, dp, zero_like(eq))
-        off, found = turn(p, at, q, k, beyond, eq, dp, dt)
-        if seldom(any_above(off, _ENOUGH)):
-            return further(p, at, q, k, beyond, state, dp, dt)
+        off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
+        if seldom(any_above(off, _ENOUGH)) or seldom(any_above(eq + dp, limit)):
+            return further(p, at, q, mu, beyond, state, dp, dt)
         return end(p, at, beyond, state, dp, found)
 
     return flow
 
 
-def _make_turn(hardening: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
-    yield_stress = _make_yield_stress(hardening, rate_factor, has_rate)
+def _make_turn(rise: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
+    yield_stress = _make_yield_stress(rise, rate_factor, has_rate)
     one_turn, _, _ = _OF_MODES[n_mode]
     newton = _in_proportion if has_rate else _straight
 
     @always_inline
-    def turn(p, at, q, k, beyond, eq, dp, dt):
+    def turn(p, at, part, q, mu, beyond, eq, dp, dt):
         """Return how far Δp is off, and what :func:`end` needs."""
-        yielding, isotropic = yield_stress(p, at, eq, dp, dt)
-        G, inverse, rates, B = one_turn(yielding, q, k, dp)
-        off, change = newton(G, B, dp, k[0] * inverse[0], beyond)
+        yielding, isotropic = yield_stress(p, at, part, eq, dp, dt)
+        G, inverse, rates, B = one_turn(yielding, q, mu, dp)
+        off, change = newton(G, B, dp, mu[0] * inverse[0], beyond)
         return off, (yielding, isotropic, inverse, rates, change, G)
 
     return turn
@@ -306,18 +321,31 @@ def _make_end(has_rate: bool, n_mode: int) -> Any:
 
 def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
     @apart_as(name)
-    def further(p, at, q, k, beyond, state, dp, dt):
-        """Return the flow by as many turns as it takes, between bounds that close in on Δp."""
+    def further(p, at, q, mu, beyond, state, dp, dt):
+        """Return the flow by as many turns as it takes, between bounds that close in on Δp.
+
+        dp : of the first turn where no p is beyond the first straight part.
+        """
         not_inlined()
         eq, R_old = state
         none = zero_like(eq)
-        total, _, least = sums(q, k)
-        # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
-        low, high = none, (square_root(total) - (p[at] + R_old)) / least
-        closed = 64.0 * _ROUND_OFF * high
+        total, slopes, softest = sums(q, mu)
+        part = at + 2
+        if any_above(eq, p[part + 3]):
+            part = _part_of(p, at + 1, where_above(beyond, 0.0, eq, np.inf))
+            _, steep = _rise(p, part, eq)
+            dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
+            dp = where_above(beyond, 0.0, dp, none)
+        low, high, closed = none, none, none
         count = 0
         while True:
-            off, found = turn(p, at, q, k, beyond, eq, dp, dt)
+            off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
+            if not any_above(off, _ENOUGH):
+                break
+            if count == 0:
+                # σ_eq <= σ_eq^trial/(1 + Δλ μ_min) has come down to the first yield by here.
+                high = (square_root(total) - (p[at] + R_old)) / softest
+                closed = 64.0 * _ROUND_OFF * high
             G, change = found[5], found[4]
             low = where_above(G, 1.0, dp, low)
             high = where_above(G, 1.0, high, dp)

@@ -3,7 +3,7 @@ r"""How stiff the layers of a film still are where it carries a tension in all d
 By deformation theory, for a tension T of a layer both ways and the mean strain e of both
 directions, with S the compliance, P the flow matrix of :mod:`.plastic` and 1 = (1, 1, 0),
 
-    e = c T + ½ q p,    T = (σ_y(p) + H_k p) / q,    c = ½ 1·S 1,    q² = 1·P 1,
+    e = c T + ½ q p,    T = σ_y(p) / q,    c = ½ 1·S 1,    q² = 1·P 1,
 
 of von Mises q = 1. Both products are the same in all axes of the plane. The layers share e, and
 their secant modulus is c T / e of what it is before they yield. Strains are logarithmic; loading is
@@ -80,6 +80,6 @@ def _tension(material: Material, c: float, strain: float) -> float:
     low, high, tension = 0.0, 2.0 * strain / q, 0.0
     for _ in range(_HALVINGS):
         p = 0.5 * (low + high)
-        tension = (float(material.hardening.stress(p)) + material.kinematic * p) / q
+        tension = float(material.hardening.stress(p)) / q
         low, high = (low, p) if c * tension + 0.5 * q * p > strain else (p, high)
     return tension

@@ -26,7 +26,7 @@ from shellcut.arrays import Floats
 from shellcut.formats.errors import FileError, naming
 from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.elastic import Elastic
-from shellcut.material.hardening import Hardening, Linear, Swift, Table, Voce
+from shellcut.material.hardening import Linear, Swift, Table, Voce
 from shellcut.material.hardening_points import fewer_points
 from shellcut.material.hencky import Hencky
 from shellcut.material.material import Material
@@ -81,8 +81,8 @@ def read_hardening(
         0.01,22.4
 
     Columns are known by the words strain and stress in their headings; without headings the first
-    two are taken. More points than a law may have are thinned. FileError if columns or units are
-    not known, or the values are no hardening curve.
+    two are taken. Of more than 24 points those are left that keep the shape. FileError if columns
+    or units are not known, or the values are no hardening curve.
     """
     table = read_number_table(path)
     (strain_at, strain_unit), (stress_at, stress_unit) = _columns(table, Path(path))
@@ -161,7 +161,6 @@ _LAYER = {
     **_optional(Table, "no table", hardening_strain="plastic_strain", hardening_stress="stress"),
     **_optional(read_hardening, "no table", hardening_file="path"),
     **keys_of(Plastic, "r_values"),
-    **_optional(Plastic, "0", kinematic_modulus="kinematic"),
     **_optional(CowperSymonds, "no effect", **{f"cowper_symonds_{n}": n for n in _COWPER_SYMONDS}),
     **_optional(JohnsonCook, "no effect", johnson_cook_rate="rate", johnson_cook_factor="factor"),
     **keys_of(Orthotropic, "angle_deg"),
@@ -253,7 +252,6 @@ def material_of(keys: Section) -> Material:
             moduli or Elastic(1.0, 0.3, 1e-9),  # already refused, see the other keys
             hardening or Linear(1.0),
             r_values=keys.r_values,
-            kinematic=keys.kinematic_modulus or 0.0,
             rate=rate,
             angle_deg=keys.angle_deg,
         ),
@@ -303,11 +301,11 @@ def _moduli(keys: Section, law: Constructor) -> Elastic | Orthotropic:
     return made
 
 
-def _hardening(keys: Section, group: tuple[str, ...]) -> Hardening:
+def _hardening(keys: Section, group: tuple[str, ...]) -> Table:
     law = keys.of.keys[group[0]].owner
     if law is Voce and keys.saturation_gain is None and keys.saturation_strain is None:
         law, group = Linear, group[:2]
-    made: Hardening = _made_of(keys, law, group)
+    made: Table = _made_of(keys, law, group)
     return made
 
 

@@ -3,7 +3,8 @@
 In a monotonic path the stress is the hardening curve itself: with the equivalent stress q and the
 plastic strain ε - q/E' of the path, q = sigma_y(p), exactly and in one step or many.
 
-Source: closed form; the same for all kinds of hardening.
+Source: closed form; the same for all kinds of hardening. The yield stress of Swift's and Voce's law
+is that of a table, itself compared with the formula.
 """
 
 import numpy as np
@@ -20,10 +21,20 @@ LAWS = {
     "Voce": Voce(15.0, 20.0, 0.1, 5.0),
     "table": Table((0.0, 0.02, 0.2, 1.5), (15.0, 20.0, 30.0, 55.0)),
 }
+FORMULAE = {
+    "linear": lambda p: 15.0 + 40.0 * p,
+    "Swift": lambda p: 50.0 * (0.002 + p) ** 0.25,
+    "Voce": lambda p: 15.0 + 20.0 * (1.0 - np.exp(-p / 0.1)) + 5.0 * p,
+}
 
 
 def checks() -> list[Check]:
     rows = []
+    p = np.append(0.0, np.geomspace(1e-8, 5.0, 5000))
+    for name, formula in FORMULAE.items():
+        far = float(np.abs(LAWS[name].stress(p) / formula(p) - 1.0).max())
+        text = f"yield stress over the formula's, {name}, farthest from 1"
+        rows.append(Check(text, 0.0, far, 1e-4, "points of the table", absolute=True))
     for name, hardening in LAWS.items():
         film = Plastic(Elastic(E, NU, 1e-9), hardening)
         for steps in (1, 50):
