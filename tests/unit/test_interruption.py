@@ -354,7 +354,7 @@ def test_a_hundred_interrupts_at_random_moments_end_in_the_same_way(tmp_path, co
             text=True,
             start_new_session=True,
         )
-        while not begun.exists():  # not while Python itself starts
+        while process.poll() is None and not begun.exists():  # Python itself starts
             time.sleep(1e-3)
         time.sleep(start * chance.uniform(0.05, 2.5))
         os.killpg(process.pid, signal.SIGINT)
