@@ -265,7 +265,7 @@ def advance(sim, way=WAY):
     segment = CrackPath(free.cuts.topology, sim.shell).segment_from(
         sim.state, tip, way, None, free.tips
     )
-    free._advance(sim.state, tip, segment, "criterion", 1.0)
+    free.growth.along(sim.state, tip, segment, "criterion", 1.0)
 
 
 @pytest.mark.parametrize(("beside", "joins"), [(0.2, True), (0.3, True), (0.45, False)])

@@ -27,7 +27,7 @@ def segment_cut(rise=0.3):
     free = sim.cracks
     (tip,) = free.tips
     segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
-    free._advance(sim.state, tip, segment, "criterion", 1.0)
+    free.growth.along(sim.state, tip, segment, "criterion", 1.0)
     return sim, segment
 
 
@@ -131,7 +131,7 @@ def test_a_segment_that_opens_nowhere_is_held_and_its_fibres_rest():
     ways = [np.array([sign, 0.1, 0.0]) for sign in (-1.0, 1.0)]
     path = CrackPath(free.cuts.topology, sim.shell)
     back, ahead = (path.segment(s, row, (0.0, 0.0), way) for way in ways)
-    free._through(s, back, ahead, "puncture", 1.0)
+    free.growth.through(s, back, ahead, "puncture", 1.0)
     free.cuts.renew(s)
     assert s.n_cable == 6
     assert not s.node.real[s.flank.node[: s.flank.count]].any()

@@ -257,7 +257,7 @@ def test_cables_slide_as_the_film_does_where_they_are(rise, fibres):
         (tip,) = free.tips
         path = CrackPath(free.cuts.topology, sim.shell)
         segment = path.segment_from(state, tip, tip.heading)
-        free._advance(state, tip, segment, "criterion", 1.0)
+        free.growth.along(state, tip, segment, "criterion", 1.0)
     stretch = np.array([[1.1, 0.2, 0.0], [-0.1, 0.95, 0.0], [0.3, 0.1, 1.0]])
     drawn(state, stretch)
     film, c = sim.shell.reference, state.cable

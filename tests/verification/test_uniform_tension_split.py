@@ -62,7 +62,7 @@ def _split_middle_row(sim: sc.Simulation, mesh: sc.Mesh) -> list[float]:
     row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9)
     start, *_, end = row[np.argsort(mesh.nodes[row, 1])].tolist()
     assert sim.cracks is not None
-    sim.cracks.tips = [Tip((start, start), 0.0, -1, np.array([0.0, 1.0, 0.0]))]
+    sim.cracks.growth.tips = [Tip((start, start), 0.0, -1, np.array([0.0, 1.0, 0.0]))]
     while sim.cracks.tips:
         sim.cracks.cut_due(sim.state, sim.pose)
     log = sim.state.split_log

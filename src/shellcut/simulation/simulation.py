@@ -20,6 +20,7 @@ from shellcut.contact.sheet_contact import PointContact, SelfContact
 from shellcut.contact.unfelt_depth import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
+from shellcut.fracture.notch import cut_notch
 from shellcut.fracture.options import Fracture
 from shellcut.loads.film_motion import FilmMotion, in_film
 from shellcut.loads.loads import Load, LoadSet
@@ -405,7 +406,7 @@ class Simulation:
             )
         if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")
-        self.cracks.notch(self.state, points_of_notch(points))
+        cut_notch(self.cracks.growth, self.state, points_of_notch(points))
 
     @checked
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:

@@ -1,0 +1,84 @@
+"""A notch: a film is cut along a line before the run."""
+
+from __future__ import annotations
+
+import itertools
+
+from shellcut.arrays import Floats
+from shellcut.state import NOTCH, State
+
+from .growth import Growth
+from .notch_line import NotchLine, row_at
+from .quad_polygon import WHOLE
+from .tip import Place, Tip
+
+
+def cut_notch(growth: Growth, state: State, points: Floats) -> None:
+    """Cut the film along a line through points, see :meth:`.Simulation.notch`.
+
+    points : (n, 3) [mm].
+    """
+    path, line, before = growth.path, NotchLine(points), len(state.split_log)
+    tip = _slit(growth, state, line)
+    for start, stop in itertools.pairwise(points):
+        # The line may have more than its first point before the rim.
+        tip = tip or path.rim_tip(state, start, stop)
+        if tip is not None or row_at(state, stop) is not None:
+            break
+    if tip is None:
+        raise ValueError(
+            f"a notch must begin within a quad or at the rim, but its line from "
+            f"{points[0].tolist()} to {stop.tolist()} mm begins on a side of quads or crosses "
+            "no side of the rim: move its first point"
+        )
+    going: Tip | None = tip
+    at: Place | None = None
+    while going is not None and (ahead := path.rows_ahead(going)):
+        at = path.place_in(state, *ahead[0])
+        here = path.at_tip(going, state.node.X)
+        quads = state.node.X[state.quads[[row for row, _ in ahead]]]
+        way, lean = line.direction(here, at, quads)
+        segment = path.segment_from(state, going, way, lean, growth.tips)
+        if segment is None:
+            break
+        cut = growth.cut(state, segment, NOTCH, 0.0)
+        going = growth.tip_after(state, segment, cut, 1, going.heading)
+        if going is None:
+            break
+        there, at_cut = path.at_tip(going, state.node.X), going.flank is not None
+        if line.ends(there, cut.length, at_cut=at_cut):
+            growth.tips.append(going)
+            return
+    if len(state.split_log) == before:
+        raise ValueError(
+            f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
+            "leaves it there: move its first point into the film, off the sides of quads"
+        )
+    further = None if at is None else line.point_ahead(at.size)
+    if further is not None and row_at(state, further) is not None:
+        raise ValueError(
+            f"a notch must be a line that quads can follow, got one from {points[0].tolist()} "
+            f"mm that ends after {here.tolist()} mm although its line goes on in the film: it "
+            "turns too sharply there, or comes to a hole or a cut; take a finer mesh, round "
+            "the corner, or notch the rest by itself"
+        )
+
+
+def _slit(growth: Growth, state: State, line: NotchLine) -> Tip | None:
+    """Cut the quad in which a notch within the film begins; return the tip where it goes on."""
+    path, found = growth.path, row_at(state, line.start)
+    if found is None or growth.cuts.topology.polygon(found[0]) != WHOLE:
+        return None
+    row, place = found
+    at = path.place_in(state, row, place)
+    way, lean = line.direction(line.start, at, state.node.X[state.quads[[row]]])
+    back, ahead = (path.segment(state, row, place, w, lean) for w in (-way, way))
+    if back is None or ahead is None:
+        return None
+    cut = growth.through(state, back, ahead, NOTCH)
+    if cut is None:
+        return None
+    behind = growth.tip_after(state, back, cut, 0, -cut.heading)
+    if behind is not None:
+        growth.tips.append(behind)
+    return growth.tip_after(state, ahead, cut, 1, cut.heading)
