@@ -55,13 +55,14 @@ def _let_go(i: int, dt: float, tables: ContactTables) -> float:
 def _side_of_ends(i: int, tables: ContactTables) -> tuple[bool, int]:
     """Return whether the ends of an edge may lie on one side of the blade, and which.
 
-    While a place on it is inside it keeps its side, unless an end has got the other one.
+    While a place on it is inside it keeps its side, or none, unless an end has got the other one.
     """
     node, side, memory = tables.carriers.node, tables.nodes.contact_side, tables.memory
     a, b, row = int(side[node[i, 0]]), int(side[node[i, 1]]), memory.row[i]
     lies = a if a != 0 else b
-    if lies == 0 and memory.depth[row] > 0.0:
-        lies = int(memory.side[row])
+    had = int(memory.side[row])
+    if memory.depth[row] > 0.0 and had * lies >= 0:
+        lies = had
     return a * b >= 0, lies
 
 
