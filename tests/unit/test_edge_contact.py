@@ -242,6 +242,21 @@ def test_an_edge_whose_ends_are_on_both_sides_does_not_press():
     assert t.forces.stored == 0.0
 
 
+def test_an_edge_inside_keeps_its_side_until_an_end_gets_the_other_one():
+    sim = one_quad(quad_with(np.array([-0.05, -0.4, 0.0]), np.array([-0.05, 0.6, 0.0])))
+    evaluated(sim)
+    t, side = term(sim), sim.state.node.contact_side
+    memory = t.tables.table.memory
+    inside = memory.depth > 0.0
+    assert inside.any()
+    for had in (-1, 1):
+        for ends, wanted in (((0, 0), had), ((had, 0), had), ((0, -had), -had)):
+            memory.side[inside] = had
+            side[sim.corners[:2]] = ends
+            t.add_forces(sim.state, t._pose)
+            assert (memory.side[inside] == wanted).all()
+
+
 # ---------------------------------------------------------------- runs
 
 
