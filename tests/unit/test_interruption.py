@@ -359,6 +359,6 @@ def test_a_hundred_interrupts_at_random_moments_end_in_the_same_way(tmp_path, co
         time.sleep(start * chance.uniform(0.05, 2.5))
         os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=120)
-        wrong = "Traceback" in said or "ignored" in said
-        ends.append((process.returncode, said if wrong else ""))
-    assert [end for end in ends if end != (130, "")] == []
+        wrong = process.returncode != 130 or "Traceback" in said or "ignored" in said
+        ends += [(k, process.returncode, said)] if wrong else []
+    assert ends == []
