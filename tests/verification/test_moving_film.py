@@ -153,8 +153,9 @@ def compare(found, wanted, round_it):
     sums = ("torque_integral", "axial_force_integral") if round_it else ("force_integral",)
     for name in sums:
         whole = g[name][-1] if name in g else work
-        # The axial force of this blade is none.
-        np.testing.assert_allclose(h[name][-1], whole, rtol=5e-3, atol=5e-3 * work, err_msg=name)
+        # The axial force of this blade is none: what is left is compared with the work.
+        off = 5e-3 * work if name.startswith("axial") else 0.0
+        np.testing.assert_allclose(h[name][-1], whole, rtol=5e-3, atol=off, err_msg=name)
     s, t = one.summary, other.summary
     if not round_it:  # the bent strip swings: instants, and lines close to their limit, differ
         np.testing.assert_allclose(s["force_peak_N"], t["force_peak_N"], rtol=0.05)

@@ -39,7 +39,6 @@ _COMMANDS = (
 )
 """A file each, whose text is the help: in one line, at length, and an example."""
 _RUNS = ("run", "resume")
-_GONE = {"--vary", "--free", "--bounds"}
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
 """Commands that show figures, in units of the user's choice."""
 
@@ -51,8 +50,6 @@ class _Parser(argparse.ArgumentParser):
         keys = [word for word in words if "=" in word and not word.startswith("-")]
         if message.startswith("unrecognized arguments") and keys:
             message += f"; keys of the model are set by --set {' --set '.join(keys)}"
-        if _GONE.intersection(word.partition("=")[0] for word in words):
-            message += "; a key that varies has a range or several values: --set KEY=LOW:HIGH"
         super().error(message)
 
 
