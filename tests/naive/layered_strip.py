@@ -25,8 +25,8 @@ def moduli(material):
         shear = [0.5 * e1 / (1 + nu)] * 3
         angle = 0.0
     else:
-        e1, e2, nu = material.young_along, material.young_across, material.poisson
-        through = nu if material.poisson_through is None else material.poisson_through
+        e1, e2 = material.young_along, material.young_across
+        nu = through = material.poisson
         shear = material.shear_through_across, material.shear_through, material.shear
         shear = [one or material.shear for one in shear]
         angle = np.radians(material.angle_deg)

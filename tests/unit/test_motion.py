@@ -70,7 +70,7 @@ def test_pose_is_a_rotation_and_twist_and_speed_are_its_rate(motion, scale, part
 
 class TestScrew:
     def test_a_screw_reaches_its_angle_and_advances_by_its_pitch(self):
-        screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0, ramp_fraction=0.03)
+        screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0)
         assert screw.coordinate(DURATION) == pytest.approx(np.radians(95.0), rel=1e-14)
         assert screw.ramp == pytest.approx(0.03 * DURATION)
         # the ramp covers half of its part

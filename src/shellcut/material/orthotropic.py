@@ -97,10 +97,6 @@ class Orthotropic(Material):
         float | None,
         Option("MPa", "G_13, transverse shear along young", above=0, unset="shear"),
     ] = None
-    poisson_through: Annotated[
-        float | None,
-        Option("", "ν_13 = ν_23 of the thinning", above=-1, below=1, unset="that of the plane"),
-    ] = None
     angle_deg: Annotated[float, Option("deg", "from the film's direction to axis 1")] = 0.0
     shear_through_across: Annotated[
         float | None,
@@ -143,8 +139,10 @@ class Orthotropic(Material):
         return mean * np.eye(2) + half * np.array([[c, s], [s, -c]])
 
     def thickness_slope(self) -> Floats:
-        """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12), in the film's axes."""
-        through = self.poisson if self.poisson_through is None else self.poisson_through
-        by_stress = through * np.array([1.0 / self.young_along, 1.0 / self.young_across, 0.0])
+        """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12), in the film's axes.
+
+        The film thins by the ratio of the plane, ν_13 = ν_23 = ν_12.
+        """
+        by_stress = self.poisson * np.array([1.0 / self.young_along, 1.0 / self.young_across, 0.0])
         in_axes = product(by_stress, inverse(self.compliance()))
         return np.asarray(product(in_axes, strain_turn(self.angle_deg)))

@@ -61,6 +61,8 @@ _LARGEST_TURN = 3.0
 # Largest number of halvings of a step before the path is abandoned.
 _MOST_HALVINGS = 10
 _SMALLEST_SHARE = 0.5**_MOST_HALVINGS
+# Equilibria of an arc length path before the user is asked to call again.
+_MOST_STEPS = 200
 # Relative difference of load factors that are one.
 _SAME_FACTOR = 1e-12
 
@@ -148,7 +150,6 @@ class LoadPath:
         first: float,
         until: Callable[[Equilibrium], bool],
         n_wanted: int,
-        most_steps: int,
         longest: float,
     ) -> list[Equilibrium]:
         """Follow the path, as :meth:`shellcut.Statics.arc_length`."""
@@ -162,7 +163,7 @@ class LoadPath:
             self._newton(self.factor)
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
-        while len(path) < most_steps:
+        while len(path) < _MOST_STEPS:
             last, used, length = self._arc_step_by_halves(first, length, last)
             self._say_change(start, _AFTER_ARC)
             start = self._position()

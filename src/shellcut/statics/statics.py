@@ -190,7 +190,6 @@ class Statics:
         *,
         until: Callable[[Equilibrium], bool],
         n_wanted: Annotated[int, Option("", "iterations per step", least=1)] = 5,
-        most_steps: Annotated[int, Option("", "of the path", least=1)] = 200,
         longest: Annotated[float, Option("", "arc length over the first", least=1)] = 5.0,
     ) -> list[Equilibrium]:
         """Follow the load path by arc length, through limit points.
@@ -203,7 +202,8 @@ class Statics:
         Parameters
         ----------
         until : callable
-            Receives each equilibrium; the path ends when it returns true.
+            Receives each equilibrium; the path ends when it returns true, or after 200 steps: call
+            again to go on.
 
         Raises
         ------
@@ -214,7 +214,7 @@ class Statics:
         """
         if first == 0:
             raise ValueError("first must be a number other than 0, got 0")
-        return self._path.arc_length(first, until, n_wanted, most_steps, longest)
+        return self._path.arc_length(first, until, n_wanted, longest)
 
     def modes(self, n: int, *, true_inertia: bool = True) -> Modes:
         """Return the ``n`` lowest free vibrations about the present state, unstable ones first.

@@ -33,6 +33,9 @@ from .pose import Pose
 
 _ORIGIN = (0.0, 0.0, 0.0)
 
+# Of its duration, over which the speed of :meth:`ScrewMotion.over` rises.
+_RAMP = 0.03
+
 
 @runtime_checkable
 class Motion(Protocol):
@@ -121,18 +124,18 @@ class ScrewMotion:
             float, Option("s", "of the run; the motion continues at its speed afterwards", above=0)
         ],
         pitch: Pitch = 0.0,
-        ramp_fraction: Annotated[
-            float, Option("", "part of the duration over which the speed rises", least=0, most=1)
-        ] = 0.03,
         axis: Axis = (0.0, 0.0, 1.0),
         axis_point: AxisPoint = (0.0, 0.0, 0.0),
         advance: Advance = None,
     ) -> ScrewMotion:
-        """Return the screw that has turned by ``angle_deg`` exactly at ``duration``."""
+        """Return the screw that has turned by ``angle_deg`` exactly at ``duration``.
+
+        Its speed rises over the first 3 % of the duration.
+        """
         return cls(
-            angular_speed=radians(angle_deg) / (duration * (1.0 - 0.5 * ramp_fraction)),
+            angular_speed=radians(angle_deg) / (duration * (1.0 - 0.5 * _RAMP)),
             pitch=pitch,
-            ramp=ramp_fraction * duration,
+            ramp=_RAMP * duration,
             axis=axis,
             axis_point=axis_point,
             advance=advance,
