@@ -92,9 +92,9 @@ def segment_from(
 
     lean : of the plane in which it lies, see :func:`segment`.  others : tips that it may join.
     """
-    ahead = path.rows_ahead(tip)
+    ahead = path.film.rows_ahead(tip)
     for row, entry in ahead:
-        ends = path.oncoming(row, entry, tip.heading, others)
+        ends = path.film.oncoming(row, entry, tip.heading, others)
         joined = to_an_end(path, state, row, entry, direction, lean, ends) if ends else None
         if joined is not None:
             return joined
@@ -110,7 +110,7 @@ def segment(path, state, row, entry, direction, lean=None):
     direction and the director, from which it leans by ``lean``, shape (3,). None where the
     direction leads out of the polygon, unless it grazes the side on which it begins.
     """
-    polygon = path.topology.polygon(row)
+    polygon = path.film.topology.polygon(row)
     ray = _ray(path, state, row, entry, polygon.points, direction, lean)
     if ray is None:
         return None
@@ -121,7 +121,7 @@ def segment(path, state, row, entry, direction, lean=None):
     i, along = hit
     j = (i + 1) % len(polygon.points)
     side, a, b = polygon.sides[i], polygon.points[i], polygon.points[j]
-    size = path.size(row)
+    size = path.film.size(row)
     for k in (i, j) if abs(off[i]) <= abs(off[j]) else (j, i):
         end = polygon.points[k]
         corner = corner_at(end)
@@ -133,7 +133,7 @@ def segment(path, state, row, entry, direction, lean=None):
         if on == FLANK and abs(off[k]) < FLAT * ahead[k]:
             return None  # there is a crack already
         start = corner_at(entry)
-        if corner >= 0 and start >= 0 and on != FLANK and path.may_break(row, start, corner):
+        if corner >= 0 and start >= 0 and on != FLANK and path.film.may_break(row, start, corner):
             return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)
     if side == FLANK:
         exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
@@ -141,10 +141,10 @@ def segment(path, state, row, entry, direction, lean=None):
     s_a, s_b = along_side(side, a), along_side(side, b)
     s = s_a + min(max(along, CORNER), 1.0 - CORNER) * (s_b - s_a)
     places = [on_side(side, s)]
-    ring = path.ring(row)
+    ring = path.film.ring(row)
     x = state.node.x[state.quads[row]]
     reach = MERGE * size / float(np.linalg.norm(x[(side + 1) % 4] - x[side]))
-    for known in path.topology.crossings(ring[side], ring[(side + 1) % 4]):
+    for known in path.film.topology.crossings(ring[side], ring[(side + 1) % 4]):
         if abs(known - s) < reach and holds(polygon, on_side(side, known)):
             places.insert(0, on_side(side, known))
     for place in places:
@@ -174,11 +174,11 @@ def to_an_end(path, state, row, entry, direction, lean, ends):
 
     None if there is none ahead within ``JOIN``.
     """
-    polygon = path.topology.polygon(row)
+    polygon = path.film.topology.polygon(row)
     ray = _ray(path, state, row, entry, [end.place for end in ends], direction, lean)
     if ray is None:
         return None
-    nearest, found = JOIN * path.size(row), None
+    nearest, found = JOIN * path.film.size(row), None
     for end, off, ahead in zip(ends, *ray, strict=True):
         if abs(off) < nearest and ahead > 0.0:
             side = polygon.sides[end.edge]
@@ -195,7 +195,7 @@ def _past_a_corner(path, row, entry, off, ahead):
     off, ahead : (n_point,), of the polygon's points from the entry: beside the ray and along it
     [mm].
     """
-    polygon, ring = path.topology.polygon(row), path.ring(row)
+    polygon, ring = path.film.topology.polygon(row), path.film.ring(row)
     points, n = polygon.points, len(polygon.points)
     on = [i for i in range(n) if is_on(entry, points[i], points[(i + 1) % n])]
     if len(on) != 1 or polygon.sides[on[0]] == FLANK:
@@ -209,7 +209,7 @@ def _past_a_corner(path, row, entry, off, ahead):
             continue
         s_a, s_b = (along_side(side, points[i % n]) for i in (edge, edge + 1))
         s = s_a + along * (s_b - s_a)
-        known = path.topology.crossings(ring[side], ring[(side + 1) % 4])
+        known = path.film.topology.crossings(ring[side], ring[(side + 1) % 4])
         if all(abs(one - s) >= CORNER for one in known):
             return Segment(row, entry, on_side(side, s), side, -1)
     return None
@@ -236,6 +236,6 @@ def _first_edge(polygon, entry, off, ahead):
 
 def place_of(path, state, tip):
     """Return where a tip is, and in which direction it came, of any length."""
-    (row, entry), *_ = path.rows_ahead(tip)
-    forward = path.carried_on(row, entry, tip.heading)
-    return path.place_in(state, row, entry), forward @ state.node.x[state.quads[row]]
+    (row, entry), *_ = path.film.rows_ahead(tip)
+    forward = path.film.carried_on(row, entry, tip.heading)
+    return path.film.place_in(state, row, entry), forward @ state.node.x[state.quads[row]]

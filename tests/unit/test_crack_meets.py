@@ -7,11 +7,13 @@ from free_strip import cut_strip, pieces_of, slanted_strip
 from naive import blade_drive
 from shellcut import Mesh, StraightMotion, load_checkpoint, save_checkpoint
 from shellcut.contact.settings import STEEPEST
+from shellcut.fracture.begun_cut import Begun, Pierced
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.drawn_film import DrawnFilm
+from shellcut.fracture.entered_film import EnteredFilm
 from shellcut.fracture.flank_points import hand_on_stiffness
-from shellcut.fracture.pierce import Begun, Pierce
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
@@ -47,13 +49,13 @@ def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
     """The tip came from below; its ray leaves the quad above by less or more than a graze."""
     sim = cut_strip(mesh=aligned(), notched=False)
     path, tip = (
-        CrackPath(sim.cracks.cuts.topology, sim.shell),
+        CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell)),
         at_side(sim, start_of(sim) + 2.0, 0.6),
     )
     segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
     assert (segment is not None) == passes
     if passes:
-        place = path.at_tip(path.tip_at(segment, FORWARD), sim.state.node.X)
+        place = path.film.at_tip(path.tip_at(segment, FORWARD), sim.state.node.X)
         # On the side beyond the corner, by as much as corners are kept clear.
         corner = [start_of(sim) + 2.4, 0.0, 0.0]
         np.testing.assert_allclose(place - corner, [0.0, SNAP * 0.4, 0.0], atol=1e-12)
@@ -65,7 +67,7 @@ def test_a_ray_along_its_own_side_does_not_end_where_a_crack_crosses_that_side(t
     sim = cut_strip(mesh=aligned(turned), notched=False)
     x = start_of(sim) + 2.0
     sim.notch((x + 0.2, -0.9, 0.0), (x + 0.2, 0.9, 0.0))
-    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
+    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
     assert path.segment_from(sim.state, at_side(sim, x, 0.2), FORWARD) is None
 
 
@@ -262,7 +264,7 @@ def on_one_side(beside, way=WAY):
 def advance(sim, way=WAY):
     """Advance the crack that comes last to the node."""
     free, tip = sim.cracks, sim.cracks.tips[-1]
-    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(
+    segment = CrackPath(CutFilm(free.cuts.topology, sim.shell)).segment_from(
         sim.state, tip, way, None, free.tips
     )
     free.growth.along(sim.state, tip, segment, "criterion", 1.0)
@@ -344,7 +346,8 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     sim.notch((7.0, middles[row, 1] + 0.06, 0.0), (right + 0.01, middles[row, 1] + 0.06, 0.0))
     (there,) = free.at_tips(sim.mesh.nodes)
     assert there[0] == pytest.approx(right, abs=0.1)
-    monkeypatch.setattr(Pierce, "found", lambda *_: [Begun(row, (0.0, 0.0), 0, 1.0)])
+    begun = Begun(row, (0.0, 0.0), 0, Pierced(measure=1.0, force=0.0, delay=0.0, depth=0.0))
+    monkeypatch.setattr(EnteredFilm, "found", lambda *_: [begun])
     free.cut_due(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]

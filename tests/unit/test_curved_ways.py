@@ -8,6 +8,7 @@ from curved_films import Roll, moved
 from naive.crack_path import place_of
 from shellcut.contact.film_outline import first_at_places
 from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
 from shellcut.fracture.tip import Tip
@@ -45,7 +46,7 @@ def inner_tips(sim, roll):
 @pytest.mark.parametrize("radius", [1e9, 4.0])
 def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
     sim, roll, _ = rolled(30.0, radius)
-    path, tips = CrackPath(sim.cracks.cuts.topology, sim.shell), inner_tips(sim, roll)
+    path, tips = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell)), inner_tips(sim, roll)
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     for tip in tips:
         at, heading = place_of(path, sim.state, tip)
@@ -74,7 +75,7 @@ def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_de
     ahead = mesh.nodes[:, 0] > 2.5
     x = sim.state.node.x
     x[: mesh.n_node][ahead] = mesh.nodes[node] + (mesh.nodes[ahead] - mesh.nodes[node]) @ fold.T
-    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
+    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
     _, forward = place_of(path, sim.state, tip)
     np.testing.assert_allclose(forward, fold @ heading, atol=1e-12)
     # A way along the film ahead is found in a row ahead.
@@ -94,10 +95,9 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     node.x[: len(x)], node.t[: len(t)] = x, t
     _, vectors = np.linalg.eigh(stretch)
     across = vectors[:, 0] * np.sign(vectors[0, 0])
-    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
+    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
     # Above the strength the stress decides alone.
-    topology = sim.cracks.cuts.topology
-    free = FreeDirection(sim.shell, topology, path, sc.CohesiveLaw(strength=12.0))
+    free = FreeDirection(sim.shell, path.film, sc.CohesiveLaw(strength=12.0))
     for tip in inner_tips(sim, roll):
         at, _ = place_of(path, sim.state, tip)
         way = next(free.ways(sim.state, tip))

@@ -8,6 +8,7 @@ from free_strip import cut_strip
 from naive.cable import straight
 from naive.shell import shape
 from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.quad_polygon import divide
 from shellcut.fracture.tip import Segment
@@ -26,7 +27,9 @@ def segment_cut(rise=0.3):
     sim.notch((rim - 1.0, y, 0.0), (rim + NOTCH, y, 0.0))
     free = sim.cracks
     (tip,) = free.tips
-    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
+    segment = CrackPath(CutFilm(free.cuts.topology, sim.shell)).segment_from(
+        sim.state, tip, tip.heading
+    )
     free.growth.along(sim.state, tip, segment, "criterion", 1.0)
     return sim, segment
 
@@ -129,7 +132,7 @@ def test_a_segment_that_opens_nowhere_is_held_and_its_fibres_rest():
     middles = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     row = int(np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin())
     ways = [np.array([sign, 0.1, 0.0]) for sign in (-1.0, 1.0)]
-    path = CrackPath(free.cuts.topology, sim.shell)
+    path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
     back, ahead = (path.segment(s, row, (0.0, 0.0), way) for way in ways)
     free.growth.through(s, back, ahead, "puncture", 1.0)
     free.cuts.renew(s)

@@ -7,6 +7,7 @@ from naive import cases
 from shellcut import CohesiveLaw, Fracture, Pressure, Simulation, StraightMotion, Support
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cracks import Cracks
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.side_tears import SideTears
 from shellcut.fracture.trial_cut import TrialCut
 from shellcut.loads.loads import LoadSet
@@ -86,8 +87,8 @@ def test_common_acceleration_pulls_nothing_apart():
     topology = cracks.cuts.topology
     trial = TrialCut(topology, shell, LoadSet(mesh, loads), STRENGTH)
     (tip,) = cracks.tips
-    path = CrackPath(topology, shell, sides_only=True)
-    due = SideTears(shell, path, trial, STRENGTH, fracture).best(state, tip, [tip])
+    path = CrackPath(CutFilm(topology, shell, sides_only=True))
+    due = SideTears(shell, path.film, trial, STRENGTH, fracture).best(state, tip, [tip])
     assert abs(due.measure) < 1e-12
 
 

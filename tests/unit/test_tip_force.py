@@ -9,6 +9,7 @@ from naive import cases
 from naive.shell import shape
 from page_tables import numbers_of, row, shown_as, table
 from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.sheet_stress import sheet_stress
 from shellcut.fracture.tip_domain import TipDomain
@@ -255,7 +256,7 @@ def test_cables_slide_as_the_film_does_where_they_are(rise, fibres):
     free, state = sim.cracks, sim.state
     for _ in range(2):
         (tip,) = free.tips
-        path = CrackPath(free.cuts.topology, sim.shell)
+        path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
         segment = path.segment_from(state, tip, tip.heading)
         free.growth.along(state, tip, segment, "criterion", 1.0)
     stretch = np.array([[1.1, 0.2, 0.0], [-0.1, 0.95, 0.0], [0.3, 0.1, 1.0]])
@@ -352,8 +353,8 @@ def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     sim = pressed_strip(sc.Pressure(PRESSURE))
     (tip,) = sim.cracks.tips
     topology = sim.cracks.cuts.topology
-    path = CrackPath(topology, sim.shell)
-    direction = FreeDirection(sim.shell, topology, path, sim.law)
+    path = CrackPath(CutFilm(topology, sim.shell))
+    direction = FreeDirection(sim.shell, path.film, sim.law)
     way = next(direction.ways(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load
 

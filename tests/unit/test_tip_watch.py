@@ -9,11 +9,10 @@ import pytest
 import shellcut as sc
 from free_strip import cut_strip, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
-from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.pierce import Pierce, PierceLimits, parts_quad
-from shellcut.fracture.puncture import Puncture
+from shellcut.fracture.cut_film import CutFilm
+from shellcut.fracture.entered_film import EnteredFilm, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
 from shellcut.fracture.rows_ahead import table_of
@@ -31,7 +30,7 @@ class Rules:
 
     def __init__(self, sim):
         self.sim, self.topology = sim, sim.cracks.cuts.topology
-        self.path = CrackPath(self.topology, sim.shell)
+        self.path = CrackPath(CutFilm(self.topology, sim.shell))
         self.film = trial_cut.Film(self.topology, sim.shell, sim.loads, sim.law.strength)
         self.watch = TipWatch(
             self.path, trial_of(sim), BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
@@ -132,8 +131,8 @@ def test_each_of_several_crossings_of_one_side_is_met():
     (above,) = (q for q, ring in enumerate(rings) if ring[:2] == [left, right])
     for share in shares:
         at = 2.0 * share - 1.0
-        path.topology.cut(above, (at, -1.0), (at, 1.0))  # the row keeps what is to the right
-    assert sorted(path.topology.crossings(left, right)) == pytest.approx(shares)
+        path.film.topology.cut(above, (at, -1.0), (at, 1.0))  # the row keeps what is to the right
+    assert sorted(path.film.topology.crossings(left, right)) == pytest.approx(shares)
     (under,) = (q for q, ring in enumerate(rings) if ring[2:] == [far_right, far_left])
     ends = min(far_left, far_right), max(far_left, far_right)
     tip, met = Tip(ends, 0.5, under, np.array([0.0, 1.0, 0.0])), set()
@@ -184,14 +183,14 @@ def test_chords_part_whole_quads_as_the_rules_say():
     s, path = sim.state, Rules(sim).path
     at_flank = s.node.halved[s.quads].any(axis=1)
     whole = np.flatnonzero((s.quad.share[: s.n_quad] == 1.0) & ~at_flank)
-    quad, chord = table_of(s, path, [(int(whole[0]), (0.0, 0.0))], [()]), Aimed.of(2)
+    quad, chord = table_of(s, path.film, [(int(whole[0]), (0.0, 0.0))], [()]), Aimed.of(2)
     s.node.x[: s.n_node, 2] = 0.1 * np.sin(s.node.x[: s.n_node, 0])
     for _ in range(3000):
         row = int(rng.choice(whole))
         place = tuple(np.clip(rng.uniform(-1.03, 1.03, 2), -0.999, 0.999).tolist())
         angle = rng.choice([0.0, 0.5 * np.pi, rng.uniform(0.0, np.pi)]) + rng.normal() * 0.02
         b = np.array([np.cos(angle), np.sin(angle), rng.uniform(-0.2, 0.2)])
-        normal, size = tuple(b.tolist()), path.size(row)
+        normal, size = tuple(b.tolist()), path.film.size(row)
         mine = parts_quad(quad, chord, s.node.x, s.node.t, s.quads, row, *place, normal, size)
         t = crack_path.shape_functions(place) @ s.node.t[s.quads[row]]
         trace = np.cross(t, b) / np.linalg.norm(np.cross(t, b))
@@ -269,10 +268,13 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     """The blade goes through film that nothing cuts and whose nodes wander."""
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, n, path = sim.state, sim.state.node, Rules(sim).path
-    drive = BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
-    limits = PierceLimits(Puncture.of(sim.shell.material, CohesiveLaw()), 1.0)
-    parts = s, path, drive, sim.shell, limits, None, sim.tool, sim.motion
-    kept, none = Pierce(*parts), np.zeros((0, 3))
+    edges, none = CuttingEdges.of(sim.tool), np.zeros((0, 3))
+
+    def fresh():
+        chain = sim.tool.edge_chain
+        return EnteredFilm(s, path.film, sim.shell, edges, chain, everywhere=True)
+
+    kept = fresh()
     dt = 2.6e-4 / 900
     for step in range(900):
         if step % 30 == 0:
@@ -282,7 +284,7 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
         pose = Pose.of(*sim.motion.pose(s.time))
         rows = kept.found(s, pose, none)
         if step % 5 == 0:
-            again = Pierce(*parts).found(s, pose, none)
+            again = fresh().found(s, pose, none)
             assert rows == again
             found += len(rows)
             a, b = pose.to_space(sim.tool.vertices[sim.tool.edges[0]])
@@ -321,7 +323,7 @@ def notched(rise):
     rim = mesh.nodes[:, 0].min()
     sim.notch((rim - 1.0, rise, 0.0), (rim + 2.2, rise, 0.0))
     (tip,) = sim.cracks.tips
-    path = CrackPath(sim.cracks.cuts.topology, sim.shell)
+    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
     return sim, tip, path.segment_from(sim.state, tip, tip.heading)
 
 

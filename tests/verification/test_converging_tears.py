@@ -15,6 +15,7 @@ import pytest
 import shellcut as sc
 from page_tables import row, shown_as
 from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.mesh.structured import rectangle
 from shellcut.state.pieces import Pieces
@@ -168,9 +169,9 @@ def test_a_tear_beside_a_fold_goes_where_energy_is_released():
     """The fold pulls along the tears: with that stress counted as the sheet's the lean is 0.7°."""
     sim, _, _ = fold_at_rest(0.5, 6.0)
     free = sim.cracks
-    path = CrackPath(free.cuts.topology, sim.shell)
-    tip = next(one for one in free.tips if path.at_tip(one, sim.state.node.X)[1] > 0.0)
-    direction = FreeDirection(sim.shell, free.cuts.topology, path, SHORT)
+    path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
+    tip = next(one for one in free.tips if path.film.at_tip(one, sim.state.node.X)[1] > 0.0)
+    direction = FreeDirection(sim.shell, path.film, SHORT)
     x, y, z = next(direction.ways(sim.state, tip))
     along, inward = force_on_a_tip(sim, 2.0)
     # The sheet is lifted at the tip, and its base with it: a degree; measured 6.6 and 7.5.

@@ -13,6 +13,7 @@ import shellcut as sc
 from curved_films import moved
 from naive import trial_cut
 from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.mesh.structured import cylinder, rectangle
 from tip_domains import at_tip, force_on
 
@@ -47,7 +48,9 @@ def test_a_trial_cut_finds_the_hoop_tension(rise, error):
     sim = slit_cylinder(3.2, rise, loads=[load], damping_beta=0.0)
     n, free = sim.state.node, sim.cracks
     (tip,) = free.tips
-    segment = CrackPath(free.cuts.topology, sim.shell).segment_from(sim.state, tip, tip.heading)
+    segment = CrackPath(CutFilm(free.cuts.topology, sim.shell)).segment_from(
+        sim.state, tip, tip.heading
+    )
     # Blow it up evenly, the slit closed, to where its nodes are at rest.
     off_ends = np.flatnonzero((np.abs(n.X[: n.count, 1]) < 2.5) & (n.mass[: n.count] > 0.0))
 

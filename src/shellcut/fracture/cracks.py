@@ -1,27 +1,33 @@
 """Cracks of a film: which of them are due in a step.
 
-Read :meth:`Cracks.cut_due` first. Each part has its file: where a crack goes (:mod:`.crack_path`),
-when it is due (:mod:`.trial_cut`), which tips a blade drives (:mod:`.blade_drive`, all at once
-:mod:`.tip_watch`), where the others run (:mod:`.free_direction`, along sides only
-:mod:`.side_tears`), where a cut begins (:mod:`.pierce`), how a crack grows and where its tips are
-then (:mod:`.growth`), the cut itself (:mod:`.cuts`), and notches before a run (:mod:`.notch`).
+Read :meth:`Cracks.cut_due` first. Each stage has its file:
+
+1. which tips have film ahead, which an edge drives (:mod:`.blade_drive`), and which of these are
+   due by the force at the tip (:mod:`.trial_cut`): :mod:`.tip_watch`;
+2. where the others run, and whether they are due: through quads (:mod:`.free_direction`), or along
+   sides (:mod:`.side_tears`);
+3. the segment through the row ahead, and the tip at its end: :mod:`.crack_path`, which asks the
+   film as it is cut (:mod:`.cut_film`);
+4. how a crack grows along a segment, and where tips are then (:mod:`.growth`), by a cut of the mesh
+   (:mod:`.cuts`);
+5. where a cut begins in whole film: :mod:`.pierce`.
+
+Notches before a run are cut by :mod:`.notch`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, product
+from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
@@ -30,13 +36,15 @@ from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
 from .crack_path import CrackPath
+from .cut_film import CutFilm
 from .cuts import Cuts
 from .free_direction import FreeDirection
 from .growth import Growth
 from .options import Fracture
-from .pierce import Begun, Pierce, PierceLimits
+from .pierce import Pierce
+from .pierce_limits import PierceLimits
 from .puncture import Puncture
-from .quad_polygon import WHOLE, corner_at
+from .quad_polygon import corner_at
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import Due, LargestStress, SideTears
 from .tip import Segment, Tip, restored_tips, saved_tips
@@ -77,17 +85,18 @@ class Cracks:
         points: PointContact | None = None,
         moved: FilmMotion | None = None,
     ) -> None:
-        film, fibres = fracture.anisotropy, fracture.fibres
+        anisotropy, fibres = fracture.anisotropy, fracture.fibres
         if fibres is None:
             fibres = BEFORE_AN_EDGE if tool is not None and tool.n_edge else AT_ENDS
-        self.cuts = Cuts(state, shell, law, film, loads=loads, fibres=fibres)
+        self.cuts = Cuts(state, shell, law, anisotropy, loads=loads, fibres=fibres)
         """Carries them out."""
         self._check_every = fracture.check_every
         self._shell, self._loads = shell, loads
         self._known = KnownTopology()
         topology = self.cuts.topology
-        self._path = CrackPath(topology, shell, sides_only=fracture.path == "edges")
-        self._trial = TrialCut(topology, shell, loads, law.strength, film)
+        self._film = CutFilm(topology, shell, sides_only=fracture.path == "edges")
+        self._path = CrackPath(self._film)
+        self._trial = TrialCut(topology, shell, loads, law.strength, anisotropy)
         self._sums = TrialSums(self._trial)
         self.growth = Growth(
             state, self.cuts, self._path, self._sums, exactly=fracture.equilibrium_start
@@ -96,10 +105,10 @@ class Cracks:
         self._sides: SideTears | None = None
         self.stress: LargestStress | None = None
         """Decides when cracks run, instead of the nodal force."""
-        if self._path.sides_only:
-            self._sides = SideTears(shell, self._path, self._trial, law.strength, fracture)
+        if self._film.sides_only:
+            self._sides = SideTears(shell, self._film, self._trial, law.strength, fracture)
             self.stress = self._sides.stress
-        self._direction = FreeDirection(shell, topology, self._path, law, film)
+        self._direction = FreeDirection(shell, self._film, law, anisotropy)
         puncture = Puncture.of(shell.material, law)
         self.bending_length = puncture.length
         """Over which the film bends where its tension is the strength [mm]."""
@@ -111,9 +120,8 @@ class Cracks:
             drive = BladeDrive(CuttingEdges.of(tool), motion, moved)
             self._drive = drive
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
-            self._chain = tool.edge_chain
             limits = PierceLimits(puncture, law.strength, fracture.puncture_force)
-            self._pierce = Pierce(state, self._path, drive, shell, limits, points, tool, motion)
+            self._pierce = Pierce(state, self.growth, drive, shell, limits, points, tool, motion)
 
     def cut_due(self, state: State, pose: Pose, work: float = 0.0) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.
@@ -137,7 +145,7 @@ class Cracks:
         while self._advance_driven(state):
             pass
         self._advance_free(state, self._watch.may_tear(state.step // self._check_every))
-        self._begin_cuts(state, pose, work)
+        self._pierce.begin(state, pose, self._watch.driven_places(), work)
 
     def _advance_free(self, state: State, tips: Sequence[Tip]) -> None:
         """Advance those of some cracks that are due without a blade, by one quad at most.
@@ -146,7 +154,7 @@ class Cracks:
         """
         for tip in tips:
             if not self._known.is_of(state):
-                self.growth.tips = [one for one in self.growth.tips if self._path.rows_ahead(one)]
+                self.growth.tips = [one for one in self.growth.tips if self._film.rows_ahead(one)]
                 self._known.take(state)
             if tip not in self.growth.tips:
                 continue  # another crack has just joined it
@@ -168,7 +176,7 @@ class Cracks:
     def _is_held(self, state: State, segment: Segment) -> bool:
         """Whether moving supports hold the film together through which a segment would go."""
         nodes = state.quads[segment.row]
-        if self._path.sides_only:
+        if self._film.sides_only:
             nodes = nodes[[corner_at(segment.entry)]]
         return bool(state.node.support_rate[nodes].any())
 
@@ -188,41 +196,6 @@ class Cracks:
                 went_on = True
         return went_on
 
-    def _begin_cuts(self, state: State, pose: Pose, work: float) -> None:
-        """Cut the film that an edge goes through away from the tips that it drives."""
-        assert self._pierce is not None
-        driven = self._watch.driven_places()
-        for begun in self._pierce.found(state, pose, driven):
-            whole = self.cuts.topology.polygon(begun.row)
-            # The edge runs between the flanks of its own cut, which has halved nodes or quads.
-            if state.node.halved[state.quads[begun.row]].any() or whole != WHOLE:
-                continue
-            pierced = self._pierced(state, begun) if begun.measure else None
-            for back, ahead in self._pierce.ways(state, begun, self.growth.tips):
-                kind = "blade" if pierced is None else "puncture"
-                cut = self.growth.through(state, back, ahead, kind, begun.measure)
-                if cut is not None:
-                    break
-            else:
-                continue
-            if pierced is not None:
-                state.split_log[-1] = replace(state.split_log[-1], work=work, **pierced)
-            self.growth.end_at(state, back, cut, 0, -cut.heading)
-            self.growth.end_at(state, ahead, cut, 1, cut.heading)
-            self.cuts.renew(state)
-
-    def _pierced(self, state: State, begun: Begun) -> dict[str, Any]:
-        """Return for the record of a cut how whole film is pierced."""
-        at = self._path.place_in(state, begun.row, begun.place)
-        weights = np.array(shape_functions(*begun.place))
-        reference = product(weights, state.node.X[state.quads[begun.row]])
-        return {
-            "edge": int(self._chain[begun.segment]),
-            "force": begun.force,
-            "delay": begun.delay,
-            "depth": abs(float(product(at.x - reference, at.T))),
-        }
-
     @property
     def tips(self) -> list[Tip]:
         """Where cracks end and may go on."""
@@ -230,11 +203,11 @@ class Cracks:
 
     def tip_nodes(self, state: State) -> Ints:
         """Return the nodes where cracks along sides end."""
-        return self._path.nodes_of(state, self.growth.tips)
+        return self._film.nodes_of(state, self.growth.tips)
 
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
-        at = [self._path.at_tip(tip, rows) for tip in self.growth.tips]
+        at = [self._film.at_tip(tip, rows) for tip in self.growth.tips]
         return np.array(at).reshape(-1, rows.shape[1])
 
     def saved(self) -> dict[str, Any]:

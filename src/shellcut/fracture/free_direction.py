@@ -61,8 +61,7 @@ from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.state import BROKEN, KnownTopology, State
 
 from .anisotropy import Anisotropy
-from .crack_path import CrackPath
-from .cut_topology import CutTopology
+from .cut_film import CutFilm
 from .film_edges import GAP, FilmEdges
 from .sheet_stress import sheet_stress
 from .tip import Tip
@@ -127,8 +126,8 @@ class FreeDirection:
 
     Parameters
     ----------
-    shell, topology, path : MITC4Shell, CutTopology, CrackPath
-        The film, how it is cut, and what lies ahead of a tip.
+    shell, film : MITC4Shell, CutFilm
+        The film, and how it is cut.
     law : CohesiveLaw
         Gives sigma_F.
     anisotropy : Anisotropy, optional
@@ -138,19 +137,18 @@ class FreeDirection:
     def __init__(
         self,
         shell: MITC4Shell,
-        topology: CutTopology,
-        path: CrackPath,
+        film: CutFilm,
         law: CohesiveLaw,
         anisotropy: Anisotropy | None = None,
     ) -> None:
-        self._shell, self._path = shell, path
+        self._shell, self._film = shell, film
         self._strength = law.strength
         # Length of the process zone in a sheet [mm] over J [N].
         self._zone_of = math.pi * shell.material.stretching_stiffness
         self._zone_of /= 8.0 * (law.strength * shell.material.thickness) ** 2
         self._anisotropy = anisotropy
         self._known = KnownTopology()
-        self._edges = FilmEdges(shell, topology)
+        self._edges = FilmEdges(shell, film.topology)
         self._behind: dict[Tip, tuple[Ints, Floats]] = {}
         self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
@@ -200,7 +198,7 @@ class FreeDirection:
         Along the crack, and at least ``FALL``.
         """
         if tip not in self._behind:
-            place, size = self._path.at_tip(tip, state.node.X), self._size(tip)
+            place, size = self._film.at_tip(tip, state.node.X), self._size(tip)
             self._behind[tip] = self._edges.cables_behind(state, place, size)
         cables, back = self._behind[tip]
         back = back[state.cable.status[cables] != BROKEN]
@@ -210,13 +208,13 @@ class FreeDirection:
 
     def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
-        rows = self._path.rows_at_tip(tip)
-        share, carried = 1.0 / len(rows), self._path.carried_on
-        T = unit(np.sum([self._path.reference_director(*at) for at in rows], axis=0))
+        rows = self._film.rows_at_tip(tip)
+        share, carried = 1.0 / len(rows), self._film.carried_on
+        T = unit(np.sum([self._film.reference_director(*at) for at in rows], axis=0))
         forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])
-        place, size = self._path.at_tip(tip, state.node.X), self._size(tip)
-        others = [self._path.at_tip(one, state.node.X) for one in tips if one is not tip]
+        place, size = self._film.at_tip(tip, state.node.X), self._size(tip)
+        others = [self._film.at_tip(one, state.node.X) for one in tips if one is not tip]
         domain = TipDomain.of(
             state,
             self._shell,
@@ -246,7 +244,7 @@ class FreeDirection:
 
     def _size(self, tip: Tip) -> float:
         """Return the edge length at a tip, in the mean of the rows that touch it [mm]."""
-        return float(np.mean([self._path.size(row) for row, _ in self._path.rows_at_tip(tip)]))
+        return float(np.mean([self._film.size(row) for row, _ in self._film.rows_at_tip(tip)]))
 
     def _near(
         self, state: State, rows: Ints, place: Floats, forward: Floats, width: float

@@ -6,7 +6,8 @@ from shellcut.arrays import Floats, norm, product
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import TEAR, State
 
-from .crack_path import ONCOMING, CrackPath
+from .crack_path import CrackPath
+from .cut_film import ONCOMING
 from .cuts import Cut, Cuts
 from .quad_polygon import FLANK, WHOLE, common_side
 from .ray_ahead import JOIN
@@ -86,7 +87,7 @@ class Growth:
         side = common_side(WHOLE, start, stop)
         if side is None:
             chord = Segment(row, start, stop, ahead.side, end)
-        elif min(back.corner, end) < 0 or not self.path.may_break(row, back.corner, end):
+        elif min(back.corner, end) < 0 or not self.path.film.may_break(row, back.corner, end):
             return None
         else:
             chord = Segment(row, start, stop, side, end, along_side=True)
@@ -115,8 +116,8 @@ class Growth:
             tip = self.path.tip_at(segment, heading)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
         here = product(shape_functions(*segment.exit), state.node.X[state.quads[segment.row]])
-        near = _SAME_PLACE * self.path.size(segment.row)
-        gaps = [norm(self.path.at_tip(tip, state.node.X) - here) for tip in self.tips]
+        near = _SAME_PLACE * self.path.film.size(segment.row)
+        gaps = [norm(self.path.film.at_tip(tip, state.node.X) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
         joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
         if joined is not None and product(joined.heading, came) < ONCOMING:
@@ -132,14 +133,14 @@ class Growth:
 
         kind : of the cut.
         """
-        here = self.path.at_tip(tip, state.node.X)
+        here = self.path.film.at_tip(tip, state.node.X)
         for other in self.tips:
-            between = self.path.between(tip, other)
+            between = self.path.film.between(tip, other)
             if between is None or product(other.heading, tip.heading) > ONCOMING:
                 continue
-            gap = self.path.at_tip(other, state.node.X) - here
+            gap = self.path.film.at_tip(other, state.node.X) - here
             across = norm(gap - product(gap, tip.heading) * tip.heading)
-            if across < JOIN * self.path.size(tip.quad):
+            if across < JOIN * self.path.film.size(tip.quad):
                 self.cuts.along(state, between, kind, 0.0)
                 self.tips.remove(other)
                 return True

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import itertools
 
-from shellcut.arrays import Floats
+import numpy as np
+
+from shellcut.arrays import Floats, norm, product, unit
+from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import NOTCH, State
 
 from .growth import Growth
 from .notch_line import NotchLine, row_at
-from .quad_polygon import WHOLE
+from .open_edges import boundary_edges
+from .quad_polygon import AWAY, WHOLE
+from .ray_ahead import SNAP
 from .tip import Place, Tip
 
 
@@ -18,11 +23,12 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
 
     points : (n, 3) [mm].
     """
-    path, line, before = growth.path, NotchLine(points), len(state.split_log)
+    path, film = growth.path, growth.path.film
+    line, before = NotchLine(points), len(state.split_log)
     tip = _slit(growth, state, line)
     for start, stop in itertools.pairwise(points):
         # The line may have more than its first point before the rim.
-        tip = tip or path.rim_tip(state, start, stop)
+        tip = tip or _rim_tip(state, start, stop)
         if tip is not None or row_at(state, stop) is not None:
             break
     if tip is None:
@@ -33,9 +39,9 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
         )
     going: Tip | None = tip
     at: Place | None = None
-    while going is not None and (ahead := path.rows_ahead(going)):
-        at = path.place_in(state, *ahead[0])
-        here = path.at_tip(going, state.node.X)
+    while going is not None and (ahead := film.rows_ahead(going)):
+        at = film.place_in(state, *ahead[0])
+        here = film.at_tip(going, state.node.X)
         quads = state.node.X[state.quads[[row for row, _ in ahead]]]
         way, lean = line.direction(here, at, quads)
         segment = path.segment_from(state, going, way, lean, growth.tips)
@@ -45,7 +51,7 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
         going = growth.tip_after(state, segment, cut, 1, going.heading)
         if going is None:
             break
-        there, at_cut = path.at_tip(going, state.node.X), going.flank is not None
+        there, at_cut = film.at_tip(going, state.node.X), going.flank is not None
         if line.ends(there, cut.length, at_cut=at_cut):
             growth.tips.append(going)
             return
@@ -66,11 +72,11 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
 
 def _slit(growth: Growth, state: State, line: NotchLine) -> Tip | None:
     """Cut the quad in which a notch within the film begins; return the tip where it goes on."""
-    path, found = growth.path, row_at(state, line.start)
+    path, film, found = growth.path, growth.path.film, row_at(state, line.start)
     if found is None or growth.cuts.topology.polygon(found[0]) != WHOLE:
         return None
     row, place = found
-    at = path.place_in(state, row, place)
+    at = film.place_in(state, row, place)
     way, lean = line.direction(line.start, at, state.node.X[state.quads[[row]]])
     back, ahead = (path.segment(state, row, place, w, lean) for w in (-way, way))
     if back is None or ahead is None:
@@ -82,3 +88,33 @@ def _slit(growth: Growth, state: State, line: NotchLine) -> Tip | None:
     if behind is not None:
         growth.tips.append(behind)
     return growth.tip_after(state, ahead, cut, 1, cut.heading)
+
+
+def _rim_tip(state: State, start: Floats, end: Floats) -> Tip | None:
+    """Return a tip on the rim where a line between two points first crosses it.
+
+    Seen along the film's normal there: on a curved film the line leaves the sheet, and a side
+    of the rim is crossed from which it is nearer than the side is long.
+    """
+    way = end - start
+    best, found = np.inf, None
+    for a, b in boundary_edges(state).tolist():
+        A, B = state.node.X[[a, b]]
+        size, n = float(norm(A - B)), state.node.t[a] + state.node.t[b]
+        n = unit(n)
+        in_sheet = np.stack([way, A - B, A - start], axis=1)
+        in_sheet -= np.outer(n, product(n, in_sheet))
+        base, gap = in_sheet[:, :2], in_sheet[:, 2]
+        ahead, s = least_squares(base, gap)
+        miss = norm(product(base, (ahead, s)) - gap)
+        on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
+        height = abs(product(A + s * (B - A) - start - ahead * way, n))
+        if on_it and height < size and -AWAY < ahead < min(best, 1.0 + AWAY):
+            best, direction = ahead, unit(way)
+            at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
+            if at_end is not None:
+                found = Tip((at_end, at_end), 0.0, -1, direction)
+            else:
+                ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
+                found = Tip(ends, float(s), -1, direction)
+    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 from math import hypot
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
+from .cut_film import CutFilm, End
 from .quad_polygon import (
     AWAY,
     FLANK,
@@ -29,21 +30,8 @@ from .quad_polygon import (
 )
 from .tip import Tip
 
-if TYPE_CHECKING:
-    from .crack_path import CrackPath
-
 NO_SIDE = -2
 """Of ``common``: two points of a polygon are on no common edge."""
-
-
-class End(NamedTuple):
-    """Where a crack ends at the boundary of a row."""
-
-    place: Point
-    edge: int
-    """Edge of the polygon on which it lies, or point at which it is."""
-    side: int
-    """Side of the quad on which it lies, FLANK if on none."""
 
 
 class Tips(NamedTuple):
@@ -98,7 +86,7 @@ class RowsAhead(NamedTuple):
     first_end: Annotated[Ints, "(n_ahead + 1,)"]
     """First end of a crack that comes towards the tip of each row, and the end of them."""
     end: Annotated[Floats, "(n_end, 2)"]
-    """Their places."""
+    """Their film."""
     end_edge: Annotated[Ints, "(n_end,)"]
     """Edge of the polygon on which one lies, or point at which it is."""
     end_side: Annotated[Ints, "(n_end,)"]
@@ -108,15 +96,15 @@ class RowsAhead(NamedTuple):
 
 
 def tips_of(
-    state: State, places: CrackPath, tips: Sequence[Tip], others: Sequence[Tip] = ()
+    state: State, film: CutFilm, tips: Sequence[Tip], others: Sequence[Tip] = ()
 ) -> tuple[Tips, RowsAhead]:
     """Return the tables of some tips, and of others that they may join.
 
     There must be rows ahead of each.
     """
-    ahead = [places.rows_ahead(tip) for tip in tips]
+    ahead = [film.rows_ahead(tip) for tip in tips]
     ends = [
-        places.oncoming(row, entry, tip.heading, [*tips, *others])
+        film.oncoming(row, entry, tip.heading, [*tips, *others])
         for rows, tip in zip(ahead, tips, strict=True)
         for row, entry in rows
     ]
@@ -124,19 +112,19 @@ def tips_of(
     table = Tips(
         nodes=state.quads[[row for row, _ in first]].astype(np.int64),
         weight=np.array([shape_functions(*entry) for _, entry in first]),
-        size=np.array([places.size(row) for row, _ in first]),
+        size=np.array([film.size(row) for row, _ in first]),
         forward=np.array(
-            [places.carried_on(*at, tip.heading) for at, tip in zip(first, tips, strict=True)]
+            [film.carried_on(*at, tip.heading) for at, tip in zip(first, tips, strict=True)]
         ),
-        reference=np.array([places.reference_director(*at) for at in first]),
+        reference=np.array([film.reference_director(*at) for at in first]),
         start=np.cumsum([0, *map(len, ahead)]),
     )
-    return table, table_of(state, places, [at for rows in ahead for at in rows], ends)
+    return table, table_of(state, film, [at for rows in ahead for at in rows], ends)
 
 
 def table_of(
     state: State,
-    places: CrackPath,
+    film: CutFilm,
     every: Sequence[tuple[int, Point]],
     ends: Sequence[Sequence[End]],
 ) -> RowsAhead:
@@ -146,13 +134,13 @@ def table_of(
     """
     rows = [row for row, _ in every]
     X = state.node.X[state.quads[rows]]
-    polygons = [places.topology.polygon(row) for row in rows]
+    polygons = [film.topology.polygon(row) for row in rows]
     n, most = len(every), max(len(polygon.points) for polygon in polygons)
     oncoming = [end for some in ends for end in some]
     found = RowsAhead(
         row=np.array(rows, np.int64),
         nodes=state.quads[rows].astype(np.int64),
-        size=np.array([places.size(row) for row in rows]),
+        size=np.array([film.size(row) for row in rows]),
         entry=np.array([entry for _, entry in every]),
         first=np.zeros(n, np.int64),
         J=np.array([*map(_relative_density, polygons, map(bytes, X))]),
@@ -170,11 +158,11 @@ def table_of(
         end=np.array([end.place for end in oncoming]).reshape(-1, 2),
         end_edge=np.array([end.edge for end in oncoming], np.int64),
         end_side=np.array([end.side for end in oncoming], np.int64),
-        sides_only=places.sides_only,
+        sides_only=film.sides_only,
     )
     known: list[tuple[float, bool]] = []
     for k, (row, entry) in enumerate(every):
-        _fill(found, k, polygons[k], places, row, entry, known)
+        _fill(found, k, polygons[k], film, row, entry, known)
     return found._replace(
         known=np.array([s for s, _ in known]),
         can_meet=np.array([can for _, can in known], np.bool_),
@@ -191,22 +179,22 @@ def _fill(
     table: RowsAhead,
     k: int,
     polygon: Polygon,
-    places: CrackPath,
+    film: CutFilm,
     row: int,
     entry: Point,
     known: list[tuple[float, bool]],
 ) -> None:
     """Write the polygon of row k of the table; append the crossings on it to ``known``."""
-    ring, start, n = places.ring(row), corner_at(entry), len(polygon.points)
+    ring, start, n = film.ring(row), corner_at(entry), len(polygon.points)
     table.n_point[k], table.point[k, :n], table.side[k, :n] = n, polygon.points, polygon.sides
     table.first[k], corners, common, table.on_edge[k, :n] = _outline(polygon, entry)
     table.corner[k, :n], table.common[k, :n] = corners, common
     for j, side in enumerate(polygon.sides):
         if common[j] not in (NO_SIDE, FLANK) and start >= 0 and corners[j] not in (-1, start):
-            table.breaks[k, j] = places.may_break(row, start, corners[j])
+            table.breaks[k, j] = film.may_break(row, start, corners[j])
         table.crossing[k, j, 0] = len(known)
-        if side != FLANK and not places.sides_only:
-            for s in reversed(places.topology.crossings(ring[side], ring[(side + 1) % 4])):
+        if side != FLANK and not film.sides_only:
+            for s in reversed(film.topology.crossings(ring[side], ring[(side + 1) % 4])):
                 place = on_side(side, s)
                 can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None
                 known.append((s, can_meet))

@@ -30,7 +30,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import KnownTopology, State
 
-from .crack_path import CrackPath
+from .cut_film import CutFilm
 from .options import Fracture
 from .quad_polygon import CORNERS, corner_at
 from .ray_ahead import Aimed
@@ -46,14 +46,14 @@ class LargestStress:
 
     Parameters
     ----------
-    shell, path : MITC4Shell, CrackPath
+    shell, film : MITC4Shell, CutFilm
         The film, and what lies ahead of a tip.
     strength : float
         sigma_F [MPa].
     """
 
-    def __init__(self, shell: MITC4Shell, path: CrackPath, strength: float) -> None:
-        self._shell, self._path, self._strength = shell, path, strength
+    def __init__(self, shell: MITC4Shell, film: CutFilm, strength: float) -> None:
+        self._shell, self._film, self._strength = shell, film, strength
         self.n_borrowed = 0
         """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
 
@@ -62,7 +62,7 @@ class LargestStress:
 
         others : all tips, whose patches lie on both flanks.
         """
-        nodes, ends = (self._path.nodes_of(state, one) for one in (tips, others))
+        nodes, ends = (self._film.nodes_of(state, one) for one in (tips, others))
         found: NodalStress = recover(state, self._shell, nodes, tips=ends.tolist())
         self.n_borrowed += found.n_borrowed
         return found.principal / self._strength, found.direction
@@ -98,17 +98,17 @@ class SideTears:
     def __init__(
         self,
         shell: MITC4Shell,
-        path: CrackPath,
+        film: CutFilm,
         trial_cut: TrialCut,
         strength: float,
         fracture: Fracture,
     ) -> None:
-        self._path, self._trial_cut = path, trial_cut
+        self._film, self._trial_cut = film, trial_cut
         self._cos_limit = math.cos(math.radians(fracture.turn_limit_deg))
         self.stress: LargestStress | None = None
         """Decides instead of the nodal force."""
         if fracture.criterion == "stress":
-            self.stress = LargestStress(shell, path, strength)
+            self.stress = LargestStress(shell, film, strength)
         self._known = KnownTopology()
         self._tried: dict[Tip, _Tried] = {}
 
@@ -146,18 +146,18 @@ class SideTears:
         sums, weighed = TrialSums(self._trial_cut), Weighed.of(len(segments))
         trials = [(i, self._trial_cut.pairs(state, one)) for i, one in enumerate(segments)]
         sums.take(trials, Aimed.along(state, segments), weighed)
-        row, entry = self._path.rows_ahead(tip)[0]
-        ways = [*map(_weights, segments), self._path.carried_on(row, entry, tip.heading)]
+        row, entry = self._film.rows_ahead(tip)[0]
+        ways = [*map(_weights, segments), self._film.carried_on(row, entry, tip.heading)]
         nodes = state.quads[[*(one.row for one in segments), row]]
         return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, weighed)
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""
         found: dict[int, Segment] = {}
-        for row, entry in self._path.rows_ahead(tip):
-            ring, start = self._path.ring(row), corner_at(entry)
+        for row, entry in self._film.rows_ahead(tip):
+            ring, start = self._film.ring(row), corner_at(entry)
             for side, end in ((start, (start + 1) % 4), ((start - 1) % 4, (start - 1) % 4)):
-                if ring[end] not in found and self._path.may_break(row, start, end):
+                if ring[end] not in found and self._film.may_break(row, start, end):
                     found[ring[end]] = Segment(row, entry, CORNERS[end], side, end, along_side=True)
         sides = list(found.values())
         ways = [unit(product(_weights(one), state.node.X[state.quads[one.row]])) for one in sides]

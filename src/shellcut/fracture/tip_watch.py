@@ -78,7 +78,7 @@ class TipWatch:
         """Return the tips with film ahead: not at a rim, nor where another crack came across."""
         if self._is_of(state, tips):
             return tips
-        return [tip for tip in tips if self._path.rows_ahead(tip)]
+        return [tip for tip in tips if self._path.film.rows_ahead(tip)]
 
     def driven_places(self) -> Floats:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
@@ -136,7 +136,7 @@ class TipWatch:
         n = len(tips)
         self._tips = list(tips)
         self._known.take(state)
-        self._table, self._ahead = tips_of(state, self._path, self._tips, others)
+        self._table, self._ahead = tips_of(state, self._path.film, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
         self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         hold_tips, hold_ahead, hold_aimed = self._hold

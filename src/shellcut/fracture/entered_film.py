@@ -1,0 +1,280 @@
+"""Where a cutting edge goes through film that nothing holds against it.
+
+At the rim of the film, or at the flank of another cut, an edge cuts what it goes through. So it
+does everywhere if the tool's points do not press. Film at a flank is left alone, for the edge runs
+between the flanks of its own cut; a blade that crosses an earlier cut begins anew in the row behind
+it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.contact.near_nodes import NearNodes, in_box
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
+from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
+from shellcut.numerics.vec3 import norm as length
+from shellcut.state import State
+from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
+from shellcut.tool.pose import Pose, to_body, turn
+
+from .begun_cut import Begun
+from .cut_film import CutFilm
+from .open_edges import boundary_edges
+from .quad_polygon import AWAY
+from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
+from .rows_ahead import RowsAhead, table_of
+from .tip import Segment
+
+NEAR_A_TIP = 2.0
+"""A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives
+it."""
+
+# Sine of the angle to the film up to which an edge lies on it, and enters over no rim.
+_FLAT = 0.1
+
+# Rows that are looked at, a tooth.
+_CANDIDATES = 4
+
+
+class EnteredFilm:
+    """Finds whole rows that cutting edges go through.
+
+    Parameters
+    ----------
+    state : State
+        At the start.
+    film : CutFilm
+        How it is cut.
+    shell : MITC4Shell
+        Gives the sizes of rows.
+    edges : CuttingEdges
+        Of the tool.
+    chain : ndarray, shape (n_edge,)
+        Which edge each segment belongs to.
+    everywhere : bool
+        Whether no point of the tool presses on the film, whose face then holds nothing.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        film: CutFilm,
+        shell: MITC4Shell,
+        edges: CuttingEdges,
+        chain: Ints,
+        *,
+        everywhere: bool,
+    ) -> None:
+        self._area, self._chain, self._everywhere = shell.area, chain, everywhere
+        size = float(np.sqrt(shell.area.max()))
+        self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
+        quad = table_of(state, film, [(0, (0.0, 0.0))], [()])  # of any whole quad
+        start = edges.segments[:, START]
+        both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
+        ends = [both[chain == c] for c in range(int(chain.max()) + 1)]
+        self._low = np.array([one.min(axis=(0, 1)) - size for one in ends])
+        self._high = np.array([one.max(axis=(0, 1)) + size for one in ends])
+        n_most = len(ends) * _CANDIDATES
+        self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
+        self._place = np.zeros((n_most, 2))
+        self._rows = self._first = np.zeros(0, np.int64)
+        self._near = NearNodes(self._low, self._high, size)
+        self._held = Holder()(edges), Holder()(quad), Holder()(Aimed.of(2))
+        self._find = BoundOnce(_entered)
+
+    def found(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+        """Return where edges go through whole rows that their mid-planes would part.
+
+        tips : (n, 3), where the cracks end that an edge drives [mm].
+        """
+        if self._near.renew(state, pose):
+            self._list(state)
+        row, segment, place = self._row, self._segment, self._place
+        edges, quad, chord = self._held
+        n_found = self._find(
+            state.node.x,
+            state.node.t,
+            state.quads,
+            self._rows,
+            self._first,
+            self._area,
+            tips,
+            pose,
+            edges,
+            self._chain,
+            self._low,
+            self._high,
+            quad,
+            chord,
+            row,
+            segment,
+            place,
+        )
+        return [
+            Begun(int(row[k]), (float(place[k, 0]), float(place[k, 1])), int(segment[k]))
+            for k in range(n_found)
+        ]
+
+    def leads_out(self, state: State, back: Segment) -> bool:
+        """Return whether an edge has come into a row over the rim, or over a flank next to it.
+
+        back : leads to where it was.
+        """
+        side = (back.side, (back.side + 1) % 4) if back.corner < 0 else (back.corner,)
+        return bool(self._open[state.quads[back.row, list(side)]].all())
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list of nodes near the edges."""
+        return self._near.saved()
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._near.restore(state, saved)
+        self._list(state)
+
+    def _list(self, state: State) -> None:
+        """List the whole rows near the tool without a node at a flank, by their first nodes.
+
+        Those at the rim and next to rows at a flank; all of them if the tool's points do not press.
+        """
+        quads, near = state.quads, np.zeros(state.n_node, np.bool_)
+        near[self._near.ids] = True
+        at_flank = state.node.halved[quads].any(axis=1)
+        may = near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0) & ~at_flank
+        self._open = np.full(state.n_node, self._everywhere)
+        self._open[self._at_rim] = self._open[quads[at_flank]] = True
+        may &= self._open[quads].any(axis=1)
+        self._rows = np.flatnonzero(may)
+        self._first = quads[self._rows, 0].astype(np.int64)
+
+
+@inline
+def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
+    """Return whether a segment goes through a triangle, and the weights of b and c there."""
+    normal, vector = cross(sub(b, a), sub(c, a)), sub(end, start)
+    d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
+    area, rise = dot(normal, normal), d0 - d1
+    if d0 * d1 >= 0.0 or rise * rise < _FLAT * _FLAT * area * dot(vector, vector):
+        return False, 0.0, 0.0
+    p = combine(1.0, start, d0 / rise, vector)
+    w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
+    w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
+    return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
+
+
+@inline
+def parts_quad(
+    quad: RowsAhead,
+    chord: Aimed,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    e: int,
+    xi: float,
+    eta: float,
+    normal: Vec3,
+    size: float,
+) -> bool:
+    """Return whether the trace of a plane at a place of quad e leaves it by two sides.
+
+    Or by both corners of one side, which is broken then.
+
+    quad, chord : tables of one row and two rays, written.  x, t : (n_node, 3).  quads :
+    (n_quad, 4).  normal : of the plane.  size : edge length [mm].
+    """
+    if quad.sides_only or abs(xi) > 1.0 - 2.0 * AWAY or abs(eta) > 1.0 - 2.0 * AWAY:
+        return True  # on a side to within round-off: the rules themselves decide
+    quad.size[0], quad.entry[0, 0], quad.entry[0, 1] = size, xi, eta
+    for a in range(4):
+        quad.nodes[0, a] = quads[e, a]
+    upright = (0.0, 0.0, 0.0)
+    trace = cross(at(quad, 0, xi, eta, t), normal)
+    trace = scale(1.0 / length(trace), trace)
+    for i in range(2):
+        way = scale(2.0 * i - 1.0, trace)
+        if not through(quad, 0, i, x, t, way, upright, False, chord):
+            return False
+    together = False
+    for side in range(4):
+        together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
+    at_corners = chord.way[0, KIND] == AT_POINT and chord.way[1, KIND] == AT_POINT
+    return not together or (at_corners and chord.way[0, PLACE] != chord.way[1, PLACE])
+
+
+@inline
+def _is_on(chord: Aimed, i: int, side: int) -> bool:
+    """Return whether a ray ends on a side of a whole quad."""
+    end: int = chord.way[i, PLACE]
+    return end == side or (bool(chord.way[i, KIND] == AT_POINT) and end == (side + 1) % 4)
+
+
+@kernel
+def _entered(
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    whole: Ints,
+    first: Ints,
+    area: Floats,
+    tips: Floats,
+    pose: Pose,
+    edges: CuttingEdges,
+    chain: Ints,
+    low: Floats,
+    high: Floats,
+    quad: RowsAhead,
+    chord: Aimed,
+    row: Ints,
+    segment: Ints,
+    place: Floats,
+) -> int:
+    """Write the rows that edges go through, their segments and the places in them; return how many.
+
+    whole, first : (n,), rows and their first nodes.  chain : (n_edge,), of each segment.  low,
+    high : (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
+    written.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
+    """
+    pose, edges = borrowed(pose), borrowed(edges)
+    quad, chord = borrowed(quad), borrowed(chord)
+    segments = edges.segments
+    n_found = 0
+    for i in range(whole.shape[0]):
+        e, here, far = whole[i], load(x, first[i]), True
+        for tip in range(tips.shape[0]):
+            gap = sub(load(tips, tip), here)
+            far = far and dot(gap, gap) > NEAR_A_TIP**2 * area[e]
+        if not far:
+            continue
+        corner = to_body(here, pose)
+        for c in range(low.shape[0]):
+            if not in_box(corner, low, high, c):
+                continue
+            second = to_body(load(x, quads[e, 1]), pose)
+            third = to_body(load(x, quads[e, 2]), pose)
+            fourth = to_body(load(x, quads[e, 3]), pose)
+            for k in range(segments.shape[0]):
+                if chain[k] != c or n_found == row.shape[0]:
+                    continue
+                start = segment_part(segments, k, START)
+                end = add(start, segment_part(segments, k, VECTOR))
+                hit, w1, w2 = _weights(start, end, corner, second, third)
+                xi, eta = 2.0 * (w1 + w2) - 1.0, 2.0 * w2 - 1.0
+                if not hit:
+                    hit, w1, w2 = _weights(start, end, corner, third, fourth)
+                    xi, eta = 2.0 * w1 - 1.0, 2.0 * (w1 + w2) - 1.0
+                if not hit:
+                    continue
+                plane = turn(segment_part(segments, k, NORMAL), pose)
+                if parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, math.sqrt(area[e])):
+                    row[n_found], segment[n_found] = e, k
+                    place[n_found, 0], place[n_found, 1] = xi, eta
+                    n_found += 1
+    return n_found

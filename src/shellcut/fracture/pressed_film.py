@@ -1,0 +1,230 @@
+"""Where the face of whole film has reached what it carries under a tip or an edge.
+
+A tooth that comes down in the middle of the sheet presses it by its contact points. The film parts
+under a tip, or the lowest place of an arc, once all that presses it there carries F_p
+(:mod:`.puncture`) for longer than impacts last (:mod:`.pressing_tips`): points of the tool and
+nodes within the bending length L, and of an arc all its points within the width of the contact and
+an edge length, between which the mesh shares the force. Where the edge is straight, the film parts
+along it once the mean membrane stress across it reaches the strength in the quad under it. Of an
+arc so flat that its F_m exceeds F_s the one or the other; one that the contact is wider than is
+straight. The force on a tip does not depend on the mesh, which the stress under it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, norm, product, unit
+from shellcut.contact.contact_tables import TOUCHING
+from shellcut.contact.sheet_contact import PointContact
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+from shellcut.state.tables import local_edge_length
+from shellcut.tool.cutting_edge import NORMAL, CuttingEdges
+from shellcut.tool.motion import Motion
+from shellcut.tool.pose import Pose
+from shellcut.tool.tool import Tool
+
+from .begun_cut import Begun, Pierced
+from .cut_film import CutFilm
+from .entered_film import NEAR_A_TIP
+from .pierce_limits import PierceLimits, PlaceLimits
+from .pressing_tips import PressingTips
+
+# Cosine of the angle between forces that press the film the same way.
+_SAME_WAY = 0.5
+
+# Edge lengths from a tip that faces the film within which an edge has not come over a rim.
+_JUST_THERE = 0.1
+
+
+class PressedFilm:
+    """Finds whole rows that a tool goes through on their face.
+
+    Parameters
+    ----------
+    film : CutFilm
+        How it is cut.
+    shell : MITC4Shell
+        Its stresses.
+    edges : CuttingEdges
+        Of the tool.
+    limits : PierceLimits
+        What the film carries on its face.
+    points : PointContact
+        By which the tool presses on the film.
+    tool, motion : Tool, Motion
+        Whose cutting edges these are, and how they move.
+    """
+
+    def __init__(
+        self,
+        film: CutFilm,
+        shell: MITC4Shell,
+        edges: CuttingEdges,
+        limits: PierceLimits,
+        points: PointContact,
+        tool: Tool,
+        motion: Motion,
+    ) -> None:
+        self._film, self._shell, self._edges, self._points = film, shell, edges, points
+        self._chain, self._limits = tool.edge_chain, limits
+        self._places: PlaceLimits = limits.at_points(points.points, tool)
+        self._means = PressingTips(points, motion, self._places.force, limits.puncture.impedance)
+
+    def found(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+        """Return where a tip or an edge on the face of the film has reached what this carries.
+
+        tips : (n, 3), where the cracks end that an edge drives [mm].
+        """
+        points, places = self._points, self._places
+        loads = _Loads.on_tips(points, places, self._limits.puncture.length, state, pose)
+        self._means.follow(state, pose, loads)
+        if not points.touch.sums[TOUCHING]:
+            return []
+        on, force, point = points.points, points.carriers.pressure, points.point_of_sheet()
+        pressing = np.flatnonzero((force > 0.0) & (on.segment[point] >= 0))
+        chain = self._chain[on.segment[point[pressing]]]
+        found = []
+        for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
+            of_edge = float(force[pressing[chain == edge]].sum())
+            begun = self._begun(state, pose, tips, i, of_edge, loads.get(i, 0.0))
+            if begun is not None and begun.pierced is not None and begun.pierced.measure >= 1.0:
+                found.append(begun)
+        return found
+
+    def _begun(
+        self, state: State, pose: Pose, tips: Floats, i: int, of_edge: float, on_tip: float
+    ) -> Begun | None:
+        """Return where carrier i presses on whole film away from the tips, and how much.
+
+        of_edge : force on the whole edge [N].  on_tip : all that presses there, of a tip [N].
+        """
+        carriers, k = self._points.carriers, int(self._points.point_of_sheet()[i])
+        nodes, weights = carriers.node[i], carriers.weight[i]
+        there = state.node.quads[nodes[0], : state.node.n_quad_at[nodes[0]]]
+        rows = there[(state.quads[there] == nodes).all(axis=1)].tolist()
+        if not rows:  # it has been cut since it was pressed
+            return None
+        row, segment = rows[0], int(self._points.points.segment[k])
+        here, size = product(weights, state.node.x[nodes]), self._film.size(row)
+        if (norm(tips - here) < NEAR_A_TIP * size).any():
+            return None
+        measure = delay = impact = 0.0
+        if self._places.force[k] < np.inf:
+            mean = self._means.mean(k)
+            measure, delay = mean / self._places.force[k], self._means.delay(k)
+            impact = on_tip - mean
+        if self._places.lies[k]:
+            across = self._across(state, pose, row, segment) / self._limits.strength
+            if across > measure:
+                measure, delay, impact = across, 0.0, 0.0
+        _, w1, w2, w3 = weights.tolist()
+        place = 2.0 * (w1 + w2) - 1.0, 2.0 * (w2 + w3) - 1.0
+        depth = self._film.depth_at(state, row, place)
+        return Begun(row, place, segment, Pierced(float(measure), of_edge - impact, delay, depth))
+
+    def not_on_face(self, state: State, pose: Pose, begun: Sequence[Begun]) -> list[Begun]:
+        """Return those of some places near which no tip of their edge is still on the face.
+
+        Within an edge length if it presses. Else it is there if it has just come to the face: a tip
+        in the film's plane is above or below it by round-off, or by what it moves in a step.
+        """
+        if not begun:
+            return []
+        on, point = self._points.points, self._points.point_of_sheet()
+        is_tip = np.isfinite(self._places.force[point])
+        presses = self._points.carriers.pressure > 0.0
+        tips = np.flatnonzero(is_tip & (presses | self._points.knows_side()))
+        at, chain = pose.to_space(on.place[point[tips]]), self._chain[on.segment[point[tips]]]
+        near = np.where(presses[tips], 1.0, _JUST_THERE)
+        clear = []
+        for one in begun:
+            gap = norm(at - self._film.place_in(state, one.row, one.place).x)
+            of_edge = chain == self._chain[one.segment]
+            if not (of_edge & (gap < near * self._film.size(one.row))).any():
+                clear.append(one)
+        return clear
+
+    def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
+        """Return the mean membrane stress across an edge in a row [MPa]."""
+        nodes = state.quads[row]
+        t = unit(state.node.t[nodes].sum(axis=0))
+        normal = product(pose.rotation, self._edges.segments[segment, NORMAL])
+        way = unit(normal - product(normal, t) * t)
+        stress = self._shell.stress(state, np.array([row]), place="nominal")[0]
+        return float(product(product(stress, way), way))
+
+    def saved(self) -> dict[str, Any]:
+        """Return the forces on tips."""
+        return self._means.saved()
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._means.restore(saved)
+
+
+class _Loads(NamedTuple):
+    """All that presses on the film at its points, and at its nodes."""
+
+    sheet: Ints
+    """Row among the carriers of points, -1 of a node, shape (n_load,)."""
+    place: Floats
+    """In the body frame, shape (n_load, 3) [mm]."""
+    normal: Floats
+    """Direction on the film, likewise, shape (n_load, 3)."""
+    arc: Ints
+    """Of a cutting edge, -1 for none, shape (n_load,)."""
+    force: Floats
+    """Shape (n_load,) [N]."""
+
+    @classmethod
+    def of(cls, points: PointContact, state: State, pose: Pose) -> _Loads:
+        """Return those of the last evaluation."""
+        on, nodes = points.carriers, points.nodes.carriers
+        sheets, pressed = np.flatnonzero(on.pressure > 0.0), np.flatnonzero(nodes.pressure > 0.0)
+        point = points.point_of_sheet()[sheets]
+        at_nodes = pose.to_body(state.node.x[nodes.node[pressed, 0]])
+        none = np.full(len(pressed), -1)
+        return cls(
+            np.concatenate([sheets, none]),
+            np.concatenate([points.points.place[point], at_nodes]),
+            np.concatenate([on.normal[sheets], nodes.normal[pressed]]),
+            np.concatenate([points.points.arc[point], none]),
+            np.concatenate([on.pressure[sheets], nodes.pressure[pressed]]),
+        )
+
+    @classmethod
+    def on_tips(
+        cls, points: PointContact, limits: PlaceLimits, length: float, state: State, pose: Pose
+    ) -> dict[int, float]:
+        """Return what presses on each place of a tip or an arc [N], by its row among the carriers.
+
+        length : L of the film [mm].
+        """
+        on, point = points.points, points.point_of_sheet()
+        is_tip = np.isfinite(limits.force[point])
+        sheets = np.flatnonzero(is_tip & (points.carriers.pressure > 0.0)).tolist()
+        if not sheets:
+            return {}
+        loads, found = cls.of(points, state, pose), {}
+        for sheet in sheets:
+            k = int(point[sheet])
+            area = state.node.contact_area[points.carriers.node[sheet]].mean()
+            wide = limits.width[k] + local_edge_length(float(area)) if on.radius[k] > 0.0 else 0.0
+            found[sheet] = loads.near(sheet, length, wide)
+        return found
+
+    def near(self, sheet: int, length: float, wide: float) -> float:
+        """Return what presses the film the same way within a length of a point [N].
+
+        Of the points of its own arc within ``wide``, too [mm].
+        """
+        own = int(np.flatnonzero(self.sheet == sheet)[0])
+        gap = norm(self.place - self.place[own])
+        of_arc = (self.arc >= 0) & (self.arc == self.arc[own]) & (gap <= wide)
+        alike = product(self.normal, self.normal[own]) > _SAME_WAY
+        return float(self.force[alike & ((gap <= length) | of_arc)].sum())
