@@ -180,6 +180,16 @@ def _interrupt_main_thread() -> None:
         _thread.interrupt_main()
 
 
+def is_of_interrupt(problem: BaseException | None) -> bool:
+    """Return whether an error came while a KeyboardInterrupt was answered, or is one.
+
+    A library written in C that an interrupt has left half done may fail when it is tidied up.
+    """
+    while problem is not None and not isinstance(problem, KeyboardInterrupt):
+        problem = problem.__cause__ or problem.__context__
+    return problem is not None
+
+
 def is_command() -> bool:
     """Return whether this process is the ``shellcut`` command: the script, or ``-m shellcut``."""
     program = sys.argv[0] if sys.argv else ""

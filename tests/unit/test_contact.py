@@ -443,7 +443,7 @@ def test_work_is_the_trapezoid_also_when_a_node_leaves():
 
 
 @TOOLS
-def test_what_a_look_up_remembers_changes_round_off_only(tool):
+def test_what_a_look_remembers_changes_round_off_only(tool):
     # Nodes slide along the faces, in and out; now and then the list is made anew after a split,
     # which leaves a node without a side. A contact that has forgotten all gives the same.
     rng = np.random.default_rng(9)
@@ -463,8 +463,7 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
         kept = "side", "depth", "offset", "place", "work", "force"
         before = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         forces, result = evaluate(contact, state)
-        looks = contact.tables.table.looks
-        remembered += np.count_nonzero(looks.within & (looks.flat > 0.0))
+        remembered += np.count_nonzero(contact.tables.table.looks.across >= 0)
         after = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         for name, rows in before.items():
             getattr(state.node, f"contact_{name}")[:] = rows
@@ -478,7 +477,7 @@ def test_what_a_look_up_remembers_changes_round_off_only(tool):
         for name in ("depth", "offset"):
             found = getattr(state.node, f"contact_{name}")
             np.testing.assert_allclose(found, after[name], rtol=0.0, atol=1e-10)
-    assert remembered > 500
+    assert remembered > 300
 
 
 def test_a_node_that_a_split_leaves_without_a_side_looks_for_it_anew():

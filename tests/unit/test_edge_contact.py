@@ -309,23 +309,20 @@ def test_bars_are_felt_between_nodes(tool, at):
     assert abs(sim.close_ledger().imbalance) < 1e-5 * sim.ledger.tool_work
 
 
-def test_waiting_and_faces_that_hold_miss_nothing():
+def test_waiting_misses_nothing():
     waits, looks = (pushed(direction=(0.8, 0.6, 0.0)) for _ in range(2))
-    waited = held = 0
+    waited = 0
     while waits.motion.coordinate(waits.state.time) < 0.1:
         for t in (looks.contact, term(looks)):
             if t.tables is not None:
-                seen = t.tables.table.looks
-                seen.until[:] = seen.flat[:] = seen.lasts[:] = 0.0
+                t.tables.table.looks.until[:] = 0.0
         waits.step()
         looks.step()
         table = term(waits).tables.table
         waited += int((table.looks.until > table.clock.walked[0]).sum())
-        held += int((table.looks.flat[table.looks.within] > 0.0).sum())
         for mine, other in zip(term(waits).forces[1:4], term(looks).forces[1:4], strict=True):
             assert mine == pytest.approx(other, rel=1e-6, abs=1e-9)
     assert waited > waits.state.step
-    assert held > 20
     np.testing.assert_allclose(waits.state.node.x, looks.state.node.x, atol=1e-10)
 
 

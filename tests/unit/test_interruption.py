@@ -17,6 +17,8 @@ import pytest
 from numba.core import event
 
 import shellcut
+from shellcut.command_line import keys
+from shellcut.command_line.main import main
 from shellcut.numerics.jit import inline, kernel
 from shellcut.signals import HeldBack, Interruption, RaisedAgain, is_command
 
@@ -295,6 +297,19 @@ def test_which_process_is_the_command(monkeypatch, argv, of_python, answer):
     monkeypatch.setattr(sys, "argv", argv)
     monkeypatch.setattr(sys, "orig_argv", of_python)
     assert is_command() is answer
+
+
+@pytest.mark.parametrize("error", [OSError, RuntimeError, ValueError])
+def test_an_error_while_an_interrupt_is_answered_is_the_interrupt(monkeypatch, capsys, error):
+    def interrupted(_):
+        try:
+            raise KeyboardInterrupt
+        finally:
+            raise error("left half open")
+
+    monkeypatch.setattr(keys, "run", interrupted)
+    assert main(["keys", "young"]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
 
 
 # Python imports this file at its start. It sends Ctrl-C when a certain module is to be imported.

@@ -38,7 +38,7 @@ def _evaluate(
     grid, around = borrowed(grid), borrowed(around)
     for i in range(x.shape[0]):
         p = (x[i, 0], x[i, 1], x[i, 2])
-        _, inside, t, q, whole, _ = signed_distance(p, side, grid)
+        _, inside, t, q, whole = signed_distance(p, side, grid)
         own[i] = (not inside) or side * grid.surface.flank[whole] >= 0
         triangle[i] = t
         if inside:

@@ -10,7 +10,13 @@ from io import TextIOWrapper
 from typing import Any, NoReturn
 
 from shellcut.model_file import ModelFileError
-from shellcut.signals import INTERRUPTED, RaisedAgain, answer_held, ignore_ctrl_c
+from shellcut.signals import (
+    INTERRUPTED,
+    RaisedAgain,
+    answer_held,
+    ignore_ctrl_c,
+    is_of_interrupt,
+)
 from shellcut.unit import showing
 
 from . import (
@@ -83,11 +89,17 @@ def _done(arguments: argparse.Namespace) -> int:
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
             code: int = arguments.run(arguments)
-    except MemoryError as problem:
-        return refuse(f"this machine does not have enough memory: {problem}; use a coarser mesh")
-    except (ValueError, IndexError, ImportError, OSError) as problem:
+    except Exception as problem:
+        if is_of_interrupt(problem):
+            raise KeyboardInterrupt from problem
+        if isinstance(problem, MemoryError):
+            of_memory = f"this machine does not have enough memory: {problem}; use a coarser mesh"
+            return refuse(of_memory)
         # What a run raises after its checks is no fault of what it was given.
-        if arguments.command in _RUNS and not isinstance(problem, OSError | ModelFileError):
+        of_input: tuple[type[Exception], ...] = OSError, ModelFileError
+        if arguments.command not in _RUNS:
+            of_input += (ValueError, IndexError, ImportError)
+        if not isinstance(problem, of_input):
             raise
         return refuse(problem)
     return code

@@ -54,42 +54,17 @@ class Carriers(NamedTuple):
 
 
 class Looks(NamedTuple):
-    """What is known of where each carrier is in the tool, most of it from its last look-up."""
+    """What is known of each carrier from its last look at the tool."""
 
     until: Annotated[Floats, "(n_row,)"]
     """Way walked from which on it may touch, and is looked at again [mm]."""
-    place: Annotated[Floats, "(n_row, 3)"]
-    """Position of the look-up, in the body frame [mm]."""
-    lasts: Annotated[Floats, "(n_row,)"]
-    """Range of validity [mm]: the result holds while the carrier is closer than this to that
-    position."""
-    flat: Annotated[Floats, "(n_row,)"]
-    """Likewise, of the faces from which the depth is measured while it lasts; 0 for none."""
-    face: Annotated[Floats, "(n_row, 2, 4)"]
-    """Outward normals of one or two faces, and their products with points of the faces [mm]."""
-    n_face: Annotated[Ints, "(n_row,)"]
-    """How many there are."""
-    within: Annotated[Bools, "(n_row,)"]
-    """Whether it was inside."""
-    closest: Annotated[Ints, "(n_row, 2)"]
-    """If inside: the closest triangle of all, and the closest of its side."""
     across: Annotated[Ints, "(n_row,)"]
     """Face beyond the edge around which it was rounded last, -1 for none."""
 
     @classmethod
     def none_yet(cls, n: int) -> Looks:
-        """Return the table of n carriers that have not been looked up yet."""
-        return cls(
-            until=np.zeros(n),
-            place=np.zeros((n, 3)),
-            lasts=np.zeros(n),
-            flat=np.zeros(n),
-            face=np.zeros((n, 2, 4)),
-            n_face=np.zeros(n, np.int64),
-            within=np.zeros(n, np.bool_),
-            closest=np.zeros((n, 2), np.int64),
-            across=np.full(n, -1),
-        )
+        """Return the table of n carriers that have not been looked at yet."""
+        return cls(until=np.zeros(n), across=np.full(n, -1))
 
 
 class Memory(NamedTuple):

@@ -159,7 +159,8 @@ class EdgeContact(PressTerm):
         self.kept = np.where(same, at, -1)
         to, of = np.flatnonzero(same), at[same]
         looks, memory = Looks.none_yet(count), Memory.blank(count)
-        kept: Any = zip((*looks[1:], *memory[1:]), (*self._looks[1:], *had[1:]), strict=True)
+        looks.across[to] = self._looks.across[of]
+        kept: Any = zip(memory[1:], had[1:], strict=True)
         for new, old in kept:
             new[to] = old[of]
         pressed: Bools = np.asarray(had.force.any(axis=1))

@@ -193,7 +193,7 @@ class PenaltyContact(PressTerm):
         self.clock.walked[:] = saved["walked"]
 
     def _take_list(self, state: State) -> None:
-        """Switch to the new list: nodes that left it are outside, the others keep their look-up."""
+        """Switch to the new list: nodes that left it are outside, all are looked at anew."""
         n, before, near = state.node, self._ids, self.near.ids
         place = np.searchsorted(near, before)
         stays = near.take(place, mode="clip") == before if near.size else before < 0
@@ -202,11 +202,7 @@ class PenaltyContact(PressTerm):
         n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
         looks = Looks.none_yet(near.size)
-        for new, old in zip(looks[1:], self._looks[1:], strict=True):
-            new[place[stays]] = old[stays]
-        # A split leaves its node without a side: its look-up is void.
-        void = looks.within & (n.contact_side[near] == 0)
-        looks.lasts[void] = looks.flat[void] = 0.0
+        looks.across[place[stays]] = self._looks.across[stays]
         self._ids, self._looks = near, looks
         self._collect(state)
 

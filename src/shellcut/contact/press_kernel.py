@@ -19,7 +19,7 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.touch import Touch, react
 
 from .contact_tables import ContactTables, Memory
-from .look_at_tool import see
+from .look_at_tool import look_at
 from .near_nodes import largest_speed, tool_way
 from .settings import FADES_OVER, NOTICED, largest_rebound, smoothed, smoothed_integral
 
@@ -214,15 +214,13 @@ def add_press_forces(
         row, one_side, lies = memory.row[i], True, int(side[memory.row[i]])
         if edges:
             one_side, lies = _side_of_ends(i, tables)
-            if looks.within[i] and not (one_side and lies == side[row]):
-                looks.lasts[i] = looks.flat[i] = 0.0
         x = _mean_of(tables.nodes.x, i, tables)
         p = to_body(x, pose)
-        inside, triangle, g, outward = False, 0, 0.0, p
+        inside, whole, triangle, g, outward = False, 0, 0, 0.0, p
         if one_side:
-            inside, triangle, g, outward, lies = see(i, p, lies, walked, pose, tables)
+            inside, whole, triangle, g, outward, lies = look_at(i, p, lies, walked, pose, tables)
         through = not one_side
-        if edges and inside and lies * tool.grid.surface.flank[looks.closest[i, 0]] < 0:
+        if edges and inside and lies * tool.grid.surface.flank[whole] < 0:
             too_deep = g - tables.law.tool_half_thickness
             through = too_deep > 0.0
             looks.until[i] = walked + _AGAIN * max(too_deep, 0.0)

@@ -208,7 +208,7 @@ def _deepest_unfelt(
         for k in range(1, _PARTS):
             s = k / _PARTS
             p = combine(1.0 - s, a, s, b)
-            found, inside, triangle, q, whole, _ = signed_distance(p, side[i], tool.grid)
+            found, inside, triangle, q, whole = signed_distance(p, side[i], tool.grid)
             if not (found and inside):
                 continue
             D, _, _ = rounded_depth(p, q, triangle, side[i], law.rounding, tool.grid, tool.around)

@@ -30,6 +30,7 @@ import numpy as np
 
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
+from shellcut.signals import HeldBack
 
 from .frame_digest import (
     DIGESTS,
@@ -62,7 +63,8 @@ class VtkHdfWriter:
     """Append frames to one VTKHDF file.
 
     Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
-    killed or the disk is full.
+    killed or the disk is full. Signals are held back while HDF5, which calls :class:`HdfTarget`,
+    is at work: an exception in between would leave its file half open.
 
     With ``until`` frames are appended to the file of an interrupted run, which this class has
     written: frames later than this are dropped [s], and an unfinished one. Without it a file that
@@ -71,6 +73,10 @@ class VtkHdfWriter:
 
     def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
         self.path = Path(path)
+        with HeldBack():
+            self._open(until)
+
+    def _open(self, until: float | None) -> None:
         how: Literal["r+", "w"] = "w" if until is None else "r+"
         self._target = HdfTarget(self.path, how)
         try:
@@ -110,6 +116,10 @@ class VtkHdfWriter:
         no more can be added.
         """
         self._target.check()
+        with HeldBack():
+            self._append(frame)
+
+    def _append(self, frame: Frame) -> None:
         grid = grid_of(frame)
         if not self._series_names:
             self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
@@ -135,12 +145,13 @@ class VtkHdfWriter:
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
-        try:
-            if self._file and self._is_sound:  # the number of frames is now final
-                self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place
-        finally:
-            self._file.close()
-            self._target.close()
+        with HeldBack():
+            try:
+                if self._file and self._is_sound:  # the number of frames is now final
+                    self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place
+            finally:
+                self._file.close()
+                self._target.close()
 
     def _append_row(
         self, frame: Frame, grid: FrameGrid, entry: dict[str, Any], of_arrays: int

@@ -153,7 +153,7 @@ def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
         back = segment_part(edges.segments, k, BACK)
         depth = dot(sub(p, segment_part(edges.segments, k, START)), back)
         foot = combine(1.0, foot, max(0.0, _BEHIND_ROUND * edges.radius - depth), back)
-    _, inside, _, nearest, _, _ = signed_distance(foot, 0, edges.solid)
+    _, inside, _, nearest, _ = signed_distance(foot, 0, edges.solid)
     if not inside:
         return False
     way_out = sub(nearest, foot)

@@ -210,7 +210,7 @@ def _way_to_two(
     needed = radius - dot(sub(load(surface.corners[across], 0), p), normal)
     w = _least_of_two(out, radius - g, normal, needed, radius)
     z = sub(p, w)
-    found, t, _, q, _ = closest_of_side(z, side, grid)
+    found, t, _, q = closest_of_side(z, side, grid)
     depth, closest = face_depth(z, q, load(surface.pseudo_normals[t], 0))
     if not found or depth < radius * (1.0 - _MET) or side * surface.flank[across] < 0:
         return False, w
@@ -291,7 +291,7 @@ def _face_beyond(
     And what n · w must be for that face [mm].
     """
     z = sub(p, w)
-    found, t, _, q, _ = closest_of_side(z, side, grid)
+    found, t, _, q = closest_of_side(z, side, grid)
     normals = grid.surface.pseudo_normals
     depth, normal = face_depth(z, q, (normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]))
     deep = not found or depth >= radius * (1.0 - _MET)

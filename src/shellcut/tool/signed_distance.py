@@ -76,10 +76,6 @@ class TriangleGrid(NamedTuple):
     surface: TriangleSurface
 
 
-# Far above that of a height over a plane, far below any depth that counts [mm].
-ROUND_OFF = 1e-9
-
-
 @inline
 def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
     """Return the point of triangle (a, b, c) closest to ``p`` [mm] and the feature it lies on."""
@@ -122,12 +118,6 @@ def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
     height = _above(p, t, 0, planes)
     within = min(_above(p, t, 1, planes), _above(p, t, 2, planes), _above(p, t, 3, planes))
     return height, within
-
-
-@inline
-def within_edges(p: Vec3, t: int, surface: TriangleSurface) -> float:
-    """Return how far the foot of p on the plane of a triangle is inside its edges [mm]."""
-    return _over(p, t, surface.planes)[1]
 
 
 @inline
@@ -197,26 +187,11 @@ def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
 
 
 @inline
-def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> float:
-    """Return a distance from which on triangles of the side are that a cell does not list [mm].
-
-    From a point that is ``off_centre`` [mm] from its centre: a cell lists what is closer to that
-    than the closest of the side and its diagonal.
-    """
-    cell_start, cell_triangles, cell_distance = grid.lists
-    for k in range(cell_start[cell], cell_start[cell + 1]):
-        if side * grid.surface.flank[cell_triangles[k]] >= 0:
-            return float(cell_distance[k]) + sqrt(3.0) * grid.cells.size - off_centre
-    return 0.0
-
-
-@inline
-def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, int, Vec3, float]:
-    """Return whether a triangle was found, the closest one of the side, feature, point and gap.
+def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, int, Vec3]:
+    """Return whether a triangle was found, the closest one of the side, its feature and point.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
-    If nothing is found: 0, 0 and ``p`` itself. The gap [mm] is a lower bound on how much farther
-    all other triangles of the side are.
+    If nothing is found: 0, 0 and ``p`` itself.
     """
     grid = borrowed(grid)
     cell_start, cell_triangles, cell_distance = grid.lists
@@ -225,16 +200,13 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
     triangle = 0
     feature = 0
     best = np.inf
-    second = np.inf
     in_grid, cell = cell_of(p, grid.cells)
     if not in_grid:
-        return False, triangle, feature, nearest, 0.0
+        return False, triangle, feature, nearest
     off_centre = _distance_from_centre(p, cell, grid.cells)
-    beyond = max(_unlisted(cell, side, off_centre, grid), 0.0)
     for k in range(cell_start[cell], cell_start[cell + 1]):
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
-            second = min(second, least * least)
             break
         t = cell_triangles[k]
         if side * flank[t] < 0:
@@ -243,144 +215,36 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
         height, within = _over(p, t, surface.planes)
         beside = min(within, 0.0)
         squared = height * height + beside * beside
-        q, where = p, 0
+        if squared >= best:
+            continue
+        q, where = _foot(p, height, within, t, surface)
+        gap = sub(p, q)
+        squared = dot(gap, gap)
         if squared < best:
-            q, where = _foot(p, height, within, t, surface)
-            gap = sub(p, q)
-            squared = dot(gap, gap)
-        if squared < best:
-            second = best
             best = squared
             nearest = q
             triangle = t
             feature = where
-        else:
-            second = min(second, squared)
-    return best < np.inf, triangle, feature, nearest, min(sqrt(second), beyond) - sqrt(best)
+    return best < np.inf, triangle, feature, nearest
 
 
 @inline
-def clear_for(
-    z: Vec3,
-    r: float,
-    way: float,
-    one: int,
-    two: int,
-    side: int,
-    most: float,
-    grid: TriangleGrid,
-) -> float:
-    """Return how far a ball may move and touch no face of the side but one or two [mm].
-
-    z : its centre, in the body frame, r [mm] deep under the triangles ``one`` and ``two``, which
-    may be the same, and from then on no less.  way : from there to a point, which moves along and
-    stays this side of the faces of the other side [mm].  most : the largest answer [mm].
-
-    It moves along these triangles. What lies in one of their planes or outside it comes no closer
-    than r; the depth under another plane changes by the sine of the angle to them.
-    """
-    grid = borrowed(grid)
-    cell_start, cell_triangles, cell_distance = grid.lists
-    surface = grid.surface
-    in_grid, cell = cell_of(z, grid.cells)
-    if not in_grid:
-        return 0.0
-    off_centre = _distance_from_centre(z, cell, grid.cells)
-    most = min(most, _unlisted(cell, side, off_centre, grid) - r)
-    for k in range(cell_start[cell], cell_start[cell + 1]):
-        if cell_distance[k] - off_centre - r > most:
-            break
-        t = cell_triangles[k]
-        if t in (one, two):
-            continue
-        height, within = _over(z, t, surface.planes)
-        beside = min(within, 0.0)
-        away = sqrt(height * height + beside * beside)
-        if side * surface.flank[t] < 0:
-            most = min(most, away - way)
-            continue
-        free = away - r
-        if free >= most:
-            continue
-        if -height > r:
-            steep = max(_sine(t, one, surface.planes), _sine(t, two, surface.planes))
-            free = max(free, (-height - r) / max(steep, ROUND_OFF))
-        if free < most and not (_lies_above(t, one, surface) or _lies_above(t, two, surface)):
-            most = free
-    return most
-
-
-@inline
-def _sine(t: int, other: int, planes: Floats) -> float:
-    """Return the sine of the angle between the planes of two triangles."""
-    cosine = 0.0
-    for c in range(3):
-        cosine += planes[t, 0, c] * planes[other, 0, c]
-    return sqrt(max(1.0 - cosine * cosine, 0.0))
-
-
-@inline
-def over_only_for(p: Vec3, triangle: int, most: float, grid: TriangleGrid) -> float:
-    """Return how far a point may move and be inside only under the plane of a triangle [mm].
-
-    p : outside, in the body frame, over the inside of ``triangle`` as long as it moves by no more
-    than ``most``, the largest answer [mm].  What lies below the plane cannot hold it.
-    """
-    grid = borrowed(grid)
-    cell_start, cell_triangles, cell_distance = grid.lists
-    surface = grid.surface
-    _, cell = cell_of(p, grid.cells)
-    off_centre = _distance_from_centre(p, cell, grid.cells)
-    most = min(most, _unlisted(cell, 0, off_centre, grid))
-    for k in range(cell_start[cell], cell_start[cell + 1]):
-        if cell_distance[k] - off_centre > most:
-            break
-        t = cell_triangles[k]
-        height, within = _over(p, t, surface.planes)
-        beside = min(within, 0.0)
-        away = sqrt(height * height + beside * beside)
-        if away < most and t != triangle and not _lies_above(t, triangle, surface, -1.0):
-            most = away
-    return most
-
-
-@inline
-def _lies_above(t: int, triangle: int, surface: TriangleSurface, up: float = 1.0) -> bool:
-    """Return whether one triangle lies in the plane of another, or outside that.
-
-    up : -1 to ask for the inside.
-    """
-    least = np.inf
-    for a in range(3):
-        corner = (
-            surface.corners[t, a, 0],
-            surface.corners[t, a, 1],
-            surface.corners[t, a, 2],
-        )
-        least = min(least, up * _above(corner, triangle, 0, surface.planes))
-    return least > -ROUND_OFF
-
-
-@inline
-def signed_distance(
-    p: Vec3, side: int, grid: TriangleGrid
-) -> tuple[bool, bool, int, Vec3, int, float]:
+def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool, int, Vec3, int]:
     """Return whether ``p`` is near, whether inside the solid, and the closest triangle of the side.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
 
     ``inside`` uses all triangles; the returned triangle and its closest point are of the side. A
-    point on the surface is outside. If nothing is found: False, triangle 0, ``p``. The last two are
-    the closest triangle of all, and how far ``p`` may move before either closest triangle can
-    change: until then :func:`signed_distance_to` gives the same.
+    point on the surface is outside. If nothing is found: False, triangle 0, ``p``. The last is the
+    closest triangle of all.
     """
     grid = borrowed(grid)
     cell_start = grid.lists.start
     flank, pseudo_normals = grid.surface.flank, grid.surface.pseudo_normals
     in_grid, cell = cell_of(p, grid.cells)
     if not in_grid or cell_start[cell] == cell_start[cell + 1]:
-        return False, False, 0, p, 0, 0.0
-    _, triangle, i, nearest, ahead = closest_of_side(p, 0, grid)
+        return False, False, 0, p, 0
+    _, triangle, i, nearest = closest_of_side(p, 0, grid)
     normal = (
         pseudo_normals[triangle, i, 0],
         pseudo_normals[triangle, i, 1],
@@ -390,30 +254,8 @@ def signed_distance(
     found = True
     whole = triangle
     if side * flank[triangle] < 0:
-        found, triangle, i, nearest, ahead_of_side = closest_of_side(p, side, grid)
-        ahead = min(ahead, ahead_of_side)
-    return found, inside, triangle, nearest, whole, 0.5 * ahead
-
-
-@inline
-def signed_distance_to(
-    p: Vec3, whole: int, triangle: int, surface: TriangleSurface
-) -> tuple[bool, Vec3]:
-    """Return whether ``p`` is inside the solid and its closest point, for known triangles.
-
-    whole : the closest triangle of all.  triangle : the closest of the side.
-    """
-    pseudo_normals = surface.pseudo_normals
-    nearest, i = _foot(p, *_over(p, whole, surface.planes), whole, surface)
-    normal = (
-        pseudo_normals[whole, i, 0],
-        pseudo_normals[whole, i, 1],
-        pseudo_normals[whole, i, 2],
-    )
-    inside = dot(sub(p, nearest), normal) < 0.0
-    if triangle != whole:
-        nearest, _ = _foot(p, *_over(p, triangle, surface.planes), triangle, surface)
-    return inside, nearest
+        found, triangle, i, nearest = closest_of_side(p, side, grid)
+    return found, inside, triangle, nearest, whole
 
 
 @inline
@@ -439,7 +281,7 @@ def query_points(
     grid = borrowed(grid)
     for n in range(x.shape[0]):
         p = (x[n, 0], x[n, 1], x[n, 2])
-        found[n], inside[n], triangle[n], q, _, _ = signed_distance(p, side, grid)
+        found[n], inside[n], triangle[n], q, _ = signed_distance(p, side, grid)
         closest[n, 0] = q[0]
         closest[n, 1] = q[1]
         closest[n, 2] = q[2]
