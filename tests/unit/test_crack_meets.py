@@ -347,7 +347,7 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     (there,) = free.at_tips(sim.mesh.nodes)
     assert there[0] == pytest.approx(right, abs=0.1)
     begun = Begun(row, (0.0, 0.0), 0, Pierced(measure=1.0, force=0.0, delay=0.0, depth=0.0))
-    monkeypatch.setattr(EnteredFilm, "found", lambda *_: [begun])
+    monkeypatch.setattr(EnteredFilm, "entered_rows", lambda *_: [begun])
     free.cut_due(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]

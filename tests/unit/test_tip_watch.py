@@ -282,9 +282,9 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
         n.x[: n.count] += n.velocity_half[: n.count] * dt
         s.step, s.time = step, step * dt
         pose = Pose.of(*sim.motion.pose(s.time))
-        rows = kept.found(s, pose, none)
+        rows = kept.entered_rows(s, pose, none)
         if step % 5 == 0:
-            again = fresh().found(s, pose, none)
+            again = fresh().entered_rows(s, pose, none)
             assert rows == again
             found += len(rows)
             a, b = pose.to_space(sim.tool.vertices[sim.tool.edges[0]])

@@ -31,7 +31,7 @@ class BladeChords:
     def __init__(self, path: CrackPath, drive: BladeDrive) -> None:
         self._path, self._film, self._drive = path, path.film, drive
 
-    def ways(
+    def chords(
         self, state: State, begun: Begun, tips: Sequence[Tip]
     ) -> Iterator[tuple[Segment, Segment]]:
         """Yield pairs of segments, the best first: to where the edge was and to where it will be.

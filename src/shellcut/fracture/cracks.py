@@ -145,7 +145,7 @@ class Cracks:
         while self._advance_driven(state):
             pass
         self._advance_free(state, self._watch.may_tear(state.step // self._check_every))
-        self._pierce.begin(state, pose, self._watch.driven_places(), work)
+        self._pierce.begin_cuts(state, pose, self._watch.driven_places(), work)
 
     def _advance_free(self, state: State, tips: Sequence[Tip]) -> None:
         """Advance those of some cracks that are due without a blade, by one quad at most.

@@ -90,7 +90,7 @@ class EnteredFilm:
         self._held = Holder()(edges), Holder()(quad), Holder()(Aimed.of(2))
         self._find = BoundOnce(_entered)
 
-    def found(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+    def entered_rows(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
         """Return where edges go through whole rows that their mid-planes would part.
 
         tips : (n, 3), where the cracks end that an edge drives [mm].

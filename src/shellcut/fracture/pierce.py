@@ -72,7 +72,7 @@ class Pierce:
         if points is not None:
             self._pressed = PressedFilm(film, shell, edges, limits, points, tool, motion)
 
-    def begin(self, state: State, pose: Pose, driven: Floats, work: float) -> None:
+    def begin_cuts(self, state: State, pose: Pose, driven: Floats, work: float) -> None:
         """Cut the film that an edge goes through away from the tips that it drives.
 
         Parameters
@@ -86,10 +86,10 @@ class Pierce:
         work : float
             Of the tool so far [N·mm].
         """
-        every = self._entered.found(state, pose, driven)
+        every = self._entered.entered_rows(state, pose, driven)
         if self._pressed is not None:
             entered = self._pressed.not_on_face(state, pose, every)
-            every = [*self._pressed.found(state, pose, driven), *entered]
+            every = [*self._pressed.pierced_rows(state, pose, driven), *entered]
         for begun in every:
             whole = self._growth.cuts.topology.polygon(begun.row) == WHOLE
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
@@ -100,7 +100,7 @@ class Pierce:
         """Cut a quad along the first chord that does so, and note how whole film was pierced."""
         growth, pierced = self._growth, begun.pierced
         kind, measure = ("blade", 0.0) if pierced is None else ("puncture", pierced.measure)
-        for back, ahead in self._chords.ways(state, begun, growth.tips):
+        for back, ahead in self._chords.chords(state, begun, growth.tips):
             # What nothing holds is cut only from where the edge has come in.
             if pierced is None and not self._entered.leads_out(state, back):
                 continue

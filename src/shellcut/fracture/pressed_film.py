@@ -75,7 +75,7 @@ class PressedFilm:
         self._places: PlaceLimits = limits.at_points(points.points, tool)
         self._means = PressingTips(points, motion, self._places.force, limits.puncture.impedance)
 
-    def found(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+    def pierced_rows(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
         """Return where a tip or an edge on the face of the film has reached what this carries.
 
         tips : (n, 3), where the cracks end that an edge drives [mm].
