@@ -1,43 +1,26 @@
-"""Nodal force by trial cut: the force with which the flanks ahead of a tip hold each other.
+"""The trial cut: by what force the flanks ahead of a tip hold each other, and when it is due.
 
-The cut is tried on the topology, its classes of corners are read off, and it is mended again: which
-corners and cables are on either side of it is a matter of the topology and of which side or corner
-of the row the segment leads to. Forces, positions and the shares of the two parts change with every
-step (:class:`TrialSums`). The classes of corners at the tip, with their masses m and the nodal
-forces f that go with them (internal, damping, loads, cables), give the relative acceleration of the
-two flanks at the place P of the tip, and that of a pair of unit forces there:
+The cut is tried on the topology, the classes of corners on both sides are read off, and it is
+mended again (:class:`TrialCut`): they last as long as the topology. Positions, forces and the
+shares of the two parts of the row change with every step (:class:`TrialSums`). With the masses m
+and nodal forces f of the classes on the plus and minus side, and the shape functions N_a at the
+tip,
 
-    d = sum N_a (f_a+ / m_a+ - f_a- / m_a-),      kappa = sum N_a² (1 / m_a+ + 1 / m_a-),
+    (1)  d = sum N_a (f_a+ / m_a+ - f_a- / m_a-)         relative acceleration of the flanks
+    (2)  kappa = sum N_a² (1 / m_a+ + 1 / m_a-)          that of a pair of unit forces
+    (3)  F_c = d / kappa,  F = F_c + B                   F_c is what new cables take over
+    (4)  F · m / (sigma_F h (L_in + L_out) / 2)          due at 1
 
-N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
-the force that the new cables take over; those behind the tip are there already and pull with what
-they carry.
+B is the pull of the cables behind the tip, m the normal to the segment in the sheet from the minus
+to the plus side, L_in and L_out the lengths of the segments that meet at the tip. At a node F_c is
+the nodal force parted between the two sides.
 
-The measure counts both segments that meet at the tip. Their cables hand half of their force on to
-it; those of the segment behind, which pull by B there, hold it closed together with the film ahead.
-So the film pulls at the tip by F = F_c + B, against what the cables of both halves would carry:
+A tear pulls whichever way it opens: |F| stands in place of F · m in (4), and where the flanks press
+on each other, F · m < 0, but F opens the crack the way the film behind has parted,
 
-    F · m / (sigma_F h (L_in + L_out) / 2),
+    (5)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
 
-with the normal m from the minus to the plus side and the lengths of the segments; the cut is due at
-1. F_c alone over sigma_F h L_out / 2 is the same where B = sigma_F h L_in / 2 m. But cables behind
-pull the way the segment has opened, which is straight, and near the tip the film turns from m to
-that, over a length that the mesh need not resolve. The part of B that is lost by this would be in
-F_c, times L_in / L_out: tips whose next segment is short would run without releasing energy.
-
-A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
-the measure is |F| over the same, if F · m >= 0. In front of a process zone that bends, the
-flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
-bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
-its plane F · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
-be torn by three times the force. So flanks that are pressed, F · m < 0, hold the tip only if F
-does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
-is taken off the force along the flanks, as in a crack that is sheared under pressure
-([CamachoOrtiz1996]):
-
-    sqrt(|F|² - (F · m)²) - |F · m|      in place of |F|.
-
-At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.options`).
+Why so: ``docs/theory/free-cracks.md``, *When a crack goes on*, and ``docs/theory/tears.md``, *When*.
 """
 
 from __future__ import annotations
@@ -69,6 +52,17 @@ UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
 
 
+class Link(NamedTuple):
+    """A cable that pulls at a class of corners."""
+
+    cable: int
+    end: int
+    share: float
+    """Of its force that goes with the class."""
+    at_tip: float
+    """Of its force that is handed on where the flanks have not parted: at the tip."""
+
+
 class Side(NamedTuple):
     """A class of corners of a trial cut, on one side of it."""
 
@@ -80,9 +74,7 @@ class Side(NamedTuple):
     """The node there now, shape (n,)."""
     part: Ints
     """UNCUT, RIGHT or LEFT: what of the row belongs to it, shape (n,)."""
-    cables: tuple[tuple[int, int, float, float], ...]
-    """Cable, its end, how much of its force goes with the class, and how much of that is handed on
-    where the flanks have not parted: at the tip."""
+    cables: tuple[Link, ...]
 
 
 class Pair(NamedTuple):
@@ -188,7 +180,7 @@ class TrialCut:
                     if at_place not in opened:  # several cables are between the same places
                         opened[at_place] = parted(state, pair, places)
                     closed += 0.0 if opened[at_place] else part
-                cables.append((k, end, sum(parts), closed))
+                cables.append(Link(k, end, sum(parts), closed))
         return Side(
             rows=rows,
             corner=corner,
@@ -273,8 +265,8 @@ class TrialSums:
                 for row, node, part in zip(rows, nodes, parts, strict=True):
                     corner = corners.setdefault((row, node), len(corners))
                     members.append((p, sign, part, corner))
-                cables += [(p, sign, *link[:2]) for link in side.cables]
-                shares += [link[2:] for link in side.cables]
+                cables += [(p, sign, link.cable, link.end) for link in side.cables]
+                shares += [(link.share, link.at_tip) for link in side.cables]
         held = np.array(list(corners), np.int64).reshape(-1, 2)
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
         sums = _Sums(
@@ -313,7 +305,7 @@ class TrialSums:
         trial, force, length = self._trial_cut, one.pull[0], float(one.length[0])
         held, pull = 0.5 * trial.carried * float(one.behind[0]), sqrt(product(force, force))
         across = float(one.measure[0]) * (held + 0.5 * trial.carried * length)
-        if across < 0.0:
+        if across < 0.0:  # (5)
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
@@ -356,6 +348,7 @@ def _weigh_trials(
     trial = np.empty(sums.weight.shape[0], np.int64)
     for k in range(n_trial):
         trial[sums.start[k] : sums.start[k + 1]] = k
+    # f of each class: of whole rows, or of the part of the row that lies on its side of the ray.
     force, behind = np.zeros((2, sums.weight.shape[0], 2, 3))
     held = np.zeros(n_trial)
     for i in range(sums.member.shape[0]):
@@ -363,6 +356,7 @@ def _weigh_trials(
         share = _part(part, aimed.right[sums.tip[trial[p]]])
         for c in range(3):
             force[p, side, c] += share * corner_force[corner, c]
+    # Cables pull at the classes too; what those behind the tip hand on to it is B.
     for i in range(sums.cable.shape[0]):
         p, side, cable, end = _four(sums.cable, i)
         if status[cable] == BROKEN:
@@ -381,14 +375,16 @@ def _weigh_trials(
                 for part in range(3):
                     mass += _part(part, right) * sums.mass[p, side, part]
                 moves = sums.weight[p] / mass if side else -sums.weight[p] / mass
+                # (1) with all forces, and with those of the cables behind alone; (2).
                 d = add_scaled(d, moves, load(force[p], side))
                 closed = add_scaled(closed, moves, load(behind[p], side))
                 kappa += sums.weight[p] ** 2 / mass
-        if kappa == 0.0:
+        if kappa == 0.0:  # the cut would part nothing at the tip
             weighed.measure[tip] = weighed.size[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
-        pull = scale(1.0 / kappa, sub(d, closed))
+        pull = scale(1.0 / kappa, sub(d, closed))  # (3): F_c without the pull that is there
+        # L_in by the area of the cables that hold it, half of which they hand on; (4).
         before = held[k] / (thickness * whole)
         carries = 0.5 * carried * (before + out)
         weighed.measure[tip] = dot(pull, m) / norm(m) / carries
