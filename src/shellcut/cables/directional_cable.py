@@ -49,6 +49,7 @@ from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy,
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
+from shellcut.numerics.kept import saved_of, take_over
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
@@ -63,6 +64,9 @@ from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import AREA, ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
 from .meeting import find_joint
+
+# What a checkpoint keeps of them; the cables are in the state.
+_KEPT = "touch", "n_joint_made", "n_broken"
 
 
 class CableForces(NamedTuple):
@@ -210,17 +214,12 @@ class CableSet(ForceTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return the last forces and the counts so far; the cables are in the state."""
-        return {
-            "touch": self.touch._asdict(),
-            "n_joint_made": self.n_joint_made,
-            "n_broken": self.n_broken,
-        }
+        return saved_of(self, _KEPT)
 
     def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._pose = pose
-        self.touch.take(saved["touch"])
-        self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
+        take_over(self, _KEPT, saved)
 
     def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""

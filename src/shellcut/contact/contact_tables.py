@@ -5,14 +5,14 @@ And what a term does that presses film and tool, or film and film, together.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from copy import copy
+from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
 from shellcut.numerics.held_table import Holder
+from shellcut.numerics.kept import saved_of
 from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.rounded_depth import ConvexNeighbours
@@ -307,10 +307,8 @@ class PressTerm(ForceTerm):
     """What goes from the sums into the ledger."""
     tables: Any
     """What its kernel takes, anew with each list."""
-    kept_tables: ClassVar[dict[str, Any]] = {}
-    """Attributes that a checkpoint keeps, with their types: tables, ..."""
-    kept_values: ClassVar[tuple[str, ...]] = ()
-    """... and arrays and numbers."""
+    kept_names: ClassVar[tuple[str, ...]] = ("touch", "carriers")
+    """Attributes that a checkpoint keeps, see :mod:`shellcut.numerics.kept`."""
 
     def __init__(self, name: str, n_tooth: int, carriers: Carriers, kept: Ints | None) -> None:
         self.name, self.carriers, self.kept = name, carriers, kept
@@ -330,19 +328,4 @@ class PressTerm(ForceTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return what it presses on, the last forces, and what it keeps besides."""
-        tables = {name: getattr(self, name)._asdict() for name in ("carriers", *self.kept_tables)}
-        kept = {name: getattr(self, name) for name in self.kept_values}
-        return {"touch": self.touch._asdict(), **tables, **kept}
-
-    def _take(self, saved: Mapping[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self.touch.take(saved["touch"])
-        for name, kind in {"carriers": Carriers, **self.kept_tables}.items():
-            rows = {field: rows.copy() for field, rows in saved[name].items()}
-            for field, now in getattr(self, name)._asdict().items():
-                if np.shape(rows[field])[1:] != np.shape(now)[1:]:
-                    wanted, got = np.shape(now)[1:], np.shape(rows[field])
-                    raise ValueError(f"{name}.{field} must have rows of shape {wanted}, got {got}")
-            setattr(self, name, kind(**rows))
-        for name in self.kept_values:
-            setattr(self, name, copy(saved[name]))
+        return saved_of(self, self.kept_names)

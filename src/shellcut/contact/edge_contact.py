@@ -28,13 +28,14 @@ that part is an offset of its depth, which does not press and fades as for nodes
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.kept import take_over
 from shellcut.state import State
 from shellcut.tool.pose import Pose
 
@@ -76,8 +77,7 @@ class EdgeContact(PressTerm):
         Of a typical quad [mm].
     """
 
-    kept_tables: ClassVar = {"_looks": Looks, "_memory": Memory}
-    kept_values = "_key", "n_search"
+    kept_names = (*PressTerm.kept_names, "_looks", "_memory", "_key", "n_search")
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self._contact = contact
@@ -141,7 +141,7 @@ class EdgeContact(PressTerm):
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
-        self._take(saved)
+        take_over(self, self.kept_names, saved)
         self._lay_out(state)
 
     def _renew(self, state: State) -> float:

@@ -12,13 +12,13 @@ the search over all nodes is rare. The list never changes a result: its users ch
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
+from shellcut.numerics.kept import Kept
 from shellcut.numerics.vec3 import dot, load, sub
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
@@ -28,7 +28,7 @@ from shellcut.tool.pose import Pose, to_body
 _LOOK_EVERY, _FASTER = 5, 2.0
 
 
-class ListAge:
+class ListAge(Kept):
     """Tells when a list of what is near is to be made anew.
 
     Parameters
@@ -39,6 +39,8 @@ class ListAge:
         Of the farthest point of the tool around the body's origin [mm]; without one the tool does
         not count.
     """
+
+    kept_names = "_known", "_x", "_pose", "_gone", "_look_at"
 
     def __init__(self, way: float, radius: float | None = None) -> None:
         self._way, self._radius = way, radius
@@ -69,24 +71,8 @@ class ListAge:
         self._x, self._pose = state.node.x[: state.n_node].copy(), pose
         self._gone, self._look_at = 0.0, state.step + _LOOK_EVERY
 
-    def saved(self) -> dict[str, Any]:
-        """Return where all was when the list was made, and the last look."""
-        return {
-            "x": self._x,
-            "pose": self._pose._asdict(),
-            "revision": self._known.revision,
-            "gone": self._gone,
-            "look_at": self._look_at,
-        }
 
-    def restore(self, state: State, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, of a list for ``state``."""
-        self._x, self._pose = saved["x"].copy(), Pose(**saved["pose"]).copied()
-        self._known.restore(saved["revision"], state)
-        self._gone, self._look_at = saved["gone"], saved["look_at"]
-
-
-class NearNodes:
+class NearNodes(Kept):
     """The nodes near a tool.
 
     Parameters
@@ -96,6 +82,8 @@ class NearNodes:
     margin : float
         Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth.
     """
+
+    kept_names = "ids", "n_search", "_age"
 
     def __init__(self, low: Floats, high: Floats, margin: float) -> None:
         self._margin = margin
@@ -122,15 +110,6 @@ class NearNodes:
         self.n_search += 1
         self._age.begin(state, pose)
         return True
-
-    def saved(self) -> dict[str, Any]:
-        """Return the list and its age."""
-        return {"ids": self.ids, "n_search": self.n_search, "age": self._age.saved()}
-
-    def restore(self, state: State, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, a list of the nodes of ``state``."""
-        self.ids, self.n_search = saved["ids"].copy(), saved["n_search"]
-        self._age.restore(state, saved["age"])
 
     def within(self, state: State, pose: Pose) -> Ints:
         """Return the nodes within half the margin of the boxes.

@@ -33,7 +33,7 @@ step, and rebounds with no more energy than it came with.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +42,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.kept import take_over
 from shellcut.numerics.vec3 import load
 from shellcut.state import State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
@@ -97,8 +98,7 @@ class PenaltyContact(PressTerm):
         too, with a part of the stiffness of the nodes at their ends (:mod:`.edge_contact`).
     """
 
-    kept_tables: ClassVar = {"_looks": Looks}
-    kept_values = ("deepest",)
+    kept_names = (*PressTerm.kept_names, "_looks", "deepest", "near")
 
     def __init__(
         self,
@@ -178,13 +178,12 @@ class PenaltyContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return the list of near nodes, what is known of them, and the last forces."""
-        return super().saved() | {"near": self.near.saved(), "walked": self.clock.walked}
+        return super().saved() | {"walked": self.clock.walked}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
-        self._take(saved)
-        self.near.restore(state, saved["near"])
+        take_over(self, self.kept_names, saved)
         self.n_search, self._ids = self.near.n_search, self.near.ids
         carriers = self.carriers
         self._collect(state)

@@ -37,7 +37,7 @@ mass 1 / (1/m_P + sum N_a²/m_a) that moves between point and quad; a point of t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
+from shellcut.numerics.kept import take_over
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
 from shellcut.tool.pose import Pose
@@ -101,8 +102,19 @@ class SheetContact(PressTerm):
         Of the film.
     """
 
-    kept_tables: ClassVar = {"_pairs": Pairs, "_memory": Memory, "_waits": Waits}
-    kept_values = "_met", "_tracked", "_walked", "deepest", "n_looked", "n_search"
+    kept_names = (
+        *PressTerm.kept_names,
+        "_pairs",
+        "_memory",
+        "_waits",
+        "_age",
+        "_met",
+        "_tracked",
+        "_walked",
+        "deepest",
+        "n_looked",
+        "n_search",
+    )
 
     def __init__(
         self,
@@ -268,14 +280,13 @@ class SheetContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return pairs, memory and the last forces."""
-        return super().saved() | {"age": self._age.saved(), "presses": self._presses.saved()}
+        return super().saved() | {"presses": self._presses.saved()}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
-        self._take(saved)
+        take_over(self, self.kept_names, saved)
         self._pose = pose
         self._presses = Presses.with_room(self._pairs.n_sheet, Presses(**saved["presses"]))
-        self._age.restore(state, saved["age"])
         self._lay_out(state)
 
 

@@ -224,6 +224,6 @@ class Cracks:
         self.cuts.restore(saved["cuts"])
         self.growth.tips = restored_tips(saved["tips"])
         if self._pierce is not None:
-            self._pierce.restore(state, saved["near"])
+            self._pierce.restore(saved["near"])
         if self.stress is not None:
             self.stress.n_borrowed = saved["n_borrowed"]

@@ -9,6 +9,7 @@ it.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.kept import Kept
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
@@ -44,7 +46,7 @@ _FLAT = 0.1
 _CANDIDATES = 4
 
 
-class EnteredFilm:
+class EnteredFilm(Kept):
     """Finds whole rows that cutting edges go through.
 
     Parameters
@@ -62,6 +64,8 @@ class EnteredFilm:
     everywhere : bool
         Whether no point of the tool presses on the film, whose face then holds nothing.
     """
+
+    kept_names = ("_near",)
 
     def __init__(
         self,
@@ -86,6 +90,7 @@ class EnteredFilm:
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
         self._place = np.zeros((n_most, 2))
         self._rows = self._first = np.zeros(0, np.int64)
+        self._listed = -1  # search whose nodes the rows are of
         self._near = NearNodes(self._low, self._high, size)
         self._held = Holder()(edges), Holder()(quad), Holder()(Aimed.of(2))
         self._find = BoundOnce(_entered)
@@ -95,7 +100,8 @@ class EnteredFilm:
 
         tips : (n, 3), where the cracks end that an edge drives [mm].
         """
-        if self._near.renew(state, pose):
+        self._near.renew(state, pose)
+        if self._listed != self._near.n_search:
             self._list(state)
         row, segment, place = self._row, self._segment, self._place
         edges, quad, chord = self._held
@@ -131,20 +137,17 @@ class EnteredFilm:
         side = (back.side, (back.side + 1) % 4) if back.corner < 0 else (back.corner,)
         return bool(self._open[state.quads[back.row, list(side)]].all())
 
-    def saved(self) -> dict[str, Any]:
-        """Return the list of nodes near the edges."""
-        return self._near.saved()
-
-    def restore(self, state: State, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, a list of the nodes of ``state``."""
-        self._near.restore(state, saved)
-        self._list(state)
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Take over :meth:`saved`; rows are listed when they are asked for."""
+        super().restore(saved)
+        self._listed = -1
 
     def _list(self, state: State) -> None:
         """List the whole rows near the tool without a node at a flank, by their first nodes.
 
         Those at the rim and next to rows at a flank; all of them if the tool's points do not press.
         """
+        self._listed = self._near.n_search
         quads, near = state.quads, np.zeros(state.n_node, np.bool_)
         near[self._near.ids] = True
         at_flank = state.node.halved[quads].any(axis=1)

@@ -10,11 +10,11 @@ with a closed tip at either end.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from shellcut.arrays import Floats
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.kept import Kept
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -30,7 +30,7 @@ from .pressed_film import PressedFilm
 from .quad_polygon import WHOLE
 
 
-class Pierce:
+class Pierce(Kept):
     """Begins cuts in whole quads.
 
     Parameters
@@ -50,6 +50,8 @@ class Pierce:
     tool, motion : Tool, Motion
         Whose cutting edges these are, and how they move.
     """
+
+    kept_names = "_entered", "_pressed"
 
     def __init__(
         self,
@@ -120,14 +122,3 @@ class Pierce:
             growth.end_at(state, ahead, cut, 1, cut.heading)
             growth.cuts.renew(state)
             return
-
-    def saved(self) -> dict[str, Any]:
-        """Return the list of nodes near the edges, and the forces on tips."""
-        tips = {} if self._pressed is None else self._pressed.saved()
-        return {"near": self._entered.saved(), "tips": tips}
-
-    def restore(self, state: State, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`, a list of the nodes of ``state``."""
-        self._entered.restore(state, saved["near"])
-        if self._pressed is not None:
-            self._pressed.restore(saved["tips"])

@@ -13,7 +13,7 @@ straight. The force on a tip does not depend on the mesh, which the stress under
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.contact.contact_tables import TOUCHING
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.kept import Kept
 from shellcut.state import State
 from shellcut.state.tables import local_edge_length
 from shellcut.tool.cutting_edge import NORMAL, CuttingEdges
@@ -41,7 +42,7 @@ _SAME_WAY = 0.5
 _JUST_THERE = 0.1
 
 
-class PressedFilm:
+class PressedFilm(Kept):
     """Finds whole rows that a tool goes through on their face.
 
     Parameters
@@ -59,6 +60,8 @@ class PressedFilm:
     tool, motion : Tool, Motion
         Whose cutting edges these are, and how they move.
     """
+
+    kept_names = ("_means",)
 
     def __init__(
         self,
@@ -157,14 +160,6 @@ class PressedFilm:
         way = unit(normal - product(normal, t) * t)
         stress = self._shell.stress(state, np.array([row]), place="nominal")[0]
         return float(product(product(stress, way), way))
-
-    def saved(self) -> dict[str, Any]:
-        """Return the forces on tips."""
-        return self._means.saved()
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self._means.restore(saved)
 
 
 class _Loads(NamedTuple):

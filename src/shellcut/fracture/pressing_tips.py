@@ -22,12 +22,12 @@ tip has pressed goes with m v²; the verdict judges it (``DELAY_LIMIT``).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, product
 from shellcut.contact.sheet_contact import PointContact
+from shellcut.numerics.kept import Kept
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -42,7 +42,7 @@ _FORCE, _DELAY, _PRESSED = range(3)
 _FORGOTTEN = 1e-3
 
 
-class PressingTips:
+class PressingTips(Kept):
     """Mean forces on the tips and arcs of the cutting edges.
 
     Parameters
@@ -56,6 +56,8 @@ class PressingTips:
     impedance : float
         Of the sheet under a point [N·s/mm].
     """
+
+    kept_names = "_of_point", "_step"
 
     def __init__(
         self, points: PointContact, motion: Motion, limits: Floats, impedance: float
@@ -113,11 +115,3 @@ class PressingTips:
         limit = self._limits[self._points.point_of_sheet()[rows]]
         left = np.maximum(1.0 - self._impedance * speed / limit, 0.0)
         return np.asarray(left * impulse / (IMPACT * limit))
-
-    def saved(self) -> dict[str, Any]:
-        """Return the forces and the step at which they were taken."""
-        return {"of_point": self._of_point, "step": self._step}
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self._of_point, self._step = saved["of_point"].copy(), int(saved["step"])

@@ -20,7 +20,7 @@ on each other, F · m < 0, but F opens the crack the way the film behind has par
 
     (5)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
 
-Why so: ``docs/theory/free-cracks.md``, *When a crack goes on*, and ``docs/theory/tears.md``, *When*.
+The reasons: ``docs/theory/free-cracks.md`` (*When a crack goes on*), ``docs/theory/tears.md``.
 """
 
 from __future__ import annotations

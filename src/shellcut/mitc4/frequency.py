@@ -42,7 +42,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, sin, sqrt
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -51,6 +51,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.kept import Kept
 from shellcut.numerics.small_matrices import symmetric_eigen
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, sub
 
@@ -80,7 +81,7 @@ class _Evaluations(NamedTuple):
     """That of the stiffness which is damped."""
 
 
-class QuadFrequencies:
+class QuadFrequencies(Kept):
     """Bounds of the largest frequency of all quads.
 
     Parameters
@@ -97,6 +98,9 @@ class QuadFrequencies:
     damping : callable, optional
         Likewise, the stiffness that is damped, if it is another one.
     """
+
+    # The bounds depend on when each was evaluated.
+    kept_names = "_row", "_strain", "_evaluated", "squared", "_evaluated_damped", "damped"
 
     def __init__(
         self,
@@ -168,24 +172,6 @@ class QuadFrequencies:
         if self._row[row]:
             self._row[-1] = len(self._strain)
             self._strain = np.concatenate([self._strain, self._strain[self._row[row]][None]])
-
-    def saved(self) -> dict[str, Any]:
-        """Return the last evaluations: the bounds depend on when each was made."""
-        return {
-            "row": self._row,
-            "strain": self._strain,
-            "evaluated": self._evaluated,
-            "squared": self.squared,
-            "evaluated_damped": self._evaluated_damped,
-            "damped": self.damped,
-        }
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self._row, self._strain = saved["row"].copy(), saved["strain"].copy()
-        self._evaluated, self.squared = saved["evaluated"].copy(), saved["squared"].copy()
-        self._evaluated_damped = saved["evaluated_damped"].copy()
-        self.damped = saved["damped"].copy()
 
     def _at_rest(self) -> tuple[Floats, Floats]:
         first, same = _classes(self._mesh)

@@ -8,13 +8,14 @@ stretched by epsilon its bound omega² has grown by up to 2 (1 + ½ C_max/a) eps
 from __future__ import annotations
 
 from math import sqrt
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.kept import Kept
 from shellcut.numerics.vec3 import dot, load
 from shellcut.state import State
 
@@ -30,7 +31,7 @@ class LastLook(NamedTuple):
     """Of the centre, times sixteen: p · p, q · q, p · q [mm²]."""
 
 
-class StretchSince:
+class StretchSince(Kept):
     """Tells how much stiffer the stiffest quad may have become by stretch.
 
     Parameters
@@ -38,6 +39,8 @@ class StretchSince:
     by_stretch : float
         Growth of omega over stretch.
     """
+
+    kept_names = ("_last",)
 
     def __init__(self, by_stretch: float) -> None:
         self._by_stretch = by_stretch
@@ -77,14 +80,6 @@ class StretchSince:
             return 1.0
         most = self._most(state.node.x, state.quads, self._last, 2.0 * self._by_stretch)
         return most / self.largest
-
-    def saved(self) -> dict[str, Any]:
-        """Return the last look."""
-        return self._last._asdict()
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self._last = LastLook(**{name: rows.copy() for name, rows in saved.items()})
 
 
 @inline

@@ -18,6 +18,7 @@ import numpy as np
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.kept import Kept
 from shellcut.state import State
 
 from .ledger import Ledger
@@ -52,7 +53,7 @@ class BalanceLost(UnstableStep):
     """The ledger misses most of the energy; the message says how much, when and why."""
 
 
-class BalanceGuard:
+class BalanceGuard(Kept):
     """Looks whether the ledger still closes.
 
     Parameters
@@ -64,6 +65,8 @@ class BalanceGuard:
     tearing : float
         Work that tears the film along a millimetre, 0 if nothing tears it [N].
     """
+
+    kept_names = "largest", "_at_start"
 
     def __init__(self, stretching: float, quad_area: float, tearing: float = 0.0) -> None:
         self.least = max(
@@ -91,14 +94,6 @@ class BalanceGuard:
     def missing(self, book: Ledger) -> float:
         """Return what the ledger has come to miss since the first step [N·mm]."""
         return book.imbalance - self._at_start
-
-    def saved(self) -> dict[str, Any]:
-        """Return the largest energy so far and what was missing at the start."""
-        return {"largest": self.largest, "at_start": self._at_start}
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self.largest, self._at_start = saved["largest"], saved["at_start"]
 
 
 class StabilityGuard:

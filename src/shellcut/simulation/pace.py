@@ -17,9 +17,10 @@ never stopped. Damping by the velocity would drag on it all its way (docs/theory
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
 from shellcut.arguments import Option
+from shellcut.numerics.kept import Kept
 
 KineticShare: TypeAlias = Annotated[
     float | None,
@@ -39,7 +40,7 @@ _SLOWER, _AT_STOP = 0.97, 0.8  # factors on the pace in a step at least, and whe
 _LEAST, _AT_START = 1e-4, 1e-2  # paces
 
 
-class Pace:
+class Pace(Kept):
     """Steps of the clock over those of the film.
 
     Parameters
@@ -54,6 +55,8 @@ class Pace:
     >>> round(pace.now, 6), pace.stops(0.2, 0.2, work=100.0), pace.stops(0.5, 0.4, work=100.0)
     (0.00998, False, True)
     """
+
+    kept_names = "now", "_fastest", "n_stop"
 
     def __init__(self, share: float | None) -> None:
         self.share = share
@@ -81,11 +84,3 @@ class Pace:
             self.n_stop += 1
             self.now = self._fastest = max(_AT_STOP * self.now, _LEAST)
         return stop
-
-    def saved(self) -> dict[str, Any]:
-        """Return the pace, the largest since the last stop and the number of stops."""
-        return {"now": self.now, "fastest": self._fastest, "n_stop": self.n_stop}
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self.now, self._fastest, self.n_stop = saved["now"], saved["fastest"], saved["n_stop"]

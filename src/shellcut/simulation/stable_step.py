@@ -29,7 +29,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Annotated, Any
@@ -42,6 +42,7 @@ from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.stretch_since import StretchSince
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.kept import Kept
 from shellcut.state import KnownTopology, State
 from shellcut.tool.force_term import ForceTerm
 
@@ -96,8 +97,10 @@ class Stepping:
     ] = None
 
 
-class StableStep:
+class StableStep(Kept):
     """Give the length of the next step."""
+
+    kept_names = "_next", "_topology", "_dt", "_step", "_free", "_least", "_known", "_stretch"
 
     def __init__(
         self,
@@ -207,15 +210,7 @@ class StableStep:
 
     def saved(self) -> dict[str, Any]:
         """Return when it looked last and what it found; the frequencies are the shell's."""
-        return {
-            "next": self._next,
-            "revision": self._topology.revision,
-            "dt": self._dt,
-            "step": self._step,
-            "free": self._free,
-            "least": self._least,
-            "known": self._known,
-            "stretch": self._stretch.saved(),
+        return super().saved() | {
             "searched": np.array(self._searched, np.int64),
             "terms": {
                 name: {"node": node, "stiffness": stiffness}
@@ -223,14 +218,10 @@ class StableStep:
             },
         }
 
-    def restore(self, saved: dict[str, Any]) -> None:
+    def restore(self, saved: Mapping[str, Any]) -> None:
         """Take over :meth:`saved`."""
-        self._next = saved["next"]
-        self._topology.restore(saved["revision"])
-        self._dt, self._step = saved["dt"], saved["step"]
-        self._free, self._least = saved["free"], saved["least"]
-        self._known, self._searched = saved["known"].copy(), saved["searched"].tolist()
-        self._stretch.restore(saved["stretch"])
+        super().restore(saved)
+        self._searched = saved["searched"].tolist()
         terms = {term.name: saved["terms"][term.name] for term in self._terms}
         self._stiffness = {name: (rows["node"], rows["stiffness"]) for name, rows in terms.items()}
 

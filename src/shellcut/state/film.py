@@ -227,9 +227,10 @@ class KnownTopology:
         at = np.arange(node.quads.shape[1]) < node.n_quad_at[twins, None]
         return np.unique(node.quads[twins][at])
 
-    def restore(self, revision: int, state: State | None = None) -> None:
-        """Take over ``revision`` from a checkpoint.
+    def saved(self) -> int:
+        """Return the revision, for a checkpoint."""
+        return self.revision
 
-        Without ``state`` the next state asked about is the one meant.
-        """
-        self._state, self.revision = state, revision
+    def restore(self, revision: int) -> None:
+        """Take over ``revision`` from a checkpoint; the next state asked about is the one meant."""
+        self._state, self.revision = None, revision
