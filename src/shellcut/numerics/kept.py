@@ -70,10 +70,10 @@ def _restored(name: str, now: Any, saved: Any) -> Any:
     if hasattr(now, "restore"):
         now.restore(saved)
         return now
-    if hasattr(now, "take"):  # a table whose arrays stay in their places, for kernels
-        now.take(saved)
-        return now
     if hasattr(now, "_asdict"):
+        if hasattr(now, "take"):  # its arrays stay in their places, for kernels
+            now.take(saved)
+            return now
         for field, rows in now._asdict().items():
             wanted, got = np.shape(rows), np.shape(saved[field])
             if wanted[1:] != got[1:]:
