@@ -7,7 +7,8 @@ import pytest
 
 from far_pose import FAR
 from naive import cases
-from shellcut.contact.unfelt_depth import ToolWires, check_tool_outside, missed_penetration
+from shellcut.contact.start_check import check_tool_outside
+from shellcut.contact.unfelt_depth import ToolWires, missed_penetration
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.closest_triangles import ClosestTriangleGrid

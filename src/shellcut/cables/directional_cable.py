@@ -307,12 +307,14 @@ def _add_cable_forces(
         if status[c] == BROKEN:
             continue
         minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
+        # An edge bends a cable once, from the first meeting on [Frangi2010].
         may_meet = tables.directional and status[c] == STRAIGHT
         met = may_meet and find_joint(c, minus, plus, pose, before, held)
         if met:
             status[c] = JOINTED
             n_made += 1
         jointed = status[c] == JOINTED
+        # A sharp edge severs part of the fibres: from the joint on another law holds.
         law = tables.at_edge if jointed else tables.law
         nothing = (0.0, 0.0, 0.0)
         joint = Joint(nothing, nothing, nothing, nothing, nothing, 0.0, 0.0)
@@ -323,13 +325,15 @@ def _add_cable_forces(
         else:
             ell = _straight_length(c, minus, plus, tables.law[ONSET], cables)
 
+        # The start forces, by which a crack begins in equilibrium, fade as the cable opens.
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell
         opening_max[c] = max(opening_max[c], ell)
         fade = max(0.0, 1.0 - opening_max[c] / start_opening)
-        if met:
+        if met:  # what the law at the edge no longer holds is dissipated at once
             cables.shed[c] = _work(ell, opening_max[c], tables.law)
             cables.shed[c] -= _work(ell, opening_max[c], law)
+        # The traction of the measured length pulls each half along its own branch.
         sigma = traction(ell, opening_max[c], law)
         cables.traction[c] = sigma
         extra = scale(fade, load(cables.start_force, c))
@@ -375,7 +379,7 @@ def _add_cable_forces(
         # Forces on both ends and the tool sum to zero; their moments leave the named couple.
         if jointed:
             p, tooth = joint.place, tables.edges.tooth[cables.edge[c]]
-            if radius > 0.0:
+            if radius > 0.0:  # the halves leave the round of the edge at places of their own
                 react(f_minus, minus, tooth, pose, wrench)
                 react(f_plus, plus, tooth, pose, wrench)
             else:

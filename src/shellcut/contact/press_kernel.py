@@ -202,7 +202,7 @@ def add_press_forces(
     wrench[:] = 0.0
     looks, carriers, memory, tool = tables.looks, tables.carriers, tables.memory, tables.tool
     side, edges, clock = memory.side, tables.on_edges, tables.clock
-    if not edges:
+    if not edges:  # edges wait on the same clock, which the nodes have set
         clock.walked[0] += tool_way(pose, before, clock.radius)
         clock.walked[0] += dt * largest_speed(clock.node, tables.nodes.velocity_half)
     walked = clock.walked[0]
@@ -219,12 +219,14 @@ def add_press_forces(
         inside, whole, triangle, g, outward = False, 0, 0, 0.0, p
         if one_side:
             inside, whole, triangle, g, outward, lies = look_at(i, p, lies, walked, pose, tables)
+        # Ends on both sides of the blade: it goes through the edge, which is no contact.
         through = not one_side
         if edges and inside and lies * tool.grid.surface.flank[whole] < 0:
+            # The other side is nearer: pushed past the middle of the blade, or beyond it.
             too_deep = g - tables.law.tool_half_thickness
             through = too_deep > 0.0
             looks.until[i] = walked + _AGAIN * max(too_deep, 0.0)
-        if through or not inside:
+        if through or not inside:  # half a step of the last force is still to be booked
             work += _let_go(i, dt, tables)
             continue
         side[row] = lies
@@ -233,6 +235,7 @@ def add_press_forces(
         magnitude, f, energy = _pressure(i, x, p, g, out, dt, before, pose, tables)
         n_touching, stored = n_touching + 1, stored + energy
         deepest = max(deepest, g - memory.offset[row] if edges else g)
+        # ½ (f_{n-1} + f_n) · Δx, as the ledger books all works.
         work += 0.5 * dt * dot(add(old, f), moved)
         store(carriers.normal, i, outward)
         carriers.tooth[i], carriers.pressure[i] = tool.triangle_tooth[triangle], magnitude

@@ -2,7 +2,7 @@
 
 Nodes feel the faces of the tool, and quads its corners and edges, at points
 (:mod:`.contact_points`). What goes through a quad between these, or without them, is measured
-during a run and reported. At the start any is refused.
+during a run and reported.
 
 A rim or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places on
 the edges (:mod:`.edge_contact`), if these touch; what goes deeper than is felt is measured, too.
@@ -15,16 +15,12 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3, product, unit
-from shellcut.arrays import norm as length_of
-from shellcut.mesh.mesh import Mesh
+from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
 from shellcut.state import State
-from shellcut.tool.closest_triangles import ClosestTriangleGrid
-from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.rounded_depth import rounded_depth
 from shellcut.tool.signed_distance import signed_distance
@@ -41,11 +37,6 @@ _BUNDLE = 64
 
 _PARTS = 16
 """Of an edge of the film; its depth is looked up where these meet."""
-
-# Of the tool's extent along its way: a start this far in is no small error of its place; of the
-# speed: an advance along the axis below it is none; steps of the search for a free start, along the
-# tool's extent and past the film.
-_FAR, _ROUND_OFF, _STEPS = 0.25, 1e-9, (20, 40)
 
 # Fraction of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
@@ -317,84 +308,3 @@ def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
     ):
         return 0.0
     return min(abs(d0), abs(d1)) / norm(normal)
-
-
-def check_tool_outside(
-    mesh: Mesh,
-    tool: Tool,
-    grid: ClosestTriangleGrid,
-    pose: Pose,
-    motion: Motion | None = None,
-) -> None:
-    """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad.
-
-    Parameters
-    ----------
-    mesh, tool, grid, pose
-        The pose is that of the start.
-    motion : Motion, optional
-        Tells how far back on its way the tool is free.
-    """
-    wires = ToolWires(tool)
-
-    def overlap(at: Pose) -> tuple[Ints, Ints]:
-        _, inside, _, _ = grid.query(at.to_body(mesh.nodes))
-        nowhere = np.zeros(mesh.n_node, np.bool_)
-        return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, at)[0]
-
-    problems = []
-    inside, pierced = overlap(pose)
-    if inside.size:
-        problems.append(f"nodes {_some(inside, mesh.nodes)} lie inside the tool")
-    if pierced.size:
-        centres = mesh.nodes[mesh.quads].mean(axis=1)
-        problems.append(f"the tool passes through quads {_some(pierced, centres)}")
-    if not problems:
-        return
-    way = _first_way(motion)
-    reach = float(np.ptp(product(pose.to_space(tool.vertices), way)))
-    past = 1.01 * (reach + float(np.ptp(product(mesh.nodes, way))))
-    fine, coarse = (
-        np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
-    )
-    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
-    starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
-    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
-    free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
-    raise ValueError(
-        f"the tool must start outside the sheet, but {' and '.join(problems)}: "
-        f"{_cure(-free * product(way, pose.rotation), reach)}"
-    )
-
-
-def _first_way(motion: Motion | None) -> Floats:
-    # unit vector of the first advance, along the axis of a screw; 0 of a tool that only turns
-    for time in 2.0 ** np.arange(-20, 1) if motion else ():  # from a microsecond to a second
-        spin, way = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
-        speed = float(length_of(way))
-        if spin.any():
-            axis = unit(spin)
-            way = axis * (product(axis, way))
-        if (length := float(length_of(way))) > _ROUND_OFF * speed:
-            return np.asarray(way / length)
-    return np.zeros(3)
-
-
-def _cure(shift: Floats, reach: float) -> str:
-    slot = "leave a slot for it out of the film's mesh (a notch is closed, so it has no room)"
-    turn = "turn it: its axis or the direction of its motion may be wrong"
-    if not shift.any():
-        return f"move the tool's start, {turn}, or {slot}"
-    x, y, z = shift + 0.0
-    move = f"move the tool's start back by ({x:.3g}, {y:.3g}, {z:.3g}) mm ([tool] shift)"
-    is_small = length_of(shift) <= _FAR * reach
-    return f"{move}, or {slot}" if is_small else f"{move}, or {turn}; or {slot}"
-
-
-def _some(ids: Ints, places: Floats) -> str:
-    shown = ", ".join(
-        f"{i} at ({places[i, 0]:.4g}, {places[i, 1]:.4g}, {places[i, 2]:.4g})"
-        for i in ids[:5].tolist()
-    )
-    more = f" and {ids.size - 5} more" if ids.size > 5 else ""
-    return shown + more

@@ -17,7 +17,7 @@ from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import PointContact, SelfContact
-from shellcut.contact.unfelt_depth import check_tool_outside
+from shellcut.contact.start_check import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.notch import cut_notch
