@@ -1,23 +1,15 @@
-"""Named tables of what touches: points with weights on the film's nodes, and their memory.
-
-And what a term does that presses film and tool, or film and film, together.
-"""
+"""Named tables of what touches: points with weights on the film's nodes, and their memory."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
-from shellcut.numerics.held_table import Holder
-from shellcut.numerics.kept import saved_of
 from shellcut.state import QuadsAtNodes, State
-from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
-from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 from .film_outline import Outline
 from .pair_search import Pairs
@@ -263,69 +255,3 @@ class SheetTables(NamedTuple):
     carriers: Carriers
     """Sheet by sheet, where and how hard the point presses on it."""
     presses: Presses
-
-
-class PressForces(NamedTuple):
-    """Results of one evaluation."""
-
-    wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_tooth, 6)."""
-    node_work: float
-    """Work of the contact on the nodes since t_{n-1} [N·mm]."""
-    stored: float
-    """Penalty energy k ∫ f dg at t_n [N·mm]."""
-    n_touching: int
-    """Number of nodes in the tool; of points of the tool, or edges of the film, that press."""
-    deepest: float
-    """Largest depth of them [mm]."""
-
-
-WORK, STORED, TOUCHING, DEEPEST = range(4)
-"""Columns of :attr:`shellcut.tool.touch.Touch.sums`, in the order of the fields."""
-
-
-class PressTerm(ForceTerm):
-    """The part of a term that presses film and tool together that is the same for all.
-
-    Parameters
-    ----------
-    name : str
-        Of the term.
-    n_tooth : int
-        Teeth of the tool.
-    carriers : Carriers
-        Where it presses.
-    kept : ndarray, shape (n_row,), optional
-        Row that each of its list had in the one before, -1 for none; of nodes, which are told by
-        their ids, none.
-    """
-
-    booked: Sequence[Booking] = (
-        Booking("contact_work", WORK, -1.0),
-        Booking("contact_work", ON_TOOL, -1.0),
-    )
-    """What goes from the sums into the ledger."""
-    tables: Any
-    """What its kernel takes, anew with each list."""
-    kept_names: ClassVar[tuple[str, ...]] = ("touch", "carriers")
-    """Attributes that a checkpoint keeps, see :mod:`shellcut.numerics.kept`."""
-
-    def __init__(self, name: str, n_tooth: int, carriers: Carriers, kept: Ints | None) -> None:
-        self.name, self.carriers, self.kept = name, carriers, kept
-        self.touch = Touch.none(n_tooth, len(PressForces._fields) - 1)
-        self._touch = Holder()(self.touch)
-
-    @property
-    def forces(self) -> PressForces:
-        """Results of the last evaluation."""
-        work, stored, n_touching, deepest = self.touch.sums.tolist()
-        wrench = self.touch.wrench.copy()
-        return PressForces(wrench, work, stored, int(n_touching), deepest)
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": float(self.touch.sums[STORED])}
-
-    def saved(self) -> dict[str, Any]:
-        """Return what it presses on, the last forces, and what it keeps besides."""
-        return saved_of(self, self.kept_names)

@@ -80,8 +80,9 @@ from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
-from .contact_tables import TOUCHING, Carriers, ContactNodes, PressTerm
+from .contact_tables import Carriers, ContactNodes
 from .look_at_quad import Corners, normal_at, place_in, slopes_along, tangents_at
+from .press_term import TOUCHING, PressTerm
 from .settings import STEEPEST
 from .sheet_contact import SelfContact
 

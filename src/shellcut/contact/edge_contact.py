@@ -39,18 +39,11 @@ from shellcut.numerics.kept import take_over
 from shellcut.state import State
 from shellcut.tool.pose import Pose
 
-from .contact_tables import (
-    WORK,
-    Carriers,
-    ContactNodes,
-    ContactTables,
-    Looks,
-    Memory,
-    PressTerm,
-)
+from .contact_tables import Carriers, ContactNodes, ContactTables, Looks, Memory
 from .film_outline import FilmEdges, OpenEdges
 from .penalty_contact import PenaltyContact
 from .press_kernel import add_press_forces
+from .press_term import WORK, PressTerm
 from .settings import STEEPEST
 
 SPACING = 1.1

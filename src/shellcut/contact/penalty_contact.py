@@ -52,19 +52,11 @@ from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import GridCells, at_least
 from shellcut.tool.tool import Tool
 
-from .contact_tables import (
-    Carriers,
-    Clock,
-    ContactNodes,
-    ContactTables,
-    ContactTool,
-    Looks,
-    Memory,
-    PressTerm,
-)
+from .contact_tables import Carriers, Clock, ContactNodes, ContactTables, ContactTool, Looks, Memory
 from .film_outline import FilmEdges, Part
 from .near_nodes import NearNodes
 from .press_kernel import add_press_forces
+from .press_term import PressTerm
 from .settings import Contact, PenaltyLaw
 
 # Margin of the list of near nodes, over the median edge length. Nodes within half of it count with

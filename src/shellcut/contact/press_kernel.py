@@ -195,7 +195,7 @@ def add_press_forces(
 ) -> float:
     """Add the forces of the listed carriers to those of their nodes; return the largest depth [mm].
 
-    Writes the looks, the memory, and touch, see :class:`.contact_tables.PressForces`.
+    Writes the looks, the memory, and touch, see :class:`.press_term.PressForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)

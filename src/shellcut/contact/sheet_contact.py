@@ -52,23 +52,12 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.touch import Booking
 
 from .contact_points import contact_points
-from .contact_tables import (
-    DEEPEST,
-    STORED,
-    WORK,
-    Carriers,
-    ContactNodes,
-    Memory,
-    Presses,
-    PressTerm,
-    SheetTables,
-    ToolPoints,
-    Waits,
-)
+from .contact_tables import Carriers, ContactNodes, Memory, Presses, SheetTables, ToolPoints, Waits
 from .film_outline import FilmOutline, Part
 from .near_nodes import ListAge
 from .pair_search import Pairs, PairSearch, Points
 from .penalty_contact import PenaltyContact
+from .press_term import DEEPEST, STORED, WORK, PressTerm
 from .settings import STEEPEST, Contact, SheetLaw, film_stiffness
 from .sheet_press import add_sheet_forces, closest_of_pairs
 

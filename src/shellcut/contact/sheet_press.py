@@ -43,7 +43,7 @@ def add_sheet_forces(
     """Add the forces of all points on the sheets that they touch, and minus these, to the nodes.
 
     walked : way that two things may have gone towards each other since the search [mm].  Writes
-    memory, waits, carriers, presses and touch, see :class:`.contact_tables.PressForces`.  Returns
+    memory, waits, carriers, presses and touch, see :class:`.press_term.PressForces`.  Returns
     the way walked and the number of points looked at.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product, unit
-from shellcut.contact.contact_tables import TOUCHING
+from shellcut.contact.press_term import TOUCHING
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.kept import Kept

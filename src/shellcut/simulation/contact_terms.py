@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shellcut.contact.contact_tables import PressTerm
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.press_term import PressTerm
 from shellcut.contact.settings import Contact
 from shellcut.contact.sheet_contact import PointContact, SelfContact
 from shellcut.fracture.options import Fracture
