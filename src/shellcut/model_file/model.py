@@ -104,13 +104,23 @@ class Model:
 
     def all_sections(self) -> Iterator[Section]:
         """Yield every section, including those of lists and the tables in a section."""
-        for section in self.sections.values():
+        left = [*self.sections.values(), *(one for of in self.lists.values() for one in of)]
+        while left:
+            section = left.pop(0)
             yield section
-            for name, key in section.of.keys.items():
-                if key.tables is not None:
-                    yield from section.values[name]
-        for several in self.lists.values():
-            yield from several
+            left[:0] = [inner for _, inner in section.tables()]
+
+    def titled(self) -> dict[str, Section]:
+        """Return the sections that occur once, and the tables in them, by title.
+
+        The keys before the first section have the title "".
+        """
+        found = {"": self.head, **self.sections}
+        for title, section in self.sections.items():
+            for name, inner in section.tables():
+                if not section.of.keys[name].is_several:
+                    found[f"{title}.{name}"] = inner
+        return found
 
 
 def digest_of(path: str | Path) -> str:

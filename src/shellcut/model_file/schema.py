@@ -123,14 +123,16 @@ def _properties(kind: Kind) -> dict[str, Any]:
 
 
 def _key(key: Key) -> dict[str, Any]:
-    option, found = key.option, dict(key.form.schema)
+    option, found = key.option, key.form.schema()
     quantity = {"$ref": f"#/definitions/{_name(option.unit)}"}
-    if found.get("type") == "number":
+    if found == NUMBER:
         found = {"allOf": [quantity]}  # beside a reference a validator reads nothing
     elif found.get("items") == NUMBER:
         found["items"] = quantity
-    if key.tables is not None:
-        found["items"] = schema_of(key.tables)
+    if key.is_several:
+        found["items"] = _section(key.kinds)
+    elif key.kinds:
+        found |= _section(key.kinds)
     bounds = {word: getattr(option, name) for name, word in _BOUNDS.items()}
     unit = f"[{option.unit}] " if option.unit else ""
     default = {} if key.default in (REQUIRED, None) else {"default": key.default}

@@ -47,7 +47,7 @@ from shellcut.tool.tool_file import read_tool
 
 from .forms import FORMS, choice
 from .key import Constructor, Kind, Section, keys_of, optional, own_key
-from .material_keys import HOMOGENEOUS, LAMINATE
+from .material_keys import HOMOGENEOUS, LAMINATE, MOVED
 
 Kinds = tuple[Kind, ...]
 
@@ -255,11 +255,9 @@ def _unsteered(like: Fracture, *names: str) -> Kind:
 
 def _support(section: Section) -> Support:
     given = section.arguments()
-    moved = {
-        name: {axis: Ramped(rate) for axis, rate in given.get(name, ())}
-        for name in ("velocity", "spin")
-    }
-    return Support(**given | moved)
+    for name in {"velocity", "spin"} & set(given):
+        given[name] = {axis: Ramped(rate) for axis, rate in given[name].items()}
+    return Support(**given)
 
 
 def _load(doc: str, constructor: Constructor, name: str, sign: str) -> Kind:
@@ -411,5 +409,10 @@ GONE: Mapping[tuple[str, str], str] = {
     ("fracture", "path = imprint"): NO_IMPRINT,
     ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
     '"edges" along the edges there are',
+    **{
+        (owner, old): f"write {key} in [{owner}.{table}], where kind is {kind}"
+        for owner in ("material", "material.layers")
+        for old, (table, kind, key) in MOVED.items()
+    },
 }
 """Keys and values of earlier versions, by section, and what to write instead."""
