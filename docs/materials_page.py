@@ -37,12 +37,11 @@ preset = "aluminium_foil"
 
 (One of the two, not both.) A given key replaces that of the preset. A table
 `[material.hardening]` of another kind takes the place of the preset's as a whole. `used.toml`
-lists the numbers themselves. In Python: `shellcut.preset_film("pet", thickness="12 um")`. Where a film yields below the strength
-of the cables, or cannot reach it, the [check](howto/trust.md) before the run says so; [which
-strength](theory/yielding.md#which-strength) gives the theory. The law of the cables does not come
-with a film, and a note says so where none is given: take it from [tensile
-tests](howto/tensile.md) or from a [measured
-cut](howto/fit.md).
+lists the numbers themselves. In Python: `shellcut.preset_film("pet", thickness="12 um")`. Where a
+film yields below the strength of the cables, or cannot reach it, the [check](howto/trust.md)
+before the run says so; [which strength](theory/yielding.md#which-strength) gives the theory. The
+law of the cables does not come with a film, and a note says so where none is given: take it from
+[tensile tests](howto/tensile.md) or from a [measured cut](howto/fit.md).
 
 Films differ by grade, direction, rate and age, by tens of per cent. These are starting points.
 Measure yours.

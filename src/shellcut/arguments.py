@@ -2,9 +2,10 @@
 
 What an annotation says is asked of every argument, before the function sees it: a text is no
 number, a mesh no tool, a masked array no array. An :class:`Option` in it says the unit, the meaning
-and the bounds; docstrings, model files and their page have them from there. :func:`problem_of`
-judges a value, of an argument as of a key in a file. The message names all arguments that are
-wrong. What several numbers must be together, the function itself knows. Imports only NumPy.
+and the bounds; docstrings, model files and their page have them from there. :func:`fits` and
+:meth:`Option.problem` judge a value, of an argument as of a key in a file. The message names all
+arguments that are wrong. What several numbers must be together, the function itself knows. Imports
+only NumPy.
 """
 
 from __future__ import annotations
@@ -220,7 +221,7 @@ def _checked_call(function: Any, annotated: Any) -> Any:
             return function(*arguments, **named)  # Python says what is missing or twice
         known, problems = kinds(), []
         for name, value in given.items():
-            if name in known and (problem := problem_of(value, *known[name])):
+            if name in known and (problem := _problem(value, *known[name])):
                 problems.append(f"{name} {problem}")
         if problems:
             raise ArgumentError(problems)
@@ -288,26 +289,22 @@ def listed(names: Iterable[str]) -> str:
 # --- the judge of a value ------------------------------------------------------------------------
 
 
-def problem_of(value: Any, kind: Any, option: Option | None = None, words: str = "") -> str:
-    """Return why a value is not what it must be, "must be ..., got ..."; "" if it is.
-
-    Parameters
-    ----------
-    value : object
-    kind : type or annotation
-    option : Option, optional
-        Its bounds count if the value is a number.
-    words : str
-        What it must be, by default the words for the kind.
+def fits(value: Any, kind: Any) -> bool:
+    """Whether a value is what an annotation says.
 
     Examples
     --------
-    >>> problem_of("x", float | None), problem_of(2.0, float, Option("", "", most=1))
-    ("must be a number, got 'x'", 'must be 1 at most, got 2.0')
+    >>> fits(2, float), fits("2", float), fits((1, 2.5), tuple[float, ...]), fits(None, int | None)
+    (True, False, True, True)
     """
-    if not _kind(kind).fits(value):
-        return f"must be {words or ' or '.join(_kind(kind).words)}, got {_shown(value)}"
-    if option is not None and _is_number(value, Real):
+    return _kind(kind).fits(value)
+
+
+def _problem(value: Any, kind: Any, option: Option | None) -> str:
+    """Return why a value cannot be an argument, "must be ..., got ..."; "" if it can."""
+    if not fits(value, kind):
+        return f"must be {' or '.join(_kind(kind).words)}, got {_shown(value)}"
+    if option is not None and is_number(value):
         return option.problem(value)
     return "must be a number, got nan" if isinstance(value, float) and value != value else ""
 
@@ -333,9 +330,9 @@ def _kind(annotation: Any) -> _Kind:
         words = [word for one in some for word in one.words if word != "None"]
         return _Kind(tuple(words), lambda value: any(one.fits(value) for one in some))
     if annotation is float:
-        return _Kind(("a number",), lambda value: _is_number(value, Real))
+        return _Kind(("a number",), lambda value: is_number(value))
     if annotation is int:
-        return _Kind(("a whole number",), lambda value: _is_number(value, Integral))
+        return _Kind(("a whole number",), lambda value: is_number(value, Integral))
     if annotation is bool:
         return _Kind(("True or False",), lambda value: isinstance(value, bool | np.bool_))
     if annotation is str:
@@ -399,7 +396,8 @@ def _kind_of_class(of: Any) -> _Kind:
     return _Kind((words,), lambda value: isinstance(value, of))
 
 
-def _is_number(value: Any, of: type) -> bool:
+def is_number(value: Any, of: type = Real) -> bool:
+    """Whether a value is a number, and neither True nor False."""
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
         value = value[()]
     return isinstance(value, of) and not isinstance(value, bool | np.bool_)

@@ -138,7 +138,7 @@ def test_what_keys_build(keys, wanted):
         ({"rate": {"exponent": 4, "rate": 4}}, 'rate belongs to law = "plastic", got no hardening'),
         (
             {"yield_stress": 3},
-            "key [material].yield_stress; write yield_stress in [material.hardening], where kind is l",
+            "yield_stress; write yield_stress in [material.hardening], where kind is linear or v",
         ),
         ({"swift_start": 3}, "write start in [material.hardening], where kind is swift"),
         ({"johnson_cook_rate": 3}, "write rate in [material.rate], where kind is johnson_cook"),

@@ -39,6 +39,9 @@ from .outline import QuadSize, mesh_from_outline
 
 _log = logging.getLogger("shellcut.drawing")
 
+LARGEST_FILE = 50_000_000
+"""Largest size of a drawing [bytes]."""
+
 _CURVES = {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "HELIX"}
 _CUBICS = 8  # of an arc: those of a circle are 4e-6 of the radius off
 _SIDES = 8  # of each cubic at least: a turn of 6 degrees
@@ -208,14 +211,14 @@ def read_drawing(
 def _document(path: Path) -> tuple[Any, float | None]:
     """Return what ezdxf makes of a file, and the length of its unit [mm], None if not stated."""
     try:
-        import ezdxf
+        from ezdxf.filemanagement import readfile
     except ImportError:
         raise ImportError(
             f"{path}: reading DXF needs ezdxf, an optional extra: pip install 'shellcut[outline]'"
         ) from None
     if path.suffix.lower() != ".dxf":
         raise FileError(path, "the name must end in .dxf; save the drawing as DXF")
-    content = read_bytes(path, 50_000_000)
+    content = read_bytes(path, LARGEST_FILE)
     if content.startswith(b"AC10"):
         raise FileError(path, "this is a DWG file under another name; save it as DXF")
     if content.startswith(b"AutoCAD Binary DXF"):
@@ -227,7 +230,7 @@ def _document(path: Path) -> tuple[Any, float | None]:
         encoding = None  # that of $DWGCODEPAGE
     try:
         with as_file(path, content) as file:
-            document = ezdxf.readfile(file, encoding=encoding)
+            document = readfile(file, encoding=encoding)
         document.modelspace()  # not there in some damaged files
     except Exception as reason:  # a damaged file makes ezdxf raise errors of all kinds
         raise FileError(path, f"ezdxf cannot read it: {_in_a_line(reason)}") from None

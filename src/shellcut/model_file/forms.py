@@ -10,7 +10,7 @@ from numbers import Real
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from shellcut.arguments import Option, problem_of
+from shellcut.arguments import Option, fits, is_number
 
 from .quantity import quantity
 
@@ -50,10 +50,11 @@ class Form:
             words += f" in {option.unit}"
         least = 0.0 if _is_array(self.kind) else _SMALLEST  # of a sine, as small as round-off
         read = _converted(value, self.kind, option.unit, least)
-        if isinstance(read, str) and not re.fullmatch(self.pattern, read, re.DOTALL):
-            raise ValueError(f"must be {words}, got {read!r}")
-        if problem := problem_of(read, self.kind, option, words):
-            raise ValueError(problem)
+        is_other_text = isinstance(read, str) and not re.fullmatch(self.pattern, read, re.DOTALL)
+        if is_other_text or not fits(read, self.kind):
+            raise ValueError(f"must be {words}, got {value!r}")
+        if is_number(read) and (beyond := option.problem(read)):
+            raise ValueError(beyond)
         return read
 
     def schema(self) -> dict[str, Any]:
@@ -89,7 +90,7 @@ _PLAIN: dict[Any, Form] = {
 _3_NUMBERS = tuple[float, float, float]
 _POLYGON = tuple[tuple[float, float], ...]
 FORMS = {
-    "stem": Form("a text of letters, digits, '.', '_', '-'", str, r"[\w.-]+"),
+    "stem": Form("letters, digits, '.', '_', '-'", str, r"[\w.-]+"),
     "number": _PLAIN[float],
     "path": Form("a path", str),
     "numbers": Form("an array of numbers", tuple[float, ...]),
@@ -117,6 +118,8 @@ def _converted(value: Any, kind: Any, unit: str, least: float) -> Any:
     kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
     if isinstance(value, str) and float in kinds and str not in kinds:
         return _number(quantity(value, unit), unit, least)
+    if isinstance(value, str) and tuple[str, ...] in kinds:
+        return (value,)
     if isinstance(value, Real) and not isinstance(value, bool):
         if float in kinds:
             return _number(float(value), unit, least)
@@ -143,7 +146,7 @@ def _is_array(kind: Any) -> bool:
     return get_origin(kind) is tuple
 
 
-NUMBER = {"type": ["number", "string"]}
+NUMBER: dict[str, Any] = {"type": ["number", "string"]}
 """Of a number, which may be a text with a unit."""
 
 
@@ -159,8 +162,10 @@ def _schema(kind: Any) -> dict[str, Any]:
         several = [_schema(part) for part in parts]
         names = ["number" if one == NUMBER else one["type"] for one in several]
         return {**several[0], **several[1], "type": names}
-    names = {float: NUMBER, int: {"type": "integer"}, bool: {"type": "boolean"}}
-    return dict(names.get(kind, {"type": "object" if origin is dict else "string"}))
+    if kind is float:
+        return dict(NUMBER)
+    plain = {int: "integer", bool: "boolean", str: "string"}
+    return {"type": plain.get(kind, "object")}
 
 
 def written(value: Any) -> str:

@@ -12,7 +12,7 @@ from .errors import ModelFileError, Problem
 from .key import kind_of
 from .material_keys import named_material
 from .section_table import HEAD, LISTS, SECTIONS, Kinds
-from .source import Source, beyond_all
+from .source import KeyPath, Source, beyond_all
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
 
@@ -28,7 +28,7 @@ def overridden(
         return source
     source = named_material(source)
     values = dict(source.values)
-    settings: dict[tuple[str, ...], str] = {}
+    settings: dict[KeyPath, str] = {}
     problems = []
     # The model first: it determines the available keys. Then the film, which replaces others.
     order = {"model": 0, "material": 1, "material.preset": 1, "preset": 1}
@@ -48,7 +48,7 @@ def overridden(
         if path == ("material", "preset"):
             values["material"] = {"preset": value}
         else:
-            set_before = {known[-1] for known in settings if known[:-1] == path[:-1]}
+            set_before = {str(known[-1]) for known in settings if known[:-1] == path[:-1]}
             try:
                 gone = _set(values, path, value, _kinds_at(path[:-1], values), set_before)
             except ValueError as problem:
