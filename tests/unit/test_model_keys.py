@@ -479,6 +479,8 @@ def problems(of, whole):
         ({"material": {"density": "1 mm"}}, "material.density", "'1 mm' does not match"),
         ({"material": {"layers": [{"yung": 3}]}}, "material.layers.0", "'yung' was unexpected"),
         ({"material": "pett"}, "material", "'pett' is not one of"),
+        ({"material": {"hardening": {"kind": "vocee"}}}, "material.hardening.kind", "'vocee' is n"),
+        ({"material": {"rate": {"factor": "x"}}}, "material.rate.factor", "'x' does not match"),
     ],
 )
 def test_the_schema_names_the_key_that_is_wrong(wrong, place, said):
@@ -492,6 +494,7 @@ def test_the_schema_names_the_key_that_is_wrong(wrong, place, said):
         {"tool": {"half_thickness": "300 µm", "radius": "0.37 Inch", "shift": [0, "1 mm", 3]}},
         {"tool": {"kind": "file", "stl": "x.stl", "unit": "mm"}},
         {"material": {"density": "0.92 g/cm³", "young": "1.7e3 mpa"}},
+        {"material": {"hardening": {"yield_stress": "9 MPa"}, "rate": {"rate": 4, "exponent": 5}}},
         {"material": "pet"},
     ],
 )
@@ -507,6 +510,7 @@ def test_the_schema_of_studies_knows_the_keys_of_models():
             "tool.teeth": [3, 4],
             "motion.pitch": "12 mm : 20 mm",
             "tool.file": "caps/*.stl",
+            "material.hardening.yield_stress": [10, "20 MPa"],
             "cohesive.plateau, cohesive.strength": [[12, 18], [10, 15]],
         },
     }
@@ -514,6 +518,7 @@ def test_the_schema_of_studies_knows_the_keys_of_models():
     for where, wrong, said in (
         ("set", {"tool.teehs": 3}, "'tool.teehs' was unexpected"),
         ("set", {"loads.value": 3}, "'loads.value' was unexpected"),
+        ("set", {"material.layers.hardening.gain": 3}, "gain' was unexpected"),
         ("factors", {"tool.teehs": [3]}, "'tool.teehs' does not match"),
         ("set", {"tool.teeth": "four"}, "'four' is not of type 'integer'"),
         ("factors", {"tool.half_thickness": [0.2, "3 kg"]}, "'3 kg' does not match"),

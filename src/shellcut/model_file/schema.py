@@ -59,10 +59,11 @@ def settings() -> dict[str, Any]:
     """Return the schema of each key that a study may set, by section and key and by key alone."""
     found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
     told: dict[str, str] = {}
+    arrays = [f"{one.title.strip('[]')}." for one in tables() if one.title.startswith("[[")]
     for table in tables():
-        if table.title.startswith("[["):
-            continue
         title = f"{table.title.strip('[]')}."
+        if title.startswith(tuple(arrays)):  # of an array of tables, or in one
+            continue
         kind = {"kind": {"const": table.kind.name}} if table.kind.name else {}
         for name, of in (kind | _properties(table.kind)).items():
             # Kinds and models may give a key other defaults and meanings.
