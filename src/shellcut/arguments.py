@@ -210,7 +210,12 @@ def checked(what: T) -> T:
 
 def _checked_call(function: Any, annotated: Any) -> Any:
     signature = inspect.signature(function)
-    kinds = functools.cache(lambda: _kinds_of(annotated))  # of what may be defined further below
+
+    @functools.cache
+    def kinds() -> dict[str, tuple[_Kind, Option | None]]:  # of what may be defined further below
+        return {
+            name: (_kind(kind), option) for name, (kind, option) in _kinds_of(annotated).items()
+        }
 
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
@@ -300,10 +305,10 @@ def fits(value: Any, kind: Any) -> bool:
     return _kind(kind).fits(value)
 
 
-def _problem(value: Any, kind: Any, option: Option | None) -> str:
+def _problem(value: Any, kind: _Kind, option: Option | None) -> str:
     """Return why a value cannot be an argument, "must be ..., got ..."; "" if it can."""
-    if not fits(value, kind):
-        return f"must be {' or '.join(_kind(kind).words)}, got {_shown(value)}"
+    if not kind.fits(value):
+        return f"must be {' or '.join(kind.words)}, got {_shown(value)}"
     if option is not None and is_number(value):
         return option.problem(value)
     return "must be a number, got nan" if isinstance(value, float) and value != value else ""
@@ -316,7 +321,6 @@ class _Kind(NamedTuple):
     fits: Callable[[Any], bool]
 
 
-@functools.cache
 def _kind(annotation: Any) -> _Kind:
     origin, parts = get_origin(annotation), get_args(annotation)
     if annotation is Any:

@@ -144,14 +144,18 @@ class Section:
                 several = self.values[name] if key.is_several else (self.values[name],)
                 yield from ((name, one) for one in several)
 
+    def with_tables(self) -> Iterator[Section]:
+        """Yield the section, then the tables in it, and those in them."""
+        yield self
+        for _, inner in self.tables():
+            yield from inner.with_tables()
+
     def content(self) -> dict[str, Any]:
-        """Return kind and values, also of the tables in it."""
+        """Return kind and values; of a key for tables a list of their contents."""
         found = {"kind": self.kind, **self.values}
         for name, key in self.of.keys.items():
-            if key.kinds and found[name] is not None:
-                is_several = key.is_several
-                one = self.values[name]
-                found[name] = [part.content() for part in one] if is_several else one.content()
+            if key.kinds:
+                found[name] = [inner.content() for of, inner in self.tables() if of == name]
         return found
 
     def arguments(self) -> dict[str, Any]:

@@ -22,7 +22,7 @@ import numpy as np
 
 from shellcut.arguments import ArgumentError, Option, checked, declared
 from shellcut.arrays import Floats
-from shellcut.formats.errors import FileError, naming
+from shellcut.formats.errors import naming
 from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.elastic import Elastic
 from shellcut.material.hardening import Linear, Swift, Table, Voce
@@ -61,14 +61,7 @@ def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
 
 @checked
 def read_hardening(
-    path: Annotated[
-        str | Path,
-        Option(
-            "",
-            "table of plastic strain and true stress",
-            form="path",
-        ),
-    ],
+    path: Annotated[str | Path, Option("", "table of plastic strain and true stress", form="path")],
 ) -> Table:
     """Return the hardening in a text file.
 
@@ -83,44 +76,38 @@ def read_hardening(
     or units are not known, or the values are no hardening curve.
     """
     table = read_number_table(path)
-    (strain_at, strain_unit), (stress_at, stress_unit) = _columns(table, Path(path))
+    columns = [(0, 1.0), (1, 1.0)]
+    if table.headings:
+        with naming(path):
+            columns = [_column(table, "strain", "-"), _column(table, "stress", "MPa")]
+    (strain_at, of_strain), (stress_at, of_stress) = columns
     rows = table.numbers([strain_at, stress_at])
-    strain: Floats = rows[:, 0] * strain_unit
-    stress: Floats = rows[:, 1] * stress_unit
+    strain: Floats = rows[:, 0] * of_strain
+    stress: Floats = rows[:, 1] * of_stress
     if len(rows) > 2 and not (np.diff(strain) <= 0.0).any():
         strain, stress = fewer_points(strain, stress)
     with naming(path):
         return Table(strain, stress)
 
 
-def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[int, float]]:
-    if not table.headings:
-        return (0, 1.0), (1, 1.0)
-    found = {}
-    for word in ("strain", "stress"):
-        places = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
-        if len(places) != 1:
-            raise FileError(
-                path,
-                f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress "
-                f"[MPa]', got {', '.join(repr(one.text) for one in table.headings)}",
-            )
-        found[word] = places[0]
-    if wrong := [h.text for h in table.headings if _OTHER.search(h.name)]:
-        raise FileError(
-            path,
-            f"a hardening table must have plastic strains and true stresses, got {wrong[0]!r}; "
-            "shellcut tensile makes a section of a nominal curve",
+def _column(table: NumberTable, word: str, usual: str) -> tuple[int, float]:
+    """Return the column whose heading has a word, and the factor of its unit."""
+    found = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
+    if len(found) != 1:
+        raise ValueError(
+            f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress [MPa]', "
+            f"got {', '.join(repr(one.text) for one in table.headings)}"
         )
-    factors, problems = [], []
-    for word, usual in (("strain", "-"), ("stress", "MPa")):
-        try:
-            factors.append(conversion(table.headings[found[word]].unit or usual, usual))
-        except ValueError as problem:
-            problems.append(f"{word} {problem}")
-    if problems:
-        raise FileError(path, "; ".join(problems))
-    return (found["strain"], factors[0]), (found["stress"], factors[1])
+    heading = table.headings[found[0]]
+    if _OTHER.search(heading.name):
+        raise ValueError(
+            f"a hardening table must have plastic strains and true stresses, got {heading.text!r}; "
+            "shellcut tensile makes a section of a nominal curve"
+        )
+    try:
+        return found[0], conversion(heading.unit or usual, usual)
+    except ValueError as problem:
+        raise ValueError(f"{word} {problem}") from None
 
 
 _OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)

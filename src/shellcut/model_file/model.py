@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,11 +105,8 @@ class Model:
 
     def all_sections(self) -> Iterator[Section]:
         """Yield every section, including those of lists and the tables in a section."""
-        left = [*self.sections.values(), *(one for of in self.lists.values() for one in of)]
-        while left:
-            section = left.pop(0)
-            yield section
-            left[:0] = [inner for _, inner in section.tables()]
+        for section in (*self.sections.values(), *chain(*self.lists.values())):
+            yield from section.with_tables()
 
     def titled(self) -> dict[str, Section]:
         """Return the sections that occur once, and the tables in them, by title.

@@ -11,7 +11,7 @@ from shellcut.arguments import guess, listed
 from .errors import ModelFileError, Problem
 from .key import kind_of
 from .material_keys import named_material
-from .section_table import HEAD, LISTS, SECTIONS, Kinds
+from .section_table import HEAD, LISTS, SECTIONS, Kinds, titled
 from .source import KeyPath, Source, beyond_all
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
@@ -40,6 +40,7 @@ def overridden(
             continue  # the reader refuses the model, which determines the keys
         place = f"set {name}={value}"
         place = place if len(place) <= _LONGEST_PLACE else f"{place[:_LONGEST_PLACE]}..."
+        kinds = titled(str(values.get("model", "")))
         try:
             path = path_of(name, str(values.get("model", "")))
         except ValueError as problem:
@@ -50,7 +51,7 @@ def overridden(
         else:
             set_before = {str(known[-1]) for known in settings if known[:-1] == path[:-1]}
             try:
-                gone = _set(values, path, value, _kinds_at(path[:-1], values), set_before)
+                gone = _set(values, path, value, kinds.get(".".join(path[:-1]), ()), set_before)
             except ValueError as problem:
                 problems.append(Problem(source.place((path[0],)), str(problem)))
                 continue
@@ -62,16 +63,6 @@ def overridden(
     if problems:
         raise ModelFileError(problems)
     return replace(source, values=values, settings=settings)
-
-
-def _kinds_at(titles: Sequence[str], values: Mapping[str, Any]) -> Kinds:
-    """Return the kinds of a section, or of a table in it."""
-    if not titles:
-        return (HEAD,)
-    kinds = SECTIONS.get(str(values.get("model", "")), {}).get(titles[0], ())
-    for name in titles[1:]:
-        kinds = next((kind.keys[name].kinds for kind in kinds if name in kind.keys), ())
-    return kinds
 
 
 def _set(
@@ -110,34 +101,22 @@ def path_of(name: str, model: str) -> tuple[str, ...]:
         return (name,)
     if name == "material":
         return ("material", "preset")
-    title, *rest = name.split(".")
-    layout = SECTIONS.get(model, {})
-    if rest:
+    layout = titled(model)
+    if "." in name:
+        title = name.partition(".")[0]
         if title in LISTS.get(model, {}):
             raise ValueError(f"[[{title}]] can occur several times: write it in the file")
         if title not in layout:
-            hint = guess(title, layout) or listed(layout)
+            hint = guess(title, layout) or listed(SECTIONS.get(model, {}))
             raise ValueError(f"there is no section [{title}]{hint}")
-        return (title, *rest)
-    names = {title: _names(kinds) for title, kinds in layout.items()}
-    inner = {
-        f"{title}.{key_name}": _names(key.kinds)
-        for title, kinds in layout.items()
-        for kind in kinds
-        for key_name, key in kind.keys.items()
-        if key.kinds and not key.is_several
-    }
+        return tuple(name.split("."))
+    names = {title: [n for kind in kinds for n in kind.names()] for title, kinds in layout.items()}
     owners = [title for title, known in names.items() if name in known]
-    owners = owners or [title for title, known in inner.items() if name in known]
+    owners = [title for title in owners if "." not in title] or owners  # not in tables of sections
     if len(owners) == 1:
         return (*owners[0].split("."), name)
     if owners:
         candidates = ", ".join(f"{owner}.{name}" for owner in owners)
         raise ValueError(f"several sections have this key: write one of {candidates}")
-    every = {**names, **inner}.values()
-    everything = {*HEAD.keys, *(n for known in every for n in known)}
+    everything = {*HEAD.keys, *(n for known in names.values() for n in known)}
     raise ValueError(f"no section has this key{guess(name, sorted(everything))}")
-
-
-def _names(kinds: Kinds) -> list[str]:
-    return [name for kind in kinds for name in kind.names()]

@@ -395,6 +395,24 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
 }
 """By model: the sections that occur once."""
 
+
+def titled(model: str) -> dict[str, Kinds]:
+    """Return the kinds of the sections of a model and of the tables in them, by title.
+
+    Examples
+    --------
+    >>> [kind.name for kind in titled("opening")["material.rate"]]
+    ['cowper_symonds', 'johnson_cook']
+    """
+    found: dict[str, Kinds] = {}
+    for title, kinds in SECTIONS.get(model, {}).items():
+        found[title] = kinds
+        for name, key in ((name, key) for kind in kinds for name, key in kind.keys.items()):
+            if key.kinds and not key.is_several:
+                found[f"{title}.{name}"] = key.kinds
+    return found
+
+
 LISTS: Mapping[str, Mapping[str, Kinds]] = {
     model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
     for model in SECTIONS
