@@ -156,7 +156,7 @@ def _kinds_of(what: Callable[..., Any]) -> dict[str, tuple[Any, Option | None]]:
             written.append((inspect.get_annotations(base), vars(sys.modules[base.__module__])))
         function = what.__init__  # type: ignore[misc]
     function = inspect.unwrap(function)
-    if inspect.isfunction(function):
+    if hasattr(function, "__globals__"):  # unlike object.__init__
         written.append((inspect.get_annotations(function), function.__globals__))
     found: dict[str, tuple[Any, Option | None]] = {}
     for texts, names in written:
