@@ -308,10 +308,15 @@ def fits(value: Any, kind: Any) -> bool:
 def _problem(value: Any, kind: _Kind, option: Option | None) -> str:
     """Return why a value cannot be an argument, "must be ..., got ..."; "" if it can."""
     if not kind.fits(value):
-        return f"must be {' or '.join(kind.words)}, got {_shown(value)}"
+        wanted = " or ".join(kind.words)
+        if option is not None and option.form.endswith("numbers"):
+            wanted = option.form  # says how many
+        return f"must be {wanted}, got {_shown(value)}"
     if option is not None and is_number(value):
         return option.problem(value)
-    return "must be a number, got nan" if isinstance(value, float) and value != value else ""
+    if "a number" in kind.words and isinstance(value, float) and math.isnan(value):
+        return "must be a number, got nan"
+    return ""
 
 
 class _Kind(NamedTuple):
@@ -347,18 +352,23 @@ def _kind(annotation: Any) -> _Kind:
             lambda value: any(isinstance(value, type(part)) and value == part for part in parts),
         )
     if isinstance(origin, type) and issubclass(origin, Mapping) and parts:
-        key, one = _kind(parts[0]), _kind(parts[-1])
-        return _Kind(
-            (f"a mapping to {' or '.join(one.words)}",),
-            lambda value: (
-                isinstance(value, Mapping)
-                and all(map(key.fits, value))
-                and all(map(one.fits, value.values()))
-            ),
-        )
+        return _kind_of_mapping(*parts)
     if isinstance(origin, type) and issubclass(origin, Iterable) and parts:
         return _kind_of_several(parts, is_counted=origin is tuple and parts[-1] is not Ellipsis)
     return _kind_of_class(origin or annotation)
+
+
+def _kind_of_mapping(of_key: Any, of_value: Any) -> _Kind:
+    """Return the kind of a mapping; what functions in it must be, whoever takes them says."""
+    key, one = _kind(of_key), _kind(of_value)
+    is_of_functions = get_origin(of_value) is Callable
+
+    def fits(value: Any) -> bool:
+        if not isinstance(value, Mapping) or not all(map(key.fits, value)):
+            return False
+        return is_of_functions or all(map(one.fits, value.values()))
+
+    return _Kind((f"a mapping to {' or '.join(one.words)}",), fits)
 
 
 def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
