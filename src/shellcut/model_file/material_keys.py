@@ -148,12 +148,14 @@ HARDENINGS = (
         "file",
     ),
 )
+"""Kinds of ``[material.hardening]``; a key is recognised as of the first that it identifies."""
 RATES = (
     Kind(
         "A power of the rate.", keys_of(CowperSymonds), CowperSymonds, "cowper_symonds", "exponent"
     ),
     Kind("The logarithm of the rate.", keys_of(JohnsonCook), JohnsonCook, "johnson_cook", "factor"),
 )
+"""Kinds of ``[material.rate]``."""
 _NO_AXES = "isotropic"
 _LAYER = {
     **keys_of(Elastic, "young"),
@@ -174,6 +176,7 @@ _LAYER = {
     **keys_of(Plastic, "r_values"),
     **keys_of(Orthotropic, "angle_deg"),
 }
+"""Keys of a layer. Of those of an orthotropic one, ``young`` is its ``young_along``."""
 _OF_YIELDING = "hardening", "rate", "r_values"
 _FILM = {
     "machine_direction": own_key(
@@ -189,7 +192,7 @@ def _layer(keys: Section) -> Layer:
 
 def _film(keys: Section) -> ShellMaterial:
     layers = [ply.made() for ply in keys.layers] if "layers" in keys.values else [_layer(keys)]
-    if not any(keys.machine_direction):
+    if not any(keys.machine_direction):  # ShellMaterial would speak of functions, too
         raise ValueError("machine_direction must be a vector that is not zero")
     rest = {name: getattr(keys, name) for name in declared(ShellMaterial)}
     return ShellMaterial(layers, direction=keys.machine_direction, **rest)
@@ -225,7 +228,7 @@ def material_of(keys: Section) -> Material:
     try:
         moduli = _moduli(keys)
     except ValueError as problem:
-        problems.append(str(problem).replace("young_along", "young"))
+        problems.append(str(problem).replace("young_along", "young"))  # one key for both classes
     if problems:
         raise ArgumentError(problems)
     if law != "plastic":
