@@ -232,6 +232,9 @@ def _document(path: Path) -> tuple[Any, float | None]:
         with as_file(path, content) as file:
             document = readfile(file, encoding=encoding)
         document.modelspace()  # not there in some damaged files
+        for insert in document.query("INSERT"):
+            if not insert.dxf.zscale:  # flattens a flat block, but has no inverse
+                insert.dxf.zscale = abs(insert.dxf.xscale)
     except Exception as reason:  # a damaged file makes ezdxf raise errors of all kinds
         raise FileError(path, f"ezdxf cannot read it: {_in_a_line(reason)}") from None
     # ezdxf takes metres where the file has no header, or no unit in it
@@ -266,9 +269,6 @@ def _curves(
     for layout in document.layouts:
         if n := sum(one.dxftype() != "VIEWPORT" for one in layout if not layout.is_modelspace):
             left_out[f"entities in paper space {layout.name!r}"] = n
-    for insert in document.query("INSERT"):
-        if not insert.dxf.zscale:  # flattens a flat block, but has no inverse
-            insert.dxf.zscale = abs(insert.dxf.xscale)
     budget = Budget(path)
     for outer in document.modelspace():
         layer = outer.dxf.layer
