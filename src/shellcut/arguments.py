@@ -87,16 +87,14 @@ class Option:
         """What a number must be, in words."""
         if self.least is not None and self.most is not None:
             return f"from {_figure(self.least)} to {_figure(self.most)}"
-        words = []
-        if self.above is not None:
-            words.append("positive" if self.above == 0 else f"above {_figure(self.above)}")
-        if self.below is not None:
-            words.append(f"below {_figure(self.below)}")
-        if self.least is not None:
-            words.append(f"{_figure(self.least)} or more")
-        if self.most is not None:
-            words.append(f"{_figure(self.most)} at most")
-        return " and ".join(words)
+        forms = (
+            (self.above, "above {}"),
+            (self.below, "below {}"),
+            (self.least, "{} or more"),
+            (self.most, "{} at most"),
+        )
+        words = [form.format(_figure(bound)) for bound, form in forms if bound is not None]
+        return " and ".join("positive" if word == "above 0" else word for word in words)
 
     def problem(self, value: Any) -> str:
         """Return why a number is out of bounds, or not finite; "" if it is neither."""
@@ -397,17 +395,15 @@ def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
 
 
 def _kind_of_class(of: Any) -> _Kind:
+    """Return the kind of a class; a value shows by ``isinstance`` whether it is of most."""
     name = str(getattr(of, "__name__", of))
     words = f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
-    if not isinstance(of, type):
-        return _Kind((words,), lambda value: True)
-    is_protocol = getattr(of, "_is_protocol", False)
-    if is_protocol:
+    shows = isinstance(of, type)
+    if getattr(of, "_is_protocol", False):
         methods = [method for method in vars(of) if method[0] != "_" or method == "__call__"]
         words += f", which has {', '.join(methods)}"
-    if is_protocol and not getattr(of, "_is_runtime_protocol", False):
-        return _Kind((words,), lambda value: True)
-    return _Kind((words,), lambda value: isinstance(value, of))
+        shows = getattr(of, "_is_runtime_protocol", False)
+    return _Kind((words,), lambda value: not shows or isinstance(value, of))
 
 
 def is_number(value: Any, of: type = Real) -> bool:

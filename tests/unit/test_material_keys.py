@@ -239,6 +239,18 @@ def test_tables_of_layers_have_the_lines_of_their_layer(tmp_path):
     assert read_model(tmp_path / "used.toml") == model
 
 
+def test_a_setting_of_a_key_that_two_kinds_have_keeps_the_kind(tmp_path):
+    path = tmp_path / "a.toml"
+    voce = "kind = 'voce'\nyield_stress = 9\ngain = 3\nstrain = 0.1\n"
+    path.write_text(f"model = 'opening'\n[material.hardening]\n{voce}")
+    (layer,) = read_model(path, {"yield_stress": 8}).sections["material"].made().layers
+    assert layer.material.hardening == Voce(8.0, 3.0, 0.1)
+    swift = {"material.hardening.exponent": 0.3, "material.hardening.start": 0.1}
+    model = read_model(path, swift | {"material.hardening.strength": 20})
+    (layer,) = model.sections["material"].made().layers
+    assert layer.material.hardening == Swift(20.0, 0.1, 0.3)
+
+
 def test_a_key_of_a_preset_s_hardening_leaves_the_others():
     (layer,) = preset_film("pet", hardening={"yield_stress": 80.0}).layers
     assert layer.material.hardening == Linear(80.0, 493.8)

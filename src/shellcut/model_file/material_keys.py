@@ -36,7 +36,7 @@ from shellcut.material.shell_material import Layer, ShellMaterial
 from shellcut.unit import conversion
 
 from .forms import FORMS, choice
-from .key import Key, Kind, Section, keys_of, kind_of, optional, own_key, table_key
+from .key import Constructor, Key, Kind, Section, keys_of, kind_of, optional, own_key, table_key
 from .source import Source, loaded
 
 
@@ -61,7 +61,7 @@ def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
 
 @checked
 def read_hardening(
-    path: Annotated[str | Path, Option("", "table of plastic strain and true stress", form="path")],
+    file: Annotated[str | Path, Option("", "table of plastic strain and true stress", form="path")],
 ) -> Table:
     """Return the hardening in a text file.
 
@@ -75,10 +75,10 @@ def read_hardening(
     two are taken. Of more than 24 points those are left that keep the shape. FileError if columns
     or units are not known, or the values are no hardening curve.
     """
-    table = read_number_table(path)
+    table = read_number_table(file)
     columns = [(0, 1.0), (1, 1.0)]
     if table.headings:
-        with naming(path):
+        with naming(file):
             columns = [_column(table, "strain", "-"), _column(table, "stress", "MPa")]
     (strain_at, of_strain), (stress_at, of_stress) = columns
     rows = table.numbers([strain_at, stress_at])
@@ -86,7 +86,7 @@ def read_hardening(
     stress: Floats = rows[:, 1] * of_stress
     if len(rows) > 2 and not (np.diff(strain) <= 0.0).any():
         strain, stress = fewer_points(strain, stress)
-    with naming(path):
+    with naming(file):
         return Table(strain, stress)
 
 
@@ -121,39 +121,23 @@ def _preset(*, layers: bool | None = None) -> dict[str, Key]:
     return {"preset": own_key(choice(*preset_names(layers=layers)), text, None, unset="none")}
 
 
+def _made_by(owner: Constructor, name: str, sign: str, doc: str, *only: str) -> Kind:
+    return Kind(doc, keys_of(owner, *only), owner, name, sign)
+
+
 HARDENINGS = (
-    Kind(
-        "The yield stress saturates, but for a straight rise.", keys_of(Voce), Voce, "voce", "gain"
+    _made_by(Voce, "voce", "gain", "The yield stress saturates, but for a straight rise."),
+    _made_by(Linear, "linear", "yield_stress", "The yield stress rises straight, or stays."),
+    _made_by(Swift, "swift", "exponent", "A power of the plastic strain."),
+    _made_by(
+        Table, "table", "plastic_strain", "Straight between points.", "plastic_strain", "stress"
     ),
-    Kind(
-        "The yield stress rises straight, or stays.",
-        keys_of(Linear),
-        Linear,
-        "linear",
-        "yield_stress",
-    ),
-    Kind("A power of the plastic strain.", keys_of(Swift), Swift, "swift", "exponent"),
-    Kind(
-        "Straight between points.",
-        keys_of(Table, "plastic_strain", "stress"),
-        Table,
-        "table",
-        "plastic_strain",
-    ),
-    Kind(
-        "Straight between the points of a file.",
-        keys_of(read_hardening, renamed={"path": "file"}),
-        read_hardening,
-        "file",
-        "file",
-    ),
+    _made_by(read_hardening, "file", "file", "Straight between the points of a file."),
 )
 """Kinds of ``[material.hardening]``; a key is recognised as of the first that it identifies."""
 RATES = (
-    Kind(
-        "A power of the rate.", keys_of(CowperSymonds), CowperSymonds, "cowper_symonds", "exponent"
-    ),
-    Kind("The logarithm of the rate.", keys_of(JohnsonCook), JohnsonCook, "johnson_cook", "factor"),
+    _made_by(CowperSymonds, "cowper_symonds", "exponent", "A power of the rate."),
+    _made_by(JohnsonCook, "johnson_cook", "factor", "The logarithm of the rate."),
 )
 """Kinds of ``[material.rate]``."""
 _NO_AXES = "isotropic"

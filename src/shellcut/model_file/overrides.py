@@ -70,9 +70,9 @@ def _set(
 ) -> list[str]:
     """Set a key of a section or table, and return the keys that give way to it.
 
-    Those are the keys of other kinds only, if the key identifies another kind than the present one.
-    Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError if there is
-    something else in the place of a table.
+    Those are the keys of other kinds only, if the key identifies a kind: the present one, if that
+    has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
+    if there is something else in the place of a table.
     """
     table = values
     for title in path[:-1]:
@@ -82,12 +82,14 @@ def _set(
         table[title] = dict(inner)
         table = table[title]
     key = path[-1]
-    chosen = next((kind for kind in kinds if key in (kind.sign, kind.also_sign)), None)
+    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
     present = kind_of(kinds, table)
     gone: list[str] = []
-    if chosen is not None and (present is None or key not in present.names()):
+    if identified:
+        stays = present is not None and key in present.names()
+        chosen = present if present is not None and stays else identified[0]
         known = {name for kind in kinds for name in kind.names()}
-        foreign = known - set(chosen.names()) | {"kind"}
+        foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
         gone = [name for name in table if name in foreign and name not in keep]
     for name in gone:
         del table[name]
