@@ -222,8 +222,8 @@ def _document(path: Path) -> tuple[Any, float | None]:
     if content.startswith(b"AC10"):
         raise FileError(path, "this is a DWG file under another name; save it as DXF")
     if content.startswith(b"AutoCAD Binary DXF"):
-        whole, end, _ = content.partition(b"EOF\0")
-        content = whole + end  # ezdxf stumbles over what follows
+        whole, end, rest = content.rpartition(b"EOF\0")
+        content = whole + end or rest  # ezdxf stumbles over what follows the end
     try:
         encoding = "utf-8" if content.decode() else None
     except UnicodeDecodeError:
