@@ -495,6 +495,7 @@ def test_the_schema_names_the_key_that_is_wrong(wrong, place, said):
         {"tool": {"kind": "file", "stl": "x.stl", "unit": "mm"}},
         {"material": {"density": "0.92 g/cm³", "young": "1.7e3 mpa"}},
         {"material": {"hardening": {"yield_stress": "9 MPa"}, "rate": {"rate": 4, "exponent": 5}}},
+        {"material": {"preset": "mild_steel", "hardening": {"exponent": 0.2}}},
         {"material": "pet"},
     ],
 )

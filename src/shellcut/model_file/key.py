@@ -194,6 +194,8 @@ class Kind:
     """Whether it is made only when the model is built, because that reads a file."""
     spread: bool = False
     """Whether the model's builder takes the values, not what is made of them."""
+    filled: bool = False
+    """Whether a preset of the section around it may give its keys."""
     fixed: Mapping[str, Any] = field(default_factory=dict)
     """Further arguments of the constructor."""
     make: Callable[[Section], Any] | None = None

@@ -122,7 +122,7 @@ def _preset(*, layers: bool | None = None) -> dict[str, Key]:
 
 
 def _made_by(owner: Constructor, name: str, sign: str, doc: str, *only: str) -> Kind:
-    return Kind(doc, keys_of(owner, *only), owner, name, sign)
+    return Kind(doc, keys_of(owner, *only), owner, name, sign, filled=True)
 
 
 HARDENINGS = (

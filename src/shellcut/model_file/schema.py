@@ -107,7 +107,7 @@ def _section(kinds: Kinds) -> dict[str, Any]:
 def schema_of(kind: Kind) -> dict[str, Any]:
     """Return the schema of a section, or of one kind of it."""
     # What a preset fills in, or a second name gives, need not be there.
-    free = "preset" in kind.keys
+    free = kind.filled or "preset" in kind.keys
     must = [n for n, k in kind.keys.items() if k.default is REQUIRED and not (free or k.also)]
     return {
         "type": "object",
