@@ -35,14 +35,13 @@ thickness = "60 um"
 preset = "aluminium_foil"
 ```
 
-(One of the two, not both.) A given key replaces that of the preset. If you give one key of the
-hardening, the preset's hardening is left out as a whole. `used.toml` lists the numbers themselves.
-In Python: `shellcut.preset_film("pet", thickness="12 um")`. Where a film yields below the strength
-of the cables, or cannot reach it, the [check](howto/trust.md) before the run says so; [which
-strength](theory/yielding.md#which-strength) gives the theory. The law of the cables does not come
-with a film, and a note says so where none is given: take it from [tensile
-tests](howto/tensile.md) or from a [measured
-cut](howto/fit.md).
+(One of the two, not both.) A given key replaces that of the preset. A table
+`[material.hardening]` of another kind takes the place of the preset's as a whole. `used.toml`
+lists the numbers themselves. In Python: `shellcut.preset_film("pet", thickness="12 um")`. Where a
+film yields below the strength of the cables, or cannot reach it, the [check](howto/trust.md)
+before the run says so; [which strength](theory/yielding.md#which-strength) gives the theory. The
+law of the cables does not come with a film, and a note says so where none is given: take it from
+[tensile tests](howto/tensile.md) or from a [measured cut](howto/fit.md).
 
 Films differ by grade, direction, rate and age, by tens of per cent. These are starting points.
 Measure yours.
@@ -105,8 +104,13 @@ def _keys(keys):
         layers = [f"{1e3 * one['thickness']:.4g} µm of `{one['preset']}`" for one in keys["layers"]]
         return "Layers, from the bottom: " + ", ".join(layers) + "."
     rows = ["| key | value |", "|---|---|"]
-    for name, value in keys.items():
-        shown = ", ".join(f"{x:g}" for x in value) if isinstance(value, list) else f"{value:g}"
+    plain = {name: value for name, value in keys.items() if name != "hardening"}
+    hardening = {f"hardening.{name}": value for name, value in keys.get("hardening", {}).items()}
+    for name, value in {**plain, **hardening}.items():
+        if isinstance(value, list):
+            shown = ", ".join(f"{x:g}" for x in value)
+        else:
+            shown = value if isinstance(value, str) else f"{value:g}"
         rows.append(f"| `{name}` | {shown}{after(unit_of_key(f'material.{name}'))} |")
     return "\n".join(rows)
 

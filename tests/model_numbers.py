@@ -77,6 +77,15 @@ LISTS = (
     ("supports", {"nodes": "left", "velocity": {"x": 1.0}, "spin": {"y": 1.0}}),
 )
 
+OF_MATERIAL = {
+    "voce": {"yield_stress": 10.0, "gain": 2.0, "strain": 0.1, "modulus": 3.0},
+    "swift": {"strength": 30.0, "start": 0.01, "exponent": 0.2},
+    "table": {"plastic_strain": [0.0, 1.0], "stress": [10.0, 14.0]},
+    "cowper_symonds": {"rate": 5.0, "exponent": 5.0},
+    "johnson_cook": {"rate": 5.0, "factor": 0.1},
+}
+"""Tables of [material], by kind; a rate has a hardening beside it."""
+
 
 def cases(names):
     """Yield what is set, and the text of the model, for every number of some models."""
@@ -95,6 +104,7 @@ def cases(names):
                 yield f"{name}: {key_name} = {value}", text
     if "sheet" in names:
         yield from _of_lists(*MODELS["sheet"])
+        yield from _of_material(*MODELS["sheet"])
 
 
 def _of_lists(model, sections):
@@ -109,6 +119,17 @@ def _of_lists(model, sections):
                     f"[[{title}]].{name} = {new}",
                     f"{_toml(model, sections)}[[{title}]]\n{text}\n",
                 )
+
+
+def _of_material(model, sections):
+    for kind, table in OF_MATERIAL.items():
+        name = "rate" if "rate" in table else "hardening"
+        for key, value in table.items():
+            for new in _values("number", value):
+                varied = {"hardening": {"yield_stress": 9.0}}
+                varied[name] = {"kind": kind, **table, key: new}
+                text = _toml(model, {**sections, "material": varied})
+                yield f"[material.{name}].{key} = {new}", text
 
 
 def _values(wants, now):

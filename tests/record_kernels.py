@@ -29,9 +29,9 @@ BRIEF = {**QUICK, "motion.angle_deg": 25.0, "motion.duration": "1.6 ms"}
 RUBBED = {"friction": 0.2, "self_contact": True, "self_friction": 0.2}
 SOME = {"motion.travel": "3 mm"}
 VOCE = {
-    "material.yield_stress": 10.0,
-    "material.saturation_gain": 5.0,
-    "material.saturation_strain": 0.1,
+    "material.hardening.yield_stress": 10.0,
+    "material.hardening.gain": 5.0,
+    "material.hardening.strain": 0.1,
 }
 WITH_OPTIONS = {
     "through quads": ("guillotine", {"fracture.path": "free", "motion.travel": "6 mm"}),

@@ -2,7 +2,8 @@
 
 What an annotation says is asked of every argument, before the function sees it: a text is no
 number, a mesh no tool, a masked array no array. An :class:`Option` in it says the unit, the meaning
-and the bounds; docstrings, model files and their page have them from there. The message names all
+and the bounds; docstrings, model files and their page have them from there. :func:`fits` and
+:meth:`Option.problem` judge a value, of an argument as of a key in a file. The message names all
 arguments that are wrong. What several numbers must be together, the function itself knows. Imports
 only NumPy.
 """
@@ -16,8 +17,7 @@ import math
 import re
 import sys
 import types
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, cast, get_args, get_origin
@@ -28,12 +28,23 @@ import numpy.typing as npt
 T = TypeVar("T")
 
 _SHOWN = 60  # characters of a value
-_PLAIN = {float: "a number", int: "a whole number", bool: "True or False", str: "a text"}
-_ARRAY = "an array of real numbers"
 
 
 class ArgumentError(TypeError, ValueError):
-    """Arguments are of another kind than they must be; the message names them all."""
+    """Arguments are not what they must be.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        What is wrong, a sentence each; the message has them all.
+    """
+
+    def __init__(self, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("; ".join(self.problems))
+
+
+# --- what is declared ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -74,36 +85,38 @@ class Option:
     @property
     def bounds(self) -> str:
         """What a number must be, in words."""
-        forms = {
-            "above": "above {}",
-            "below": "below {}",
-            "least": "{} or more",
-            "most": "{} at most",
-        }
-        given = {name: getattr(self, name) for name in forms}
-        there = {
-            k: f"{v:,}" if isinstance(v, int) else f"{v:g}"
-            for k, v in given.items()
-            if v is not None
-        }
-        if {"least", "most"} <= set(there):
-            return f"from {there['least']} to {there['most']}"
-        words = [forms[name].format(value) for name, value in there.items()]
+        if self.least is not None and self.most is not None:
+            return f"from {_figure(self.least)} to {_figure(self.most)}"
+        forms = (
+            (self.above, "above {}"),
+            (self.below, "below {}"),
+            (self.least, "{} or more"),
+            (self.most, "{} at most"),
+        )
+        words = [form.format(_figure(bound)) for bound, form in forms if bound is not None]
         return " and ".join("positive" if word == "above 0" else word for word in words)
 
     def problem(self, value: Any) -> str:
-        """Return why a value is out of bounds, "" if it is not."""
-        if not _is_number(value, Real):
-            return ""
-        above, least, below, most = self.above, self.least, self.below, self.most
-        within = (above is None or value > above) and (least is None or value >= least)
-        within = within and (below is None or value < below) and (most is None or value <= most)
+        """Return why a number is out of bounds, or not finite; "" if it is neither."""
+        beyond = (
+            (self.above is not None and not value > self.above)
+            or (self.least is not None and not value >= self.least)
+            or (self.below is not None and not value < self.below)
+            or (self.most is not None and not value <= self.most)
+        )
         finite = isinstance(value, Integral) or math.isfinite(value)
-        if within and finite:
+        if finite and not beyond:
             return ""
-        wanted = [self.bounds, *([] if finite or (self.bounds and value != value) else ["finite"])]
-        why, unit = f" ({self.why})" if self.why else "", f" {self.unit}" if self.unit else ""
-        return f"must be {' and '.join(filter(None, wanted))}{why}, got {_shown(value)}{unit}"
+        wanted = [self.bounds] if self.bounds else []
+        if not finite and (not wanted or not math.isnan(value)):
+            wanted.append("finite")
+        why = f" ({self.why})" if self.why else ""
+        unit = f" {self.unit}" if self.unit else ""
+        return f"must be {' and '.join(wanted)}{why}, got {_shown(value)}{unit}"
+
+
+def _figure(bound: float) -> str:
+    return f"{bound:,}" if isinstance(bound, int) else f"{bound:g}"
 
 
 class Declared(NamedTuple):
@@ -119,14 +132,47 @@ class Declared(NamedTuple):
 @functools.cache
 def declared(function: Callable[..., Any]) -> Mapping[str, Declared]:
     """Return the arguments of a function, or of a class, that have an :class:`Option`, in order."""
-    of = function if isinstance(function, type) else None
-    kinds = dict(_kinds(inspect.unwrap(of.__init__ if of else function), of))  # type: ignore[misc]
+    kinds = _kinds_of(function)
     found = {}
     for name, parameter in inspect.signature(function).parameters.items():
-        kind, option = _parted(kinds.get(name))
+        kind, option = kinds.get(name, (Any, None))
         if option is not None:
             found[name] = Declared(kind, option, parameter.default)
     return found
+
+
+def _kinds_of(what: Callable[..., Any]) -> dict[str, tuple[Any, Option | None]]:
+    """Return type and :class:`Option` of each annotation of a function, or of a class.
+
+    Fields may stand in a class that it is made of, in another module. Modules keep annotations as
+    text, which is evaluated here. What only type checkers import may be anything: Any.
+    """
+    written: list[tuple[Mapping[str, Any], dict[str, Any]]] = []
+    function: Any = what
+    if isinstance(what, type):
+        for base in reversed(what.__mro__):
+            written.append((inspect.get_annotations(base), vars(sys.modules[base.__module__])))
+        function = what.__init__  # type: ignore[misc]
+    function = inspect.unwrap(function)
+    if hasattr(function, "__globals__"):  # unlike object.__init__
+        written.append((inspect.get_annotations(function), function.__globals__))
+    found: dict[str, tuple[Any, Option | None]] = {}
+    for texts, names in written:
+        for name, text in texts.items():
+            try:
+                kind = eval(text, names) if isinstance(text, str) else text
+            except NameError:
+                found.setdefault(name, (Any, None))
+                continue
+            option = None
+            if get_origin(kind) is Annotated:
+                kind, *more = get_args(kind)
+                option = next((one for one in more if isinstance(one, Option)), None)
+            found[name] = (kind, option)
+    return found
+
+
+# --- checked calls -------------------------------------------------------------------------------
 
 
 def checked(what: T) -> T:
@@ -151,95 +197,72 @@ def checked(what: T) -> T:
         ...
     shellcut.arguments.ArgumentError: height must be a number, got '3': leave out the quotes
     """
+    call: Any = what
     if isinstance(what, type):
-        _document(what, vars(sys.modules[what.__module__]))
         what.__init__ = _checked_call(what.__init__, what)  # type: ignore[misc]
-        return what
-    _document(what, what.__globals__)  # type: ignore[attr-defined]
-    return cast("T", _checked_call(what, None))
+    else:
+        call = _checked_call(what, what)
+    call.__doc__ = _with_parameters(call.__doc__ or "", what)
+    return cast("T", call)
 
 
-def _document(what: Any, names: dict[str, Any]) -> None:
-    """Add the arguments with an :class:`Option` to a docstring."""
-    lines = []
-    given = inspect.get_annotations(what)
-    if isinstance(what, type):
-        given |= inspect.get_annotations(what.__init__)  # type: ignore[misc]
-    for name, written in given.items():
-        told = "Option(" in str(written)
-        kind, option = _parted(eval(written, names) if told else names.get(written))
-        if option:
-            words = " or ".join(re.sub("^an? ", "", word) for word in _words(kind))
-            lines.append(f"{name} : {words}{f' [{option.unit}]' if option.unit else ''}")
-            unset = f"by default {option.unset}" if option.unset else ""
-            lines.append(f"    {'; '.join(filter(None, (option.text, option.bounds, unset)))}.")
-    if not lines or not what.__doc__:
-        return
-    text, heading = inspect.cleandoc(what.__doc__), "Parameters\n----------\n"
-    entries = "\n".join(lines)
-    if heading not in text:
-        others = re.search(r"\n\w+\n---+\n", text)
-        at = others.start() if others else len(text)
-        text = f"{text[:at].rstrip()}\n\n{heading}\n{text[at:].lstrip()}"
-    what.__doc__ = text.replace(heading, f"{heading}{entries}\n", 1)
-
-
-def _parted(kind: Any) -> tuple[Any, Option | None]:
-    """Return the type in an annotation, and the :class:`Option` beside it."""
-    if get_origin(kind) is not Annotated:
-        return kind, None
-    return get_args(kind)[0], next((one for one in get_args(kind) if isinstance(one, Option)), None)
-
-
-def _checked_call(function: Any, of: type | None) -> Any:
+def _checked_call(function: Any, annotated: Any) -> Any:
     signature = inspect.signature(function)
 
     @functools.cache
-    def wanted() -> dict[str, tuple[Any, Option | None]]:
-        return {name: _parted(kind) for name, kind in _kinds(function, of)}
+    def kinds() -> dict[str, tuple[_Kind, Option | None]]:  # of what may be defined further below
+        return {
+            name: (_kind(kind), option) for name, (kind, option) in _kinds_of(annotated).items()
+        }
 
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
-        given: Mapping[str, Any] = {}
         try:
             given = signature.bind(*arguments, **named).arguments
-        except TypeError:  # what else is wrong, Python says below
+        except TypeError:
             _refuse_unknown(named, signature)
-        kinds = wanted()
-        wrong = {
-            name: f"{name} must be {' or '.join(_words(kinds[name][0]))}, got {_shown(value)}"
-            for name, value in given.items()
-            if name in kinds and not _fits(value, kinds[name][0])
-        }
-        beyond = [
-            f"{name} {said}"
-            for name, value in given.items()
-            if name in kinds and name not in wrong and (option := kinds[name][1])
-            if (said := option.problem(value))
-        ]
-        if wrong and of is not None:  # a class may say better what they must be, and more
-            _let_tell(wrong, beyond, lambda: function(*arguments, **named))
-        if wrong or beyond:
-            raise ArgumentError("; ".join([*wrong.values(), *beyond]))
-        result = function(*arguments, **named)
-        _refuse_nan(given)  # where the function has not said better what a number must be
-        return result
+            return function(*arguments, **named)  # Python says what is missing or twice
+        known, problems = kinds(), []
+        for name, value in given.items():
+            if name in known and (problem := _problem(value, *known[name])):
+                problems.append(f"{name} {problem}")
+        if problems:
+            raise ArgumentError(problems)
+        return function(*arguments, **named)
 
     return call
 
 
 def _refuse_unknown(named: Iterable[str], signature: inspect.Signature) -> None:
-    """Refuse arguments that there are not."""
+    """Refuse arguments that there are not, by name."""
     kinds = signature.parameters.values()
     known = [one.name for one in kinds if one.kind in (one.KEYWORD_ONLY, one.POSITIONAL_OR_KEYWORD)]
     known = [name for name in known if name != "self"]
-    if any(one.kind is one.VAR_KEYWORD for one in kinds):
-        return
     unknown = [name for name in named if name not in known]
-    if unknown:
-        hints = (guess(name, known) or listed(known) for name in unknown)
-        said = (f"there is no argument {n}{hint}" for n, hint in zip(unknown, hints, strict=True))
-        raise ArgumentError("\n".join(said))
+    if unknown and not any(one.kind is one.VAR_KEYWORD for one in kinds):
+        raise ArgumentError(
+            [f"there is no argument {n}{guess(n, known) or listed(known)}" for n in unknown]
+        )
+
+
+def _with_parameters(doc: str, what: Any) -> str:
+    """Return a docstring with the arguments that have an :class:`Option` under "Parameters"."""
+    entries = ""
+    for name, (kind, option) in _kinds_of(what).items():
+        if option is not None:
+            words = " or ".join(re.sub("^an? ", "", word) for word in _kind(kind).words)
+            unit = f" [{option.unit}]" if option.unit else ""
+            unset = f"by default {option.unset}" if option.unset else ""
+            told = "; ".join(filter(None, (option.text, option.bounds, unset)))
+            entries += f"{name} : {words}{unit}\n    {told}.\n"
+    if not entries or not doc:
+        return doc
+    text, heading = inspect.cleandoc(doc), "Parameters\n----------\n"
+    if heading not in text:
+        others = re.search(r"\n\w+\n---+\n", text)
+        at = others.start() if others else len(text)
+        text = f"{text[:at].rstrip()}\n\n{heading}\n{text[at:].lstrip()}"
+    return text.replace(heading, heading + entries, 1)
 
 
 def finite_at(name: str, of_time: Callable[[float], float]) -> Callable[[float], float]:
@@ -266,72 +289,125 @@ def listed(names: Iterable[str]) -> str:
     return f"; there are {', '.join(names)}"
 
 
-def _let_tell(wrong: Iterable[str], beyond: list[str], call: Callable[[], object]) -> None:
-    """Let a ValueError through that names all that is wrong, with what else there is to say."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            call()
-    except ValueError as own:
-        if all(name in str(own) for name in wrong):
-            if beyond:
-                raise ArgumentError("; ".join([str(own), *beyond])) from None
-            raise
-    except Exception:  # of what it does with arguments of another kind
-        return
+# --- the judge of a value ------------------------------------------------------------------------
 
 
-def _refuse_nan(given: Mapping[str, Any]) -> None:
-    none = [name for name, value in given.items() if isinstance(value, float) and value != value]
-    if none:
-        raise ArgumentError("; ".join(f"{name} must be a number, got nan" for name in none))
+def fits(value: Any, kind: Any) -> bool:
+    """Whether a value is what an annotation says.
+
+    Examples
+    --------
+    >>> fits(2, float), fits("2", float), fits((1, 2.5), tuple[float, ...]), fits(None, int | None)
+    (True, False, True, True)
+    """
+    return _kind(kind).fits(value)
 
 
-def _kinds(function: Any, of: type | None) -> Iterator[tuple[str, Any]]:
-    """Yield the annotations that can be looked up, by the names of the arguments."""
-    scopes = [  # of fields, where they were written
-        (inspect.get_annotations(base), vars(sys.modules[base.__module__]))
-        for base in reversed(of.__mro__ if of else ())
-    ]
-    known = set()
-    for written, names in [*scopes, (inspect.get_annotations(function), function.__globals__)]:
-        for name, kind in written.items():
-            try:
-                yield name, eval(kind, names) if isinstance(kind, str) else kind
-            except NameError:  # imported for annotations only
-                if name not in known:
-                    yield name, Any
-            known.add(name)
+def _problem(value: Any, kind: _Kind, option: Option | None) -> str:
+    """Return why a value cannot be an argument, "must be ..., got ..."; "" if it can."""
+    if not kind.fits(value):
+        wanted = " or ".join(kind.words)
+        if option is not None and option.form.endswith("numbers"):
+            wanted = option.form  # says how many
+        return f"must be {wanted}, got {_shown(value)}"
+    if option is not None and is_number(value):
+        return option.problem(value)
+    if "a number" in kind.words and isinstance(value, float) and math.isnan(value):
+        return "must be a number, got nan"
+    return ""
 
 
-def _fits(value: Any, kind: Any) -> bool:
-    """Whether a value is what an annotation says."""
-    origin, parts = get_origin(kind), get_args(kind)
-    if kind is Any:
-        return True
-    if kind is None or kind is type(None):
-        return value is None
-    if _is_array_kind(kind):
-        return _is_array(value)
+class _Kind(NamedTuple):
+    """What an annotation says: in words, and of a value."""
+
+    words: tuple[str, ...]
+    fits: Callable[[Any], bool]
+
+
+def _kind(annotation: Any) -> _Kind:
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if annotation is Any:
+        return _Kind(("anything",), lambda value: True)
+    if annotation in (None, types.NoneType):
+        return _Kind(("None",), lambda value: value is None)
+    if _is_array_kind(annotation):
+        return _Kind(("an array of real numbers",), _is_array)
     if origin in (Union, types.UnionType):
-        return any(_fits(value, part) for part in _alternatives(kind))
-    if kind is float or kind is int:
-        return _is_number(value, Real if kind is float else Integral)
-    if kind is bool:
-        return isinstance(value, bool | np.bool_)
+        some = [_kind(part) for part in _alternatives(annotation)]
+        words = [word for one in some for word in one.words if word != "None"]
+        return _Kind(tuple(words), lambda value: any(one.fits(value) for one in some))
+    if annotation is float:
+        return _Kind(("a number",), lambda value: is_number(value))
+    if annotation is int:
+        return _Kind(("a whole number",), lambda value: is_number(value, Integral))
+    if annotation is bool:
+        return _Kind(("True or False",), lambda value: isinstance(value, bool | np.bool_))
+    if annotation is str:
+        return _Kind(("a text",), lambda value: isinstance(value, str))
     if origin is Literal:
-        return any(isinstance(value, type(part)) and value == part for part in parts)
-    if origin is tuple or (isinstance(origin, type) and issubclass(origin, Iterable) and parts):
-        return _is_several(value, origin, parts)
-    if isinstance(origin, type):
-        return isinstance(value, origin)
-    if isinstance(kind, type):
-        said = getattr(kind, "_is_runtime_protocol", not getattr(kind, "_is_protocol", False))
-        return isinstance(value, kind) if said else True
-    return True
+        return _Kind(
+            tuple(repr(part) for part in parts),
+            lambda value: any(isinstance(value, type(part)) and value == part for part in parts),
+        )
+    if isinstance(origin, type) and issubclass(origin, Mapping) and parts:
+        return _kind_of_mapping(*parts)
+    if isinstance(origin, type) and issubclass(origin, Iterable) and parts:
+        return _kind_of_several(parts, is_counted=origin is tuple and parts[-1] is not Ellipsis)
+    return _kind_of_class(origin or annotation)
 
 
-def _is_number(value: Any, of: type) -> bool:
+def _kind_of_mapping(of_key: Any, of_value: Any) -> _Kind:
+    """Return the kind of a mapping; what functions in it must be, whoever takes them says."""
+    key, one = _kind(of_key), _kind(of_value)
+    is_of_functions = get_origin(of_value) is Callable
+
+    def fits(value: Any) -> bool:
+        if not isinstance(value, Mapping) or not all(map(key.fits, value)):
+            return False
+        return is_of_functions or all(map(one.fits, value.values()))
+
+    return _Kind((f"a mapping to {' or '.join(one.words)}",), fits)
+
+
+def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
+    """Return the kind of a sequence, or of a tuple with a number of parts."""
+    each = [_kind(part) for part in parts if part is not Ellipsis]
+    words = [re.sub("^an? ", "", word) for word in each[0].words]
+    plural = {"number": "numbers", "whole number": "whole numbers", "text": "texts"}
+    several = " or ".join(plural.get(word, re.sub("^array", "arrays", word)) for word in words)
+
+    def fits(value: Any) -> bool:
+        if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
+            return False
+        if np.ma.is_masked(value):
+            return False
+        if not isinstance(value, list | tuple | np.ndarray):
+            return True  # it may be used up by looking at it
+        if is_counted:
+            return len(value) == len(each) and all(
+                kind.fits(one) for kind, one in zip(each, value, strict=True)
+            )
+        return all(map(each[0].fits, value))
+
+    if not is_counted:
+        return _Kind((f"a sequence of {several}",), fits)
+    return _Kind((f"{len(parts)} {several if len(set(parts)) == 1 else 'values'}",), fits)
+
+
+def _kind_of_class(of: Any) -> _Kind:
+    """Return the kind of a class; a value shows by ``isinstance`` whether it is of most."""
+    name = str(getattr(of, "__name__", of))
+    words = f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+    shows = isinstance(of, type)
+    if getattr(of, "_is_protocol", False):
+        methods = [method for method in vars(of) if method[0] != "_" or method == "__call__"]
+        words += f", which has {', '.join(methods)}"
+        shows = getattr(of, "_is_runtime_protocol", False)
+    return _Kind((words,), lambda value: not shows or isinstance(value, of))
+
+
+def is_number(value: Any, of: type = Real) -> bool:
+    """Whether a value is a number, and neither True nor False."""
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
         value = value[()]
     return isinstance(value, of) and not isinstance(value, bool | np.bool_)
@@ -348,20 +424,6 @@ def _is_array(value: Any) -> bool:
     return array.dtype.kind in "biuf" or array.size == 0
 
 
-def _is_several(value: Any, origin: Any, parts: tuple[Any, ...]) -> bool:
-    if issubclass(origin, Mapping):
-        return isinstance(value, Mapping) and all(_fits(one, parts[-1]) for one in value.values())
-    if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-        return False
-    if np.ma.is_masked(value):
-        return False
-    if not isinstance(value, list | tuple | np.ndarray):  # it may be used up by looking at it
-        return True
-    if origin is tuple and parts[-1] is not Ellipsis:
-        return len(value) == len(parts) and all(map(_fits, value, parts))
-    return all(_fits(one, parts[0]) for one in value)
-
-
 def _is_array_kind(kind: Any) -> bool:
     arrays = (np.ndarray, npt.NDArray)  # from NumPy 2.5 on, NDArray is an alias of its own
     return get_origin(kind) in arrays or kind is np.ndarray or kind == npt.ArrayLike
@@ -373,40 +435,6 @@ def _alternatives(kind: Any) -> list[Any]:
     if not of_array or not set(of_array) <= set(parts):
         return list(parts)
     return [npt.ArrayLike, *(part for part in parts if part not in of_array)]
-
-
-def _words(kind: Any) -> list[str]:
-    """Return what an annotation says, in words."""
-    origin, parts = get_origin(kind), get_args(kind)
-    if _is_array_kind(kind):
-        return [_ARRAY]
-    if origin in (Union, types.UnionType):
-        some = [part for part in _alternatives(kind) if part is not type(None)]
-        return [word for part in some for word in _words(part)]
-    if kind is None or kind is type(None):
-        return ["None"]
-    if origin is Literal:
-        return [repr(part) for part in parts]
-    if origin is tuple and parts[-1] is not Ellipsis:
-        return [f"{len(parts)} {_several(parts[0]) if len(set(parts)) == 1 else 'values'}"]
-    if isinstance(origin, type) and issubclass(origin, Mapping):
-        return [f"a mapping to {' or '.join(_words(parts[-1]))}"]
-    if isinstance(origin, type) and issubclass(origin, Iterable):
-        return [f"a sequence of {_several(parts[0])}"]
-    if kind in _PLAIN:
-        return [_PLAIN[kind]]
-    name = str(getattr(origin or kind, "__name__", kind))
-    article = "an" if name[0] in "AEIOU" else "a"
-    if not getattr(kind, "_is_protocol", False):
-        return [f"{article} {name}"]
-    methods = [method for method in vars(kind) if method[0] != "_" or method == "__call__"]
-    return [f"{article} {name}, which has {', '.join(methods)}"]
-
-
-def _several(kind: Any) -> str:
-    words = [re.sub("^an? ", "", word) for word in _words(kind)]
-    plain = {"number": "numbers", "whole number": "whole numbers", "text": "texts"}
-    return " or ".join(plain.get(word, re.sub("^array", "arrays", word)) for word in words)
 
 
 def _shown(value: Any) -> str:

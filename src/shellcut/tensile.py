@@ -82,8 +82,11 @@ class TensileTest:
             strain, stress = fewer_points(self.plastic_strain, self.true_stress)
             lines += [
                 "# Beyond the last strain the yield stress stays constant.",
-                f"hardening_strain = [{', '.join(f'{x:.6g}' for x in strain)}]",
-                f"hardening_stress = [{', '.join(f'{x:.6g}' for x in stress)}]",
+                "",
+                "[material.hardening]",
+                'kind = "table"',
+                f"plastic_strain = [{', '.join(f'{x:.6g}' for x in strain)}]",
+                f"stress = [{', '.join(f'{x:.6g}' for x in stress)}]",
             ]
         return "\n".join([*lines, ""])
 

@@ -5,6 +5,7 @@ import logging
 import numpy as np
 import pytest
 
+from damaged import samples
 from known_film import (
     LEFT,
     NODE_ID,
@@ -240,6 +241,46 @@ def test_nodes_of_no_quad_are_said(tmp_path, caplog):
 )
 def test_refusals(tmp_path, add, words):
     assert words in refusal(tmp_path, FLAT + add)
+
+
+SAMPLE = samples.abaqus()
+
+
+def changed(old, new):
+    assert SAMPLE.count(old) == 1, "the sample has changed"
+    return SAMPLE.replace(old, new)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("*Elastic", "*Boundary", "1 *BOUNDARY, 1 *MATERIAL, 1 *SHELL SECT"),
+        ("0.00000\n2,", "0.00000, 0, 0, 1\n2,", "1 normals of nodes"),
+        ("type=S4R", "type=M3D4", "elements of type M3D4, which do not bend"),
+        ("type=S4R", "FILE=x, type=S4R", "parameter 'FILE' of *ELEMENT is not"),
+        ("*Material", "*PARAMETER\nx = 3\n*Material", "1 *PARAMETER"),
+        ("generate\n1, 9, 2\n", "generate\n", "node set 'first' in line"),
+        ("generate\n1, 9, 2\n", "generate\n60, 90\n", "17 of the 31 nodes from"),
+    ],
+)
+def test_what_is_not_used_is_said(tmp_path, caplog, old, new, told):
+    film(tmp_path, SAMPLE)
+    (said,) = caplog.messages
+    assert "not used, a film takes nodes, quads and sets only: " in said
+    film(tmp_path, changed(old, new))
+    assert told in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("*Elset, elset=u", "*Elset, elsset=u", "'ELSSET'; did you mean ELSET"),
+        ("*Nset, nset=ring", "*Nset nset=ring", "a comma must stand between"),
+        ("\n44, 2, ", "\n4_4, 2, ", "must be a whole number, got '4_4'"),
+    ],
+)
+def test_what_is_misspelt_is_refused(tmp_path, old, new, told):
+    assert told in refusal(tmp_path, changed(old, new))
 
 
 def test_what_instances_and_includes_make_is_counted(tmp_path, monkeypatch):

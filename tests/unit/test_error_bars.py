@@ -157,8 +157,8 @@ class TestCompanions:
     def test_what_is_missing_is_told(self, tmp_path):
         data = Path(__file__).parent / "data"
         film = next(path for path in sorted(data.iterdir()) if path.suffix == ".msh")
-        strip = {"membrane.file": str(film), "material.cowper_symonds_rate": 40.0}
-        strip |= {"material.cowper_symonds_exponent": 5.0, "material.yield_stress": 20.0}
+        strip = {"membrane.file": str(film), "material.rate": {"rate": 40.0, "exponent": 5.0}}
+        strip |= {"material.hardening.yield_stress": 20.0}
         found, missing = companions("guillotine", strip)
         assert list(found) == ["as given", "shape 2", "shape 3"]
         assert missing["mesh"][0].startswith("left out, because shellcut cannot remesh a file")

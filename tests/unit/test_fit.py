@@ -49,6 +49,7 @@ def test_the_last_key_keeps_the_energy():
         ({"material.thickness": "50 um : 80 um"}, 0.074, 0.05, 0.08),
         ({"cohesive.cutting_energy": "1:16"}, 4.0, 1.0, 16.0),  # the model has none
         ({"quasi_static": "0.001:0.004"}, 0.002, 0.001, 0.004),  # before all sections
+        ({"material": "pet", "yield_stress": "80:120"}, 93.33, 80.0, 120.0),  # of a table in one
     ],
 )
 def test_a_fit_starts_at_the_model_or_in_the_middle_of_the_range(given, start, low, high):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from damaged import samples
 from known_film import LEFT, NODE_ID, NODES, QUAD_ID, QUADS, RIGHT_PART, check_film, rows_in
 from shellcut.formats.errors import FileError
 from shellcut.mesh.film_file import read_film
@@ -203,3 +204,39 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
 )
 def test_refusals(tmp_path, add, words):
     assert words in refusal(tmp_path, more(add))
+
+
+COLUMNS, COMMAS = samples.lsdyna(), samples.lsdyna(commas=True)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("0.0\n2,", "0.0, 7, 0\n2,", "1 constraints TC, RC on cards of"),
+        ("*MAT_EL", "*PARAMETER\nrx, 3\n*MAT_EL", "1 *MAT_ELASTIC, 1 *PARAMETER"),
+        ("*MAT_EL", "*SET_BEAM\n1\n*MAT_EL", "1 *SET_BEAM"),
+        ("\n60, 1, 40", "\n60, 7, 40", "shells are of parts 7, which no *PART"),
+        ("*SET_SHELL_LIST_T", "*SET_BLOB_T", "1 *SET_BLOB_TITLE"),
+    ],
+)
+def test_what_is_not_used_is_said(tmp_path, caplog, old, new, told):
+    for sample in (COLUMNS, COMMAS):
+        caplog.clear()
+        film(tmp_path, sample)
+        (said,) = caplog.messages
+        assert "not used, a film takes nodes, quads and sets only: 1 *MAT_ELASTIC" in said
+    assert COMMAS.count(old) == 1, "the sample has changed"
+    film(tmp_path, COMMAS.replace(old, new))
+    assert told in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("*SET_NODE_LIST_TITLE\nrim", "*SET_NOD_LIST_TITLE\nrim", "mean *SET_NODE"),
+        ("*SET_SHELL_LIST", "*ET_SHELL_LIST", "did you mean *SET_SHELL_LIST"),
+    ],
+)
+def test_what_is_misspelt_is_refused(tmp_path, old, new, told):
+    assert COLUMNS.count(old) == 1, "the sample has changed"
+    assert told in refusal(tmp_path, COLUMNS.replace(old, new))

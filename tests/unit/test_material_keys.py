@@ -25,6 +25,7 @@ from shellcut.model_file import ModelFileError, preset_film
 from shellcut.model_file.material_keys import presets
 
 MODULI = Elastic(1678.0, 0.3, 1e-9)
+YIELDS = {"hardening.yield_stress": 20}
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
@@ -58,30 +59,33 @@ def material(**keys):
             },
             Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9, 300.0, shear_through_across=200.0),
         ),
-        ({"yield_stress": "20 MPa"}, Plastic(MODULI, Linear(20.0))),
-        ({"yield_stress": 20, "hardening_modulus": 5}, Plastic(MODULI, Linear(20.0, 5.0))),
+        ({"hardening.yield_stress": "20 MPa"}, Plastic(MODULI, Linear(20.0))),
         (
-            {"yield_stress": 20, "saturation_gain": 8, "saturation_strain": 0.1},
+            {"law": "plastic", "hardening": {"yield_stress": 20, "modulus": "5 MPa"}},
+            Plastic(MODULI, Linear(20.0, 5.0)),
+        ),
+        (
+            {"hardening": {"kind": "voce", "yield_stress": 20, "gain": 8, "strain": 0.1}},
             Plastic(MODULI, Voce(20.0, 8.0, 0.1)),
         ),
         (
-            {"swift_strength": 40, "swift_start": 0.01, "swift_exponent": 0.2},
+            {"hardening": {"strength": 40, "start": 0.01, "exponent": 0.2}},
             Plastic(MODULI, Swift(40.0, 0.01, 0.2)),
         ),
         (
-            {"hardening_strain": [0, 0.5, 1], "hardening_stress": [10, 20, 50]},
+            {"hardening": {"plastic_strain": [0, 0.5, 1], "stress": [10, "20 MPa", 50]}},
             Plastic(MODULI, Table((0.0, 0.5, 1.0), (10.0, 20.0, 50.0))),
         ),
         (
-            {"yield_stress": 20, "r_values": [0.8, 1.2, 1.6], "angle_deg": 45.0},
+            {**YIELDS, "r_values": [0.8, 1.2, 1.6], "angle_deg": 45.0},
             Plastic(MODULI, Linear(20.0), (0.8, 1.2, 1.6), angle_deg=45.0),
         ),
         (
-            {"yield_stress": 20, "cowper_symonds_rate": 40, "cowper_symonds_exponent": 5},
+            {**YIELDS, "rate": {"kind": "cowper_symonds", "rate": "40 1/s", "exponent": 5}},
             Plastic(MODULI, Linear(20.0), rate=CowperSymonds(40.0, 5.0)),
         ),
         (
-            {"yield_stress": 20, "johnson_cook_rate": 1.0, "johnson_cook_factor": 0.02},
+            {**YIELDS, "rate.rate": 1.0, "rate.factor": 0.02},
             Plastic(MODULI, Linear(20.0), rate=JohnsonCook(factor=0.02, rate=1.0)),
         ),
     ],
@@ -95,36 +99,54 @@ def test_what_keys_build(keys, wanted):
     ("keys", "said"),
     [
         (
-            {"yield_stress": -1},
-            "set material.yield_stress=-1: [material].yield_stress must be pos",
+            {"hardening.yield_stress": -1},
+            "set material.hardening.yield_stress=-1: [material.hardening].yield_stress must be pos",
         ),
         ({"law": "elastic", "r_values": [1, 1, 1]}, 'r_values belongs to law = "plastic", got law'),
-        ({"law": "plastic"}, 'law = "plastic" needs a hardening: yield_stress, or swift_strength'),
+        (
+            {"r_values": [1, 1, 1]},
+            'r_values belongs to law = "plastic", got no hardening: give one',
+        ),
+        ({"law": "hencky", **YIELDS}, 'hardening belongs to law = "plastic", got law = "hencky"'),
+        ({"law": "plastic"}, 'law = "plastic" needs a hardening: a table [material.hardening]'),
         ({"law": "elastc"}, 'must be one of "elastic", "hencky", "plastic"'),
-        ({"yield_stres": 3}, "unknown key [material].yield_stres; did you mean yield_stress?"),
-        ({"yield_stress": 3, "kinematic_modulus": 9}, "unknown key [material].kinematic_modulus"),
-        ({"swift_strength": 3}, "swift_start, swift_exponent must be given too, with swift_str"),
+        ({"hardening.yield_stres": 3}, "[material.hardening].kind must be given: one of voce, lin"),
         (
-            {"yield_stress": 3, "swift_strength": 3},
-            "yield_stress must be the only hardening, got swift_strength too",
+            {**YIELDS, "hardening.modulos": 3},
+            "unknown key [material.hardening].modulos; did you mean modulus?",
+        ),
+        ({"hardning.yield_stress": 3}, "unknown key [material].hardning; did you mean hardening?"),
+        ({"hardening": "voce"}, "[material].hardening must be a table, got 'voce'"),
+        ({"hardening.kind": "vocee"}, "[material.hardening].kind 'vocee' is unknown; did you mean"),
+        ({**YIELDS, "kinematic_modulus": 9}, "unknown key [material].kinematic_modulus"),
+        ({"hardening.exponent": 0.3}, "[material.hardening].start must be given: of Swift's law"),
+        (
+            {**YIELDS, "hardening.strength": 3},
+            'key [material.hardening].strength belongs to kind = "swift", not to kind = "linear',
         ),
         (
-            {"hardening_strain": [0, 1], "hardening_stress": [3, 2]},
-            "hardening_stress must not decrease",
+            {"hardening": {"plastic_strain": [0, 1], "stress": [3, 2]}},
+            "[material.hardening]: stress must not decrease",
         ),
-        ({"hardening_strain": [0, 1]}, "hardening_stress must be given too, with hardening_strain"),
-        ({"hardening_modulus": 3}, "yield_stress must be given too"),
-        ({"saturation_gain": 3, "yield_stress": 1}, "saturation_strain must be given too"),
-        ({"yield_stress": 3, "r_values": [1, 1, -1]}, "r_values must be three positive numbers"),
+        ({"hardening.plastic_strain": [0, 1]}, "[material.hardening].stress must be given: true"),
+        ({"hardening.gain": 3, **YIELDS}, "[material.hardening].strain must be given: Voce: str"),
+        ({**YIELDS, "r_values": [1, 1, -1]}, "r_values must be three positive numbers"),
         (
-            {"yield_stress": 3, "cowper_symonds_rate": 40, "johnson_cook_rate": 1},
-            "cowper_symonds_rate and johnson_cook_rate must not both be given",
+            {**YIELDS, "rate": {"exponent": 4, "factor": 1}},
+            "[material.rate].factor and [material.rate].exponent exclude each other: leave out",
         ),
+        ({"rate": {"exponent": 4, "rate": 4}}, 'rate belongs to law = "plastic", got no hardening'),
+        (
+            {"yield_stress": 3},
+            "yield_stress; write yield_stress in [material.hardening], where kind is linear or v",
+        ),
+        ({"swift_start": 3}, "write start in [material.hardening], where kind is swift"),
+        ({"johnson_cook_rate": 3}, "write rate in [material.rate], where kind is johnson_cook"),
         ({"young_across": 900.0}, "young_across needs shear too"),
         ({"shear_through_across": 9.0}, "shear_through_across needs young_across and shear too"),
         ({"young_across": 90.0, "shear": 3, "poisson": 9}, "young over young_across"),
         ({"angle_deg": 30.0}, "angle_deg turns the axes of young_across and r_values, got neither"),
-        ({"hardening_file": "nowhere.csv"}, "[material].hardening_file: there is no file"),
+        ({"hardening.file": "nowhere.csv"}, "[material.hardening].file: there is no file"),
     ],
     ids=lambda one: "-".join(one) if isinstance(one, dict) else "",
 )
@@ -136,9 +158,10 @@ def test_what_is_refused_with_the_name_of_the_key(keys, said):
 
 def test_all_problems_are_told_together():
     with pytest.raises(ModelFileError) as refused:
-        material(yield_stress=-1, hardening_modulus=-2, young=-4)
-    for key in ("yield_stress", "hardening_modulus", "young"):
-        assert f"[material].{key} must" in str(refused.value)
+        material(hardening={"yield_stress": -1, "modulus": -2}, young=-4)
+    for key in ("[material.hardening].yield_stress", "[material.hardening].modulus"):
+        assert f"{key} must" in str(refused.value)
+    assert "[material].young must" in str(refused.value)
 
 
 HARDENING = "# by hand\nplastic strain [%];true stress [kPa]\n0;10000\n5;20000\n80;50000\n"
@@ -147,7 +170,7 @@ HARDENING = "# by hand\nplastic strain [%];true stress [kPa]\n0;10000\n5;20000\n
 def test_a_table_from_a_file(tmp_path):
     (tmp_path / "film.csv").write_text(HARDENING)
     (tmp_path / "a.toml").write_text(
-        'model = "opening"\n[material]\nyoung = 200\nhardening_file = "film.csv"\n'
+        'model = "opening"\n[material]\nyoung = 200\n[material.hardening]\nfile = "film.csv"\n'
         '[[loads]]\nkind = "pressure"\nvalue = 0.01\n'
     )
     model = read_model(tmp_path / "a.toml")
@@ -166,7 +189,7 @@ def test_a_table_from_a_file(tmp_path):
 def test_the_file_of_a_layer_is_recorded_too(tmp_path):
     (tmp_path / "film.csv").write_text(HARDENING)
     (tmp_path / "a.toml").write_text(
-        'model = "opening"\n[[material.layers]]\npreset = "pet"\nhardening_file = "film.csv"\n'
+        'model = "opening"\n[[material.layers]]\npreset = "pet"\nhardening = {file = "film.csv"}\n'
         '[[material.layers]]\npreset = "ldpe"\nthickness = "60 um"\n'
     )
     model = read_model(tmp_path / "a.toml")
@@ -195,9 +218,46 @@ def test_the_file_of_a_layer_is_recorded_too(tmp_path):
 def test_a_table_that_is_none(tmp_path, text, said):
     (tmp_path / "film.csv").write_text(text)
     with pytest.raises(ModelFileError) as refused:
-        material(hardening_file=str(tmp_path / "film.csv"))
-    assert "hardening_file" in str(refused.value)
+        material(hardening={"file": str(tmp_path / "film.csv")})
+    assert "[material.hardening]: " in str(refused.value)
     assert said in str(refused.value)
+
+
+def test_tables_of_layers_have_the_lines_of_their_layer(tmp_path):
+    ply = "[[material.layers]]\npreset = 'ldpe'\n[material.layers.hardening]\n"
+    path = tmp_path / "a.toml"
+    path.write_text(f'model = "opening"\n{ply}yield_stress = 9\n{ply}yield_stress = -9\n')
+    with pytest.raises(ModelFileError) as refused:
+        read_model(path)
+    said = "a.toml:9: [[material.layers]] 2.hardening.yield_stress must be positive, got -9.0 MPa"
+    assert said in str(refused.value)
+    path.write_text(f'model = "opening"\n{ply}yield_stress = 9\n{ply}yield_stress = 8\n')
+    model = read_model(path)
+    film = model.sections["material"].made()
+    assert [one.material.hardening.first_yield for one in film.layers] == [9.0, 8.0]
+    model.write(tmp_path / "used.toml")
+    assert read_model(tmp_path / "used.toml") == model
+
+
+def test_a_setting_of_a_key_that_two_kinds_have_keeps_the_kind(tmp_path):
+    path = tmp_path / "a.toml"
+    voce = "kind = 'voce'\nyield_stress = 9\ngain = 3\nstrain = 0.1\n"
+    path.write_text(f"model = 'opening'\n[material.hardening]\n{voce}")
+    (layer,) = read_model(path, {"yield_stress": 8}).sections["material"].made().layers
+    assert layer.material.hardening == Voce(8.0, 3.0, 0.1)
+    swift = {"material.hardening.exponent": 0.3, "material.hardening.start": 0.1}
+    model = read_model(path, swift | {"material.hardening.strength": 20})
+    (layer,) = model.sections["material"].made().layers
+    assert layer.material.hardening == Swift(20.0, 0.1, 0.3)
+
+
+def test_a_key_of_a_preset_s_hardening_leaves_the_others():
+    (layer,) = preset_film("pet", hardening={"yield_stress": 80.0}).layers
+    assert layer.material.hardening == Linear(80.0, 493.8)
+    (layer,) = preset_film("ldpe", hardening={"yield_stress": 8.0}).layers
+    assert layer.material.hardening == Linear(8.0)
+    (layer,) = preset_film("pet", law="hencky").layers
+    assert layer.material == Hencky(Elastic(4850.0, 0.38, 1.39e-9))
 
 
 def test_a_long_table_is_thinned(tmp_path):
@@ -205,7 +265,7 @@ def test_a_long_table_is_thinned(tmp_path):
     sigma = 150.0 * (0.002 + p) ** 0.2
     rows = "\n".join(f"{a},{b}" for a, b in zip(p, sigma, strict=True))
     (tmp_path / "film.csv").write_text(f"strain [-],stress [MPa]\n{rows}\n")
-    found = material(hardening_file=str(tmp_path / "film.csv")).hardening
+    found = material(hardening={"file": str(tmp_path / "film.csv")}).hardening
     assert len(found.stress_at) == 24
     assert found.stress(p) == pytest.approx(sigma, rel=5e-3)  # measured 2e-3, of 24 lines
 

@@ -67,7 +67,7 @@ def test_what_is_in_order_is_not_blamed(build):
 
 
 def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
-    film = shellcut.preset_film("ldpe", yield_stress=8.0, hardening_modulus=20.0)
+    film = shellcut.preset_film("ldpe", hardening={"yield_stress": 8.0, "modulus": 20.0})
     finding, note = found(shellcut.guillotine(0.8, material=film))
     assert (finding.severity, note.severity) == ("doubt", "note")
     assert "a crack needs 18 MPa" in finding.came
@@ -364,7 +364,7 @@ def test_a_film_soft_in_shear_is_doubted():
 
 @pytest.mark.parametrize(("first", "told"), [(17.0, True), (19.0, False)])
 def test_a_film_that_yields_below_its_strength_is_doubted(first, told):
-    film = shellcut.preset_film("pet", yield_stress=first)
+    film = shellcut.preset_film("pet", hardening={"yield_stress": first})
     assert any("yields before its strength" in said for said in doubts(material=film)) == told
 
 

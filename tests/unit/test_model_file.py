@@ -15,6 +15,7 @@ from free_model import FREE
 from shellcut import ModelFileError, guillotine, opening_test, oscillating, read_model, trouser
 from shellcut.material.orthotropic import turned_moduli
 from shellcut.model_file import shipped_models
+from shellcut.model_file.material_keys import HARDENINGS, RATES
 from shellcut.model_file.section_table import HEAD, LISTS, SECTIONS
 from shellcut.model_file.source import parse
 from shellcut.model_file.writer import is_as_written, model_text
@@ -231,6 +232,12 @@ def test_junk_ends_in_no_other_error(write, monkeypatch, junk):
                 name = next(iter(kinds[0].keys))
                 text = f"model = '{model}'\n{title} = {junk}\n"
                 assert refusal(write(text), {f"{title}.{name}": "z"})
+    for name, kinds in (("hardening", HARDENINGS), ("rate", RATES)):
+        for kind in kinds:
+            keys = ", ".join(f"{key} = {junk}" for key in kind.keys)
+            table = f"[material]\n{name} = {{kind = '{kind.name}', {keys}}}\n"
+            with contextlib.suppress(ModelFileError):
+                read_model(write(f"model = 'opening'\n{table}"))
     for name in HEAD.keys:
         others = "" if name == "model" else "model = 'opening'\n"
         with contextlib.suppress(ModelFileError):  # name = "x", threads = 3

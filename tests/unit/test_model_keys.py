@@ -23,7 +23,14 @@ from shellcut import (
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
 from shellcut.model_file.forms import written
-from shellcut.model_file.material_keys import HOMOGENEOUS, LAMINATE, PLY
+from shellcut.model_file.material_keys import (
+    HARDENINGS,
+    HOMOGENEOUS,
+    LAMINATE,
+    PLY,
+    RATES,
+    read_hardening,
+)
 from shellcut.model_file.schema import schema
 from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS, SUPPORT
 from shellcut.recording.run_options import RunOptions
@@ -59,27 +66,22 @@ GIVEN = {
 GIVEN_TO_STRIPS = {("motion", "straight"): {"speed": 100.0}}
 LAYER = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
 AXES = {"young_across": 900.0, "shear": 400.0}
-YIELDS = {"yield_stress": 10.0}
-CURVE = {"hardening_strain": [0.0, 1.0], "hardening_stress": [1.0, 4.0]}
-SWIFT = {"swift_strength": 30.0, "swift_start": 0.01, "swift_exponent": 0.2}
+YIELDS = {"kind": "linear", "yield_stress": 10.0}
 # What a key of a material needs beside it.
 BESIDE = {
     **dict.fromkeys(("young_across", "shear", "angle_deg"), AXES),
     **dict.fromkeys(("shear_through", "shear_through_across"), AXES),
-    "hardening_modulus": YIELDS,
-    "saturation_gain": {**YIELDS, "saturation_gain": 2.0, "saturation_strain": 0.1},
-    "saturation_strain": {**YIELDS, "saturation_gain": 2.0, "saturation_strain": 0.1},
-    **dict.fromkeys(SWIFT, SWIFT),
-    **dict.fromkeys(CURVE, CURVE),
-    "r_values": YIELDS,
-    "cowper_symonds_rate": {**YIELDS, "cowper_symonds_rate": 4.0, "cowper_symonds_exponent": 5.0},
-    "cowper_symonds_exponent": {
-        **YIELDS,
-        "cowper_symonds_rate": 4.0,
-        "cowper_symonds_exponent": 5.0,
-    },
-    "johnson_cook_rate": {**YIELDS, "johnson_cook_rate": 4.0, "johnson_cook_factor": 0.1},
-    "johnson_cook_factor": {**YIELDS, "johnson_cook_rate": 4.0, "johnson_cook_factor": 0.1},
+    "r_values": {"hardening": YIELDS},
+}
+# Tables of a material, by kind.
+INNER = {
+    "linear": {"yield_stress": 10.0},
+    "voce": {"yield_stress": 10.0, "gain": 2.0, "strain": 0.1},
+    "swift": {"strength": 30.0, "start": 0.01, "exponent": 0.2},
+    "table": {"plastic_strain": [0.0, 1.0], "stress": [1.0, 4.0]},
+    "file": {"file": "curve.csv"},
+    "cowper_symonds": {"rate": 5.0, "exponent": 5.0},
+    "johnson_cook": {"rate": 5.0, "factor": 0.1},
 }
 # Other values where a tenth more, one more, or the other choice would not do.
 VARIED = {
@@ -104,8 +106,8 @@ VARIED = {
     "quads": "chosen",
     "translation": "xy",
     "rotation": "",
-    "velocity": (("x", 2.0),),
-    "spin": (("z", 2.0),),
+    "velocity": {"x": 2.0},
+    "spin": {"z": 2.0},
     "advance": [0.0, 1.0, 0.0],
     "travel": 3.0,
     "duration": 1.5e-3,
@@ -123,10 +125,9 @@ VARIED = {
     "cutting_energy": 2.9,
     "preset": "pet",
     "law": "hencky",
-    "hardening_strain": [0.0, 0.5],
-    "hardening_stress": [1.0, 5.0],
-    "hardening_file": "curve.csv",
-    "swift_exponent": 0.3,
+    "plastic_strain": [0.0, 0.5],
+    "stress": [1.0, 5.0],
+    "exponent": 1.0,
     "machine_direction": [0.0, 1.0, 0.0],
 }
 
@@ -146,7 +147,7 @@ def cases():
                         if kind is HOMOGENEOUS and key in BESIDE and model != "opening":
                             continue
                         # the next tests, and of presets test_material_keys.py
-                        skipped = ["layers", "n_x", "n_y", "quads"]
+                        skipped = ["hardening", "rate", "layers", "n_x", "n_y", "quads"]
                         if key not in [*skipped, *(["preset"] if kind is LAMINATE else [])]:
                             name = f"{kind.name}-{key}" if kind.name else key
                             yield pytest.param(
@@ -156,7 +157,14 @@ def cases():
         for key in ("name", "directional", "threads"):
             yield pytest.param(model, "", HEAD, key, id=f"{model}-{key}")
     for key in PLY.keys:
-        yield pytest.param("opening", "material.layers", PLY, key, id=f"layers-{key}")
+        if not PLY.keys[key].kinds:
+            yield pytest.param("opening", "material.layers", PLY, key, id=f"layers-{key}")
+    for title in ("material", "material.layers"):
+        for name, kinds in (("hardening", HARDENINGS), ("rate", RATES)):
+            for kind in kinds:
+                for key in kind.keys:
+                    where = f"{title}.{name}"
+                    yield pytest.param("opening", where, kind, key, id=f"{where}-{kind.name}-{key}")
 
 
 def other_value(kind, key):
@@ -197,7 +205,7 @@ MIRRORS = {
     for title, kinds in sections.items()
     for kind in kinds
     if kind.constructor is not None
-} | {PLY: "layers"}
+} | {PLY: "layers", **{kind: kind.name for kind in (*HARDENINGS, *RATES)}}
 # Tools and discs are the same in nearly all of these models.
 ONCE = {real: functools.cache(real) for real in (tooth_ring, straight_blade, opening_disc)}
 BAR_ONCE = functools.cache(round_bar)
@@ -230,7 +238,8 @@ def files(tmp_path_factory):
     tooth_ring(n_teeth=2).write(tmp_path / "other.stl")
     for name in ("plate.dxf", "other.dxf"):
         (tmp_path / name).write_text("read by nothing but the digest")
-    (tmp_path / "curve.csv").write_text("strain [-],stress [MPa]\n0,10\n1,20\n")
+    for name, end in (("curve", 20), ("other_curve", 30)):
+        (tmp_path / f"{name}.csv").write_text(f"strain [-],stress [MPa]\n0,10\n1,{end}\n")
     for name, z in (("motion", -1.0), ("other", -2.0)):
         (tmp_path / f"{name}.csv").write_text(f"time [ms], z [mm]\n0, 0\n1, {z}\n2, {2 * z}\n")
     return tmp_path
@@ -249,7 +258,9 @@ def model_text(model, title, kind, values):
     there = {"guillotine": "top", "trouser": "up", "oscillating": "top"}.get(model)
     if title == "loads" and there and values.get("nodes") == "rim":
         values = {**values, "nodes": there}
-    if title == "material.layers":
+    if title == "material.rate":
+        texts["material.hardening"] = YIELDS
+    if title.startswith("material.layers"):
         texts["material"] = {}
     elif kind.name:
         texts[title] = {"kind": kind.name, **values}
@@ -262,10 +273,17 @@ def model_text(model, title, kind, values):
         elif section:
             lines.append(f"[{section}]")
         lines += [f"{name} = {written(value)}" for name, value in content.items()]
-    if title == "material.layers" or kind.sign == "layers":
+    if title.startswith("material.layers") or kind.sign == "layers":
         for ply in (LAYER, values if title == "material.layers" else LAYER):
             lines.append("[[material.layers]]")
             lines += [f"{name} = {written(value)}" for name, value in ply.items()]
+    if title.startswith("material.layers."):
+        inner = {title: {"kind": kind.name, **values}}
+        if title.endswith("rate"):
+            inner["material.layers.hardening"] = YIELDS
+        for section, content in inner.items():
+            lines.append(f"[{section}]")
+            lines += [f"{name} = {written(value)}" for name, value in content.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -340,8 +358,10 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {}
     if title == "material.layers":
         given = dict(LAYER)
-    if title.startswith("material") and key not in LAYER:
+    if title in ("material", "material.layers") and key not in LAYER:
         given = {**given, **BESIDE.get(key, {})}
+    if kind in (*HARDENINGS, *RATES):
+        given = INNER[kind.name]
     if key == "joint_friction":
         given = {"joint": "slip", "joint_friction": 0.3}
     if key == "severing_pressure":
@@ -355,6 +375,8 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         other = "free"  # slip needs a friction
     if key == "file":
         other = "other" + given["file"][given["file"].rindex(".") :]
+    if kind.constructor is read_hardening:
+        other = "other_curve.csv"
     if key == "width" and model == "oscillating":
         other = 30.0  # more than its band
     varied = with_sets_of(kind, title, model, {**given, key: other})
@@ -378,6 +400,7 @@ def test_quads_and_divisions_reach_what_is_built(built):
 # What else a constructor takes comes from other sections, or is no value.
 ELSEWHERE = {"self", "folder", "factor", "layers"}
 ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
+ELSEWHERE |= {"law"}  # what cards say of a table
 ELSEWHERE |= {"anisotropy"}  # of cracks without a tool, which a model file has
 ELSEWHERE |= {"material", "direction"}  # of a layer, of a film: [material] has own keys for it
 NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "classes of a user's own"}
@@ -406,7 +429,7 @@ def test_layers_rates_ramps_and_discs_are_made(tmp_path):
     assert isinstance(made, ShellMaterial)
     assert [layer.material.young for layer in made.layers] == [70000.0, 200.0]
     assert HOMOGENEOUS().made() == ShellMaterial.homogeneous()
-    support = SUPPORT(nodes="rim", velocity=(("x", 2.0),), spin=(("z", 3.0),)).made()
+    support = SUPPORT(nodes="rim", velocity={"x": 2.0}, spin={"z": 3.0}).made()
     assert support.velocity["x"](0.1) == 2.0
     assert support.spin["z"](7.0) == 3.0
     path.write_text('model = "opening"\n[[loads]]\nvalue = 1.0\nramp = "2 ms"\n')
@@ -456,6 +479,8 @@ def problems(of, whole):
         ({"material": {"density": "1 mm"}}, "material.density", "'1 mm' does not match"),
         ({"material": {"layers": [{"yung": 3}]}}, "material.layers.0", "'yung' was unexpected"),
         ({"material": "pett"}, "material", "'pett' is not one of"),
+        ({"material": {"hardening": {"kind": "vocee"}}}, "material.hardening.kind", "'vocee' is n"),
+        ({"material": {"rate": {"factor": "x"}}}, "material.rate.factor", "'x' does not match"),
     ],
 )
 def test_the_schema_names_the_key_that_is_wrong(wrong, place, said):
@@ -469,6 +494,8 @@ def test_the_schema_names_the_key_that_is_wrong(wrong, place, said):
         {"tool": {"half_thickness": "300 µm", "radius": "0.37 Inch", "shift": [0, "1 mm", 3]}},
         {"tool": {"kind": "file", "stl": "x.stl", "unit": "mm"}},
         {"material": {"density": "0.92 g/cm³", "young": "1.7e3 mpa"}},
+        {"material": {"hardening": {"yield_stress": "9 MPa"}, "rate": {"rate": 4, "exponent": 5}}},
+        {"material": {"preset": "mild_steel", "hardening": {"exponent": 0.2}}},
         {"material": "pet"},
     ],
 )
@@ -484,6 +511,7 @@ def test_the_schema_of_studies_knows_the_keys_of_models():
             "tool.teeth": [3, 4],
             "motion.pitch": "12 mm : 20 mm",
             "tool.file": "caps/*.stl",
+            "material.hardening.yield_stress": [10, "20 MPa"],
             "cohesive.plateau, cohesive.strength": [[12, 18], [10, 15]],
         },
     }
@@ -491,6 +519,7 @@ def test_the_schema_of_studies_knows_the_keys_of_models():
     for where, wrong, said in (
         ("set", {"tool.teehs": 3}, "'tool.teehs' was unexpected"),
         ("set", {"loads.value": 3}, "'loads.value' was unexpected"),
+        ("set", {"material.layers.hardening.gain": 3}, "gain' was unexpected"),
         ("factors", {"tool.teehs": [3]}, "'tool.teehs' does not match"),
         ("set", {"tool.teeth": "four"}, "'four' is not of type 'integer'"),
         ("factors", {"tool.half_thickness": [0.2, "3 kg"]}, "'3 kg' does not match"),

@@ -19,7 +19,8 @@ from shellcut import (
 from shellcut.files.file_list import FileList
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import atomic_write, opened, unfinished, write_text
-from shellcut.formats import cad_surface, dxf, errors
+from shellcut.formats import cad_surface, errors
+from shellcut.mesh import drawing
 from shellcut.results.history import read_history, read_splits
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from small_disk import REFUSAL, files_of_at_most
@@ -107,7 +108,7 @@ def test_a_file_too_large_is_not_read(tmp_path, name):
     # as long as the limit and one byte more, and empty: no system keeps its zeros
     limit = {
         ".toml": 10_000_000,
-        ".dxf": dxf.LARGEST_FILE,
+        ".dxf": drawing.LARGEST_FILE,
         **dict.fromkeys((".step", ".iges"), cad_surface.LARGEST_FILE),
     }.get(Path(name).suffix, errors.LARGEST_FILE)
     with (tmp_path / name).open("wb") as file:

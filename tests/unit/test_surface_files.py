@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
+from damaged import samples
 from shellcut.formats.errors import FileError
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
@@ -200,3 +201,52 @@ class TestPly:
         path.write_text(text.replace(old, new, 1))
         with pytest.raises(FileError, match=words):
             read_ply(path)
+
+
+TOOTH = samples.TOOLS["OBJ text"][1]().decode()
+TOOTH = TOOTH[TOOTH.index("v ") :]  # without the comment, which has points of its own
+TOOTH_PLY = samples.TOOLS["PLY text"][1]().decode()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda text: text.replace(".", ". ", 1), "the weight of a vertex must be 1, got '0.02'"),
+        (lambda text: text.replace(".", ". ", 2), "v must have three numbers"),
+        (lambda text: "v 1 2 3 0.5\n" + text, "the weight of a vertex must be 1, got '0.5'"),
+        (lambda text: "v 1 2 3 1\n" + text, "the same for all v"),
+        (lambda text: "v 1_0 2 3\n" + text, "v must have three numbers"),
+    ],
+)
+def test_obj_vertices_are_all_alike(tmp_path, change, told):
+    path = tmp_path / "a.obj"
+    path.write_text(change(TOOTH))
+    with pytest.raises(FileError) as refusal:
+        read_obj(path)
+    assert told in str(refusal.value)
+
+
+def test_obj_with_weights_or_colours_is_read(tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text(TOOTH)
+    plain = read_obj(path)
+    for more in (" 1.0", " 0.5 0.5 1", " 0.5 0.5 1 1"):
+        lines = [f"{t}{more}" if t.startswith("v ") else t for t in TOOTH.splitlines()]
+        path.write_text("\n".join(lines) + "\n")
+        np.testing.assert_array_equal(read_obj(path).vertices, plain.vertices)
+
+
+def test_ply_lines_are_told_by_their_numbers(tmp_path):
+    path = tmp_path / "a.ply"
+    path.write_text(TOOTH_PLY)
+    n_triangle = len(read_ply(path).triangles)
+    lines = TOOTH_PLY.splitlines()
+    first = lines.index("end_header") + 1
+    x, y, z = lines[first + 2].split()
+    lines[first + 2] = f"{x} {y}"
+    lines[first + 3] = f"{z} {lines[first + 3]}"
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(FileError, match=rf"vertex in line {first + 3} of the file has fewer value"):
+        read_ply(path)
+    path.write_text(TOOTH_PLY[: TOOTH_PLY.index("end_header") + 11] + " ".join(lines[first:]))
+    assert len(read_ply(path).triangles) == n_triangle

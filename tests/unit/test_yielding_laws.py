@@ -378,10 +378,7 @@ def test_a_trial_however_little_beyond_the_yield_stress_flows_at_its_rate(factor
         (lambda: Table((0.0,), (20.0,)), "at least 2 points"),
         (lambda: CowperSymonds(1.0, 0.5), "exponent must be 1 or more"),
         (lambda: Plastic(FILM, Linear(1.0), (1.0, -0.5, 1.0)), "not closed and convex"),
-        (
-            lambda: Plastic(FILM, 20.0, (1.0, -0.5, 1.0)),
-            "hardening must be a Linear.*not closed and convex",
-        ),
+        (lambda: Plastic(FILM, 20.0, angle_deg="x"), "hardening must be a Table.*; angle_deg must"),
         (lambda: Plastic(FILM, Linear(20.0), kinematic=5.0), "there is no argument kinematic"),
         (lambda: Plastic(FILM, Linear(1.0), rate=RateFactor()), "rate must be a CowperSymonds"),
         (lambda: Plastic(3, Linear(1.0)), "elastic must be an Elastic or an Orthotropic"),

@@ -1,17 +1,16 @@
-"""How a value is written in a model file: what it wants, and what comes of it."""
+"""How a value is written in a model file: a kind of value, with units and in the words of TOML."""
 
 from __future__ import annotations
 
 import json
-import math
 import re
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
-from types import NoneType
-from typing import Any, Literal, get_args, get_origin
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
 
-from shellcut.arguments import Option
+from shellcut.arguments import Option, fits, is_number
 
 from .quantity import quantity
 
@@ -19,179 +18,154 @@ from .quantity import quantity
 # powers are still within the range of a double.
 _SMALLEST, _LARGEST = 1e-18, 1e18
 
-_STEM = re.compile(r"[\w.-]+")
 _LARGEST_COUNT = 10**9  # of anything: quads, teeth, rows, steps between two checks
 
 
 @dataclass(frozen=True)
 class Form:
-    """How a value is written."""
+    """How a value is written.
 
-    wants: str
-    """Description for the table of keys."""
-    read: Callable[[Any, str], Any]
-    """Converts the TOML value, in a unit; raises ValueError with "must be ..., got ..."."""
-    schema: dict[str, Any]
-    """Of JSON, without unit and bounds."""
+    Examples
+    --------
+    >>> FORMS["3 numbers"].read([1, "2 cm", 0], Option("mm", "a place"))
+    (1.0, 20.0, 0.0)
+    """
+
+    words: str
+    """What the value must be, as in "must be a number"."""
+    kind: Any
+    """Its type in Python, with arrays as tuples."""
+    pattern: str = ".+"
+    """Regular expression of a text."""
+
+    @property
+    def wants(self) -> str:
+        """The words as in a table of keys."""
+        return re.sub("^(an?|one of) ", "", self.words)
+
+    def read(self, value: Any, option: Option) -> Any:
+        """Return a value of TOML, with units converted; ValueError "must be ..., got ..."."""
+        words = self.words
+        if self.kind is float and option.unit:
+            words += f" in {option.unit}"
+        least = 0.0 if _is_array(self.kind) else _SMALLEST  # of a sine, as small as round-off
+        read = _converted(value, self.kind, option.unit, least)
+        is_other_text = isinstance(read, str) and not re.fullmatch(self.pattern, read, re.DOTALL)
+        if is_other_text or not fits(read, self.kind):
+            raise ValueError(f"must be {words}, got {value!r}")
+        if is_number(read) and (beyond := option.problem(read)):
+            raise ValueError(beyond)
+        return read
+
+    def schema(self) -> dict[str, Any]:
+        """Return its JSON Schema, without unit and bounds."""
+        found = _schema(self.kind)
+        if self.pattern != ".+":
+            found["pattern"] = f"^{self.pattern}$"
+        return found
 
 
 def form_of(kind: Any, option: Option) -> Form:
     """Return the form of an argument from its type, or by the name that the option gives."""
     if option.form:
         return FORMS[option.form]
-    first = next(one for one in get_args(kind) or (kind,) if one is not NoneType)
-    if isinstance(first, str):  # of a Literal
-        return choice(*get_args(kind))
+    literals = [one for one in get_args(kind) or (kind,) if one is not NoneType]
+    if isinstance(literals[0], str):
+        return choice(*literals)
+    first = literals[0]
     return choice(*get_args(first)) if get_origin(first) is Literal else _PLAIN[first]
 
 
 def choice(*allowed: str) -> Form:
     """Return the form of a name out of several."""
-    listed = ", ".join(f'"{name}"' for name in allowed)
+    return Form(f"one of {', '.join(map(written, allowed))}", Literal[allowed])
 
-    def read(value: Any, _unit: str) -> str:
-        if value not in allowed:
-            raise ValueError(f"must be one of {listed}, got {value!r}")
-        return str(value)
-
-    return Form(listed, read, {"enum": list(allowed)})
-
-
-def _number(value: Any, unit: str, *, smallest: float = _SMALLEST) -> float:
-    wants = f"a number in {unit}" if unit else "a number"
-    if isinstance(value, str):
-        x = quantity(value, unit)
-    elif isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise ValueError(f"must be {wants}, got {value!r}")
-    else:
-        x = float(value)
-    if x and not smallest <= abs(x) <= _LARGEST:
-        raise ValueError(
-            f"must be {wants}, 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, got {value!r}"
-        )
-    return x
-
-
-def _whole(value: Any, _unit: str = "") -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"must be a whole number, got {value!r}")
-    if abs(value) > _LARGEST_COUNT:
-        raise ValueError(f"must be a whole number up to {_LARGEST_COUNT:,}, got a larger one")
-    return value
-
-
-def _flag(value: Any, _unit: str) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"must be true or false, got {value!r}")
-    return value
-
-
-def _text(value: Any, _unit: str = "") -> str:
-    if not isinstance(value, str) or not value:
-        raise ValueError(f"must be a text, got {value!r}")
-    return value
-
-
-def _stem(value: Any, _unit: str) -> str:
-    if not _STEM.fullmatch(_text(value)):
-        raise ValueError(f"must be letters, digits, '.', '_', '-', got {value!r}")
-    return str(value)
-
-
-def _several(wants: str, one: Callable[[Any, str], Any], count: int | None = None) -> Any:
-    """Return what reads an array."""
-
-    def read(value: Any, unit: str) -> tuple[Any, ...]:
-        if not isinstance(value, list | tuple) or (count is not None and len(value) != count):
-            raise ValueError(f"must be an array of {wants}, got {value!r}")
-        return tuple(one(part, unit) for part in value)
-
-    return read
-
-
-def _or_text(other: Callable[[Any, str], Any], wants: str = "") -> Any:
-    """Return what reads a text, or else something else."""
-
-    def read(value: Any, unit: str) -> Any:
-        if isinstance(value, str):
-            return _text(value)
-        if wants and not isinstance(value, list | tuple):
-            raise ValueError(f"must be {wants}, got {value!r}")
-        return other(value, unit)
-
-    return read
-
-
-def _component(value: Any, unit: str) -> float:
-    return _number(value, unit, smallest=0.0)  # as small as the round-off of a sine
-
-
-def _axes(value: Any, _unit: str) -> str:
-    if not isinstance(value, str) or set(value) - set("xyz"):
-        raise ValueError(f"must be made of the letters x, y, z, got {value!r}")
-    return value
-
-
-def _names(value: Any, _unit: str) -> tuple[str, ...]:
-    if isinstance(value, str):
-        return (_text(value),)
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"must be a name or an array of names, got {value!r}")
-    return tuple(_text(one) for one in value)
-
-
-def _rates(value: Any, unit: str) -> tuple[tuple[str, float], ...]:
-    pairs = value.items() if isinstance(value, dict) else value
-    if not isinstance(value, dict | tuple) or {axis for axis, _ in pairs} - set("xyz"):
-        raise ValueError(f"must be a table of numbers for x, y, z, got {value!r}")
-    return tuple((axis, _number(one, unit)) for axis, one in pairs)
-
-
-_ARRAY = {"type": "array"}
-_TEXT = {"type": "string"}
-NUMBER = {"type": ["number", "string"]}
-_NUMBERS = {"type": "array", "items": NUMBER}
-_WHOLES = {"type": "array", "items": {"type": "integer"}}
-_3_NUMBERS = _several("3 numbers", _component, 3)
-_WHOLE_NUMBERS = _several("whole numbers", _whole)
-_POLYGON = _several("points [x, y] in mm", _several("2 numbers", _component, 2))
 
 _PLAIN: dict[Any, Form] = {
-    float: Form("number", _number, {"type": "number"}),
-    int: Form("whole number", _whole, {"type": "integer"}),
-    bool: Form("true or false", _flag, {"type": "boolean"}),
-    str: Form("text", _text, _TEXT),
+    float: Form("a number", float),
+    int: Form("a whole number", int),
+    bool: Form("true or false", bool),
+    str: Form("a text", str),
 }
+_3_NUMBERS = tuple[float, float, float]
+_POLYGON = tuple[tuple[float, float], ...]
 FORMS = {
-    "stem": Form("text", _stem, {"type": "string", "pattern": f"^{_STEM.pattern}$"}),
+    "stem": Form("letters, digits, '.', '_', '-'", str, r"[\w.-]+"),
     "number": _PLAIN[float],
-    "path": Form("path", _text, _TEXT),
-    "numbers": Form("array of numbers", _several("numbers", _component), _NUMBERS),
-    "3 numbers": Form("array of 3 numbers", _3_NUMBERS, {**_NUMBERS, "minItems": 3, "maxItems": 3}),
-    "whole numbers": Form("array of whole numbers", _WHOLE_NUMBERS, _WHOLES),
-    "names": Form("name or names", _names, {"type": ["string", "array"], "items": _TEXT}),
-    "nodes": Form(
-        "node set or ids",
-        _or_text(_WHOLE_NUMBERS, "the name of a node set or an array of node ids"),
-        {**_WHOLES, "type": ["string", "array"]},
-    ),
-    "axes": Form("of the letters x, y, z", _axes, {"type": "string", "pattern": "^[xyz]*$"}),
-    "unit": Form(
-        "name of a unit, or its length in mm",
-        _or_text(lambda value, _: _number(value, "mm")),
-        {"type": ["string", "number"]},
-    ),
-    "direction": Form(
-        '"x", "y", "z", "-x", ... or 3 numbers',
-        _or_text(_3_NUMBERS),
-        {"type": ["string", "array"]},
-    ),
-    "polygon": Form("array of [x, y]", _POLYGON, _ARRAY),
-    "polygons": Form("array of polygons", _several("polygons", _POLYGON), _ARRAY),
-    "rates": Form("table of x, y, z", _rates, {"type": "object"}),
-    "tables": Form("array of tables", lambda value, _: value, _ARRAY),
+    "path": Form("a path", str),
+    "numbers": Form("an array of numbers", tuple[float, ...]),
+    "3 numbers": Form("an array of 3 numbers", _3_NUMBERS),
+    "whole numbers": Form("an array of whole numbers", tuple[int, ...]),
+    "names": Form("a name or an array of names", str | tuple[str, ...]),
+    "nodes": Form("the name of a node set or an array of node ids", str | tuple[int, ...]),
+    "axes": Form("of the letters x, y, z", str, "[xyz]*"),
+    "unit": Form("a name of a unit, or its length in mm", str | float),
+    "direction": Form('"x", "y", "z", "-x", ... or 3 numbers', str | _3_NUMBERS),
+    "polygon": Form("an array of points [x, y]", _POLYGON),
+    "polygons": Form("an array of polygons, arrays of points [x, y]", tuple[_POLYGON, ...]),
+    "rates": Form("a table of numbers for x, y, z", dict[Literal["x", "y", "z"], float]),
+    "table": Form("a table", dict[str, Any]),
+    "tables": Form("an array of tables", tuple[dict[str, Any], ...]),
 }
 """Forms that types do not tell, by the names in :class:`~shellcut.arguments.Option`."""
+
+
+def _converted(value: Any, kind: Any, unit: str, least: float) -> Any:
+    """Return a value with numbers in ``unit`` where the kind has some, and arrays as tuples.
+
+    What a number can be is checked; whether the value is of the kind is not.
+    """
+    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    if isinstance(value, str) and float in kinds and str not in kinds:
+        return _number(quantity(value, unit), unit, least)
+    if isinstance(value, str) and tuple[str, ...] in kinds:
+        return (value,)
+    if isinstance(value, Real) and not isinstance(value, bool):
+        if float in kinds:
+            return _number(float(value), unit, least)
+        if isinstance(value, int) and abs(value) > _LARGEST_COUNT:
+            raise ValueError(f"must be a whole number up to {_LARGEST_COUNT:,}, got a larger one")
+    if isinstance(value, list | tuple):
+        parts = next((get_args(one) for one in kinds if _is_array(one)), (Any,))
+        return tuple(_converted(one, parts[0], unit, least) for one in value)
+    if isinstance(value, Mapping) and float in get_args(kind):
+        return {name: _converted(one, float, unit, least) for name, one in value.items()}
+    return value
+
+
+def _number(value: float, unit: str, least: float) -> float:
+    if value and not least <= abs(value) <= _LARGEST:
+        within = f"0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude"
+        raise ValueError(
+            f"must be a number{f' in {unit}' if unit else ''}, {within}, got {value!r}"
+        )
+    return value
+
+
+def _is_array(kind: Any) -> bool:
+    return get_origin(kind) is tuple
+
+
+NUMBER: dict[str, Any] = {"type": ["number", "string"]}
+"""Of a number, which may be a text with a unit."""
+
+
+def _schema(kind: Any) -> dict[str, Any]:
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return {"enum": list(parts)}
+    if origin is tuple:
+        size = {} if Ellipsis in parts else {"minItems": len(parts), "maxItems": len(parts)}
+        items = {} if get_origin(parts[0]) is dict else {"items": _schema(parts[0])}
+        return {"type": "array", **items, **size}
+    if origin in (Union, UnionType):
+        several = [_schema(part) for part in parts]
+        names = ["number" if one == NUMBER else one["type"] for one in several]
+        return {**several[0], **several[1], "type": names}
+    if kind is float:
+        return dict(NUMBER)
+    plain = {int: "integer", bool: "boolean", str: "string"}
+    return {"type": plain.get(kind, "object")}
 
 
 def written(value: Any) -> str:
@@ -202,6 +176,6 @@ def written(value: Any) -> str:
         return repr(value)
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
-    if value and all(isinstance(one, tuple) and isinstance(one[0], str) for one in value):
-        return "{ " + ", ".join(f"{axis} = {rate!r}" for axis, rate in value) + " }"
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{name} = {written(one)}" for name, one in value.items()) + " }"
     return "[" + ", ".join(written(one) for one in value) + "]"

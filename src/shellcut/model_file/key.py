@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -37,8 +37,13 @@ class Key:
     """Its name there."""
     also: str = ""
     """A second accepted name."""
-    tables: Kind | None = None
-    """Of the tables, if the value is an array of tables."""
+    kinds: tuple[Kind, ...] = ()
+    """Of the table, or of the tables, if the value is one or an array of them."""
+
+    @property
+    def is_several(self) -> bool:
+        """Whether the value is an array of tables."""
+        return self.form is FORMS["tables"]
 
     @property
     def wants(self) -> str:
@@ -64,10 +69,7 @@ class Key:
 
     def read(self, value: Any) -> Any:
         """Return the value converted; raise ValueError with "must be ..., got ..."."""
-        read = self.form.read(value, self.option.unit)
-        if beyond := self.option.problem(read):
-            raise ValueError(beyond)
-        return read
+        return self.form.read(value, self.option)
 
 
 def keys_of(
@@ -103,6 +105,11 @@ def own_key(form: Form, text: str, default: Any = REQUIRED, **of_option: Any) ->
     return Key(form, Option(of_option.pop("unit", ""), text, **of_option), default)
 
 
+def table_key(text: str, kinds: tuple[Kind, ...], unset: str) -> Key:
+    """Return a key that is a table of one of some kinds, and may be left out."""
+    return Key(FORMS["table"], Option("", text, unset=unset), None, kinds=kinds)
+
+
 def optional(key: Key, unset: str) -> Key:
     """Return a key that may be left out, and what holds then."""
     return replace(key, default=None, option=replace(key.option, unset=unset))
@@ -129,6 +136,27 @@ class Section:
     def with_values(self, **values: Any) -> Section:
         """Return the section with other values."""
         return replace(self, values={**self.values, **values})
+
+    def tables(self) -> Iterator[tuple[str, Section]]:
+        """Yield the tables in it, with the names of their keys."""
+        for name, key in self.of.keys.items():
+            if key.kinds and self.values[name] is not None:
+                several = self.values[name] if key.is_several else (self.values[name],)
+                yield from ((name, one) for one in several)
+
+    def with_tables(self) -> Iterator[Section]:
+        """Yield the section, then the tables in it, and those in them."""
+        yield self
+        for _, inner in self.tables():
+            yield from inner.with_tables()
+
+    def content(self) -> dict[str, Any]:
+        """Return kind and values; of a key for tables a list of their contents."""
+        found = {"kind": self.kind, **self.values}
+        for name, key in self.of.keys.items():
+            if key.kinds:
+                found[name] = [inner.content() for of, inner in self.tables() if of == name]
+        return found
 
     def arguments(self) -> dict[str, Any]:
         """Return those values that are arguments of the constructor, and not None."""
@@ -166,6 +194,8 @@ class Kind:
     """Whether it is made only when the model is built, because that reads a file."""
     spread: bool = False
     """Whether the model's builder takes the values, not what is made of them."""
+    filled: bool = False
+    """Whether a preset of the section around it may give its keys."""
     fixed: Mapping[str, Any] = field(default_factory=dict)
     """Further arguments of the constructor."""
     make: Callable[[Section], Any] | None = None
@@ -185,8 +215,23 @@ class Kind:
         own = ["kind"] if self.name else []
         return [*own, *self.keys, *(key.also for key in self.keys.values() if key.also)]
 
+    def is_signed(self, table: Mapping[str, Any]) -> bool:
+        """Whether a table has the key that identifies the kind."""
+        return any(sign in table for sign in (self.sign, self.also_sign) if sign)
+
     def with_keys(self, keys: Mapping[str, Key] | None = None, **defaults: Any) -> Kind:
         """Return the kind with further keys, and with other defaults."""
         every = {**self.keys, **(keys or {})}
         own = {name: replace(every[name], default=value) for name, value in defaults.items()}
         return replace(self, keys=every | own)
+
+
+def kind_of(kinds: Sequence[Kind], table: Mapping[str, Any]) -> Kind | None:
+    """Return the kind that a table names, or by which of its keys it is recognised.
+
+    None if it has neither, or a name that there is not.
+    """
+    for kind in kinds:
+        if kind.name == table["kind"] if "kind" in table else kind.is_signed(table):
+            return kind
+    return None

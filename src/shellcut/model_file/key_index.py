@@ -9,7 +9,7 @@ from shellcut.arguments import guess
 from shellcut.unit import after
 
 from .key import Key, Kind
-from .section_table import HEAD, LISTS, SECTIONS
+from .section_table import HEAD, LISTS, SECTIONS, Kinds
 
 
 @dataclass(frozen=True)
@@ -40,22 +40,29 @@ class Table:
 
 def tables() -> Iterator[Table]:
     """Yield all sections and their kinds, in order."""
-    every = tuple(SECTIONS)
-    yield Table("", HEAD, every, HEAD.keys)
-    # the kinds of each section, each with the models that have it
-    owners: dict[str, dict[Kind, list[str]]] = {}
-    for layout in (SECTIONS, LISTS):
-        for model, sections in layout.items():
-            for title, kinds in sections.items():
-                for kind in kinds:
-                    owners.setdefault(title, {}).setdefault(kind, []).append(model)
-    for title, models_of in owners.items():
-        brackets = f"[[{title}]]" if title in LISTS["free"] else f"[{title}]"
-        for kind, models in models_of.items():
-            yield Table(brackets, kind, tuple(models), kind.keys)
-            for name, key in kind.keys.items():
-                if (of := key.tables) is not None:
-                    yield Table(f"[[{title}.{name}]]", of, tuple(models), of.keys)
+    yield Table("", HEAD, tuple(SECTIONS), HEAD.keys)
+    models_of: dict[str, dict[Kind, list[str]]] = {}
+    for model in SECTIONS:
+        for title, kinds in SECTIONS[model].items():
+            _list_kinds(models_of, f"[{title}]", kinds, model)
+        for title, kinds in LISTS[model].items():
+            _list_kinds(models_of, f"[[{title}]]", kinds, model)
+    for title, kinds_there in models_of.items():
+        for kind, models in kinds_there.items():
+            yield Table(title, kind, tuple(models), kind.keys)
+
+
+def _list_kinds(
+    models_of: dict[str, dict[Kind, list[str]]], title: str, kinds: Kinds, model: str
+) -> None:
+    """Add the kinds of a section of a model, and of the tables in it, to those of each title."""
+    for kind in kinds:
+        models = models_of.setdefault(title, {}).setdefault(kind, [])
+        if model not in models:
+            models.append(model)
+        for name, key in kind.keys.items():
+            inner = f"[{title.strip('[]')}.{name}]"
+            _list_kinds(models_of, f"[{inner}]" if key.is_several else inner, key.kinds, model)
 
 
 def found(words: Sequence[str]) -> list[Table]:

@@ -1,18 +1,17 @@
-"""``[material]`` and ``[[material.layers]]``: one flat list of keys for several constructors.
+"""``[material]`` and ``[[material.layers]]``: the keys of a layer, and the material that they make.
 
-A layer's moduli, hardening and rate factor are classes of their own; in a file their arguments
-stand side by side. Refusals name keys, not arguments.
+Hardening and rate factor are tables in them, ``[material.hardening]`` and ``[material.rate]``.
 
-``preset = "pet"`` gives every key that the section does not give itself. Keys that cannot go with a
-given one, as those of another hardening, are left out. ``material = "pet"`` before the first
-section, and ``--set material=pet``, stand for a section with this key alone.
+``preset = "pet"`` gives every key that the section does not give itself, also of a hardening of the
+same kind; one of another kind takes its place. ``material = "pet"`` before the first section, and
+``--set material=pet``, stand for a section with this key alone.
 """
 
 from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from inspect import signature
@@ -21,9 +20,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from shellcut.arguments import Option, checked, declared
+from shellcut.arguments import ArgumentError, Option, checked, declared
 from shellcut.arrays import Floats
-from shellcut.formats.errors import FileError, naming
+from shellcut.formats.errors import naming
 from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.elastic import Elastic
 from shellcut.material.hardening import Linear, Swift, Table, Voce
@@ -32,13 +31,12 @@ from shellcut.material.hencky import Hencky
 from shellcut.material.material import Material
 from shellcut.material.orthotropic import Orthotropic
 from shellcut.material.plastic import Plastic
-from shellcut.material.rate_factor import CowperSymonds, JohnsonCook, RateFactor
+from shellcut.material.rate_factor import CowperSymonds, JohnsonCook
 from shellcut.material.shell_material import Layer, ShellMaterial
 from shellcut.unit import conversion
 
-from .errors import is_refusal
 from .forms import FORMS, choice
-from .key import REQUIRED, Constructor, Key, Kind, Section, keys_of, optional, own_key
+from .key import Constructor, Key, Kind, Section, keys_of, kind_of, optional, own_key, table_key
 from .source import Source, loaded
 
 
@@ -63,14 +61,7 @@ def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
 
 @checked
 def read_hardening(
-    path: Annotated[
-        str | Path,
-        Option(
-            "",
-            "table of plastic strain and true stress",
-            form="path",
-        ),
-    ],
+    file: Annotated[str | Path, Option("", "table of plastic strain and true stress", form="path")],
 ) -> Table:
     """Return the hardening in a text file.
 
@@ -84,51 +75,45 @@ def read_hardening(
     two are taken. Of more than 24 points those are left that keep the shape. FileError if columns
     or units are not known, or the values are no hardening curve.
     """
-    table = read_number_table(path)
-    (strain_at, strain_unit), (stress_at, stress_unit) = _columns(table, Path(path))
+    table = read_number_table(file)
+    columns = [(0, 1.0), (1, 1.0)]
+    if table.headings:
+        with naming(file):
+            columns = [_column(table, "strain", "-"), _column(table, "stress", "MPa")]
+    (strain_at, of_strain), (stress_at, of_stress) = columns
     rows = table.numbers([strain_at, stress_at])
-    strain: Floats = rows[:, 0] * strain_unit
-    stress: Floats = rows[:, 1] * stress_unit
+    strain: Floats = rows[:, 0] * of_strain
+    stress: Floats = rows[:, 1] * of_stress
     if len(rows) > 2 and not (np.diff(strain) <= 0.0).any():
         strain, stress = fewer_points(strain, stress)
-    with naming(path):
+    with naming(file):
         return Table(strain, stress)
 
 
-def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[int, float]]:
-    if not table.headings:
-        return (0, 1.0), (1, 1.0)
-    found = {}
-    for word in ("strain", "stress"):
-        places = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
-        if len(places) != 1:
-            raise FileError(
-                path,
-                f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress "
-                f"[MPa]', got {', '.join(repr(one.text) for one in table.headings)}",
-            )
-        found[word] = places[0]
-    if wrong := [h.text for h in table.headings if _OTHER.search(h.name)]:
-        raise FileError(
-            path,
-            f"a hardening table must have plastic strains and true stresses, got {wrong[0]!r}; "
-            "shellcut tensile makes a section of a nominal curve",
+def _column(table: NumberTable, word: str, usual: str) -> tuple[int, float]:
+    """Return the column whose heading has a word, and the factor of its unit."""
+    found = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
+    if len(found) != 1:
+        raise ValueError(
+            f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress [MPa]', "
+            f"got {', '.join(repr(one.text) for one in table.headings)}"
         )
-    factors, problems = [], []
-    for word, usual in (("strain", "-"), ("stress", "MPa")):
-        try:
-            factors.append(conversion(table.headings[found[word]].unit or usual, usual))
-        except ValueError as problem:
-            problems.append(f"{word} {problem}")
-    if problems:
-        raise FileError(path, "; ".join(problems))
-    return (found["strain"], factors[0]), (found["stress"], factors[1])
+    heading = table.headings[found[0]]
+    if _OTHER.search(heading.name):
+        raise ValueError(
+            f"a hardening table must have plastic strains and true stresses, got {heading.text!r}; "
+            "shellcut tensile makes a section of a nominal curve"
+        )
+    try:
+        return found[0], conversion(heading.unit or usual, usual)
+    except ValueError as problem:
+        raise ValueError(f"{word} {problem}") from None
 
 
-def _optional(owner: Constructor, unset: str, **names: str) -> dict[str, Key]:
-    """Return keys, by name and parameter, that may be left out together."""
-    found = keys_of(owner)
-    return {name: optional(found[parameter], unset) for name, parameter in names.items()}
+_OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
+
+
+# --- the keys of a layer --------------------------------------------------------------------------
 
 
 def _preset(*, layers: bool | None = None) -> dict[str, Key]:
@@ -136,45 +121,47 @@ def _preset(*, layers: bool | None = None) -> dict[str, Key]:
     return {"preset": own_key(choice(*preset_names(layers=layers)), text, None, unset="none")}
 
 
-_OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
-_LAW = own_key(
-    choice("elastic", "hencky", "plastic"),
-    "elastic: St.Venant-Kirchhoff; hencky: elastic by logarithmic strain; plastic: it yields",
-    None,
-    unset="elastic; plastic with a yield stress",
+def _made_by(owner: Constructor, name: str, sign: str, doc: str, *only: str) -> Kind:
+    return Kind(doc, keys_of(owner, *only), owner, name, sign, filled=True)
+
+
+HARDENINGS = (
+    _made_by(Voce, "voce", "gain", "The yield stress saturates, but for a straight rise."),
+    _made_by(Linear, "linear", "yield_stress", "The yield stress rises straight, or stays."),
+    _made_by(Swift, "swift", "exponent", "A power of the plastic strain."),
+    _made_by(
+        Table, "table", "plastic_strain", "Straight between points.", "plastic_strain", "stress"
+    ),
+    _made_by(read_hardening, "file", "file", "Straight between the points of a file."),
 )
-_THROUGH = keys_of(Orthotropic, "shear_through", "shear_through_across")
-_COWPER_SYMONDS = "rate", "exponent"
+"""Kinds of ``[material.hardening]``; a key is recognised as of the first that it identifies."""
+RATES = (
+    _made_by(CowperSymonds, "cowper_symonds", "exponent", "A power of the rate."),
+    _made_by(JohnsonCook, "johnson_cook", "factor", "The logarithm of the rate."),
+)
+"""Kinds of ``[material.rate]``."""
+_NO_AXES = "isotropic"
 _LAYER = {
     **keys_of(Elastic, "young"),
     **keys_of(Orthotropic, "poisson"),
     **keys_of(Elastic, "density"),
     **keys_of(Layer),
-    "law": _LAW,
-    **_optional(Orthotropic, "isotropic", young_across="young_across", shear="shear"),
-    **_THROUGH,
-    **_optional(Voce, "from another hardening", yield_stress="yield_stress"),
-    **_optional(Voce, "0", hardening_modulus="modulus"),
-    **_optional(Voce, "none", saturation_gain="gain"),
-    **_optional(Voce, "no gain", saturation_strain="strain"),
-    **_optional(Swift, "no Swift", **{f"swift_{name}": name for name in declared(Swift)}),
-    **_optional(Table, "no table", hardening_strain="plastic_strain", hardening_stress="stress"),
-    **_optional(read_hardening, "no table", hardening_file="path"),
+    "law": own_key(
+        choice("elastic", "hencky", "plastic"),
+        "elastic: St.Venant-Kirchhoff; hencky: elastic by logarithmic strain; plastic: it yields",
+        None,
+        unset="elastic; plastic with a hardening",
+    ),
+    "young_across": optional(keys_of(Orthotropic)["young_across"], _NO_AXES),
+    "shear": optional(keys_of(Orthotropic)["shear"], _NO_AXES),
+    **keys_of(Orthotropic, "shear_through", "shear_through_across"),
+    "hardening": table_key("yield stress by plastic strain", HARDENINGS, "it does not yield"),
+    "rate": table_key("factor on the yield stress by the rate", RATES, "no effect"),
     **keys_of(Plastic, "r_values"),
-    **_optional(CowperSymonds, "no effect", **{f"cowper_symonds_{n}": n for n in _COWPER_SYMONDS}),
-    **_optional(JohnsonCook, "no effect", johnson_cook_rate="rate", johnson_cook_factor="factor"),
     **keys_of(Orthotropic, "angle_deg"),
 }
-
-
-def _owned(*owners: Constructor) -> tuple[str, ...]:
-    return tuple(name for name, key in _LAYER.items() if key.owner in owners)
-
-
-HARDENINGS = tuple(_owned(law) for law in (Voce, Swift, Table, read_hardening))
-"""Keys that go together, one group a material."""
-PLASTIC = (*sum(HARDENINGS, ()), *_owned(Plastic, CowperSymonds, JohnsonCook))
-"""Keys of a material that yields."""
+"""Keys of a layer. Of those of an orthotropic one, ``young`` is its ``young_along``."""
+_OF_YIELDING = "hardening", "rate", "r_values"
 _FILM = {
     "machine_direction": own_key(
         FORMS["3 numbers"], "the film's direction, in the plane", (1.0, 0.0, 0.0)
@@ -183,28 +170,16 @@ _FILM = {
 }
 
 
-class KeyProblems(ValueError):
-    """What is wrong with some keys, a sentence each."""
-
-    def __init__(self, problems: list[str]) -> None:
-        self.problems = problems
-        super().__init__("; ".join(problems))
-
-
 def _layer(keys: Section) -> Layer:
     return Layer(material_of(keys), keys.thickness)
 
 
 def _film(keys: Section) -> ShellMaterial:
     layers = [ply.made() for ply in keys.layers] if "layers" in keys.values else [_layer(keys)]
-    film: ShellMaterial = _made_with(
-        ShellMaterial,
-        {"direction": "machine_direction"},
-        layers=layers,
-        direction=keys.machine_direction,
-        **{name: getattr(keys, name) for name in declared(ShellMaterial)},
-    )
-    return film
+    if not any(keys.machine_direction):  # ShellMaterial would speak of functions, too
+        raise ValueError("machine_direction must be a vector that is not zero")
+    rest = {name: getattr(keys, name) for name in declared(ShellMaterial)}
+    return ShellMaterial(layers, direction=keys.machine_direction, **rest)
 
 
 PLY = Kind(
@@ -222,7 +197,7 @@ LAMINATE = Kind(
     {
         **_FILM,
         **_preset(layers=True),
-        "layers": replace(own_key(FORMS["tables"], "from the bottom to the top"), tables=PLY),
+        "layers": replace(own_key(FORMS["tables"], "from the bottom to the top"), kinds=(PLY,)),
     },
     ShellMaterial,
     sign="layers",
@@ -231,58 +206,41 @@ LAMINATE = Kind(
 
 
 def material_of(keys: Section) -> Material:
-    """Return the material that a layer's keys describe; KeyProblems if they cannot go together."""
-    given = {name for name in PLASTIC if getattr(keys, name) is not None}
-    hardened = [group for group in HARDENINGS if given & set(group)]
-    law = keys.law or ("plastic" if hardened else "elastic")
-    problems = list(_contradictions(keys, law, given, hardened))
-    across = keys.young_across is not None and keys.shear is not None
-    moduli = _tried(problems, lambda: _moduli(keys, Orthotropic if across else Elastic))
-    if law != "plastic":
-        if problems:
-            raise KeyProblems(problems)
-        return Hencky(moduli) if law == "hencky" else moduli
-    hardening = None
-    if len(hardened) == 1:
-        hardening = _tried(problems, lambda: _hardening(keys, hardened[0]))
-    rate = _tried(problems, lambda: _rate(keys))
-    made = _tried(
-        problems,
-        lambda: Plastic(
-            moduli or Elastic(1.0, 0.3, 1e-9),  # already refused, see the other keys
-            hardening or Linear(1.0),
-            r_values=keys.r_values,
-            rate=rate,
-            angle_deg=keys.angle_deg,
-        ),
-    )
+    """Return the material of a layer; ArgumentError if its keys cannot go together."""
+    law = keys.law or ("elastic" if keys.hardening is None else "plastic")
+    problems = list(_contradictions(keys, law))
+    try:
+        moduli = _moduli(keys)
+    except ValueError as problem:
+        problems.append(str(problem).replace("young_along", "young"))  # one key for both classes
     if problems:
-        raise KeyProblems(problems)
-    assert isinstance(made, Plastic)
-    return made
-
-
-def _contradictions(
-    keys: Section, law: str, given: set[str], hardened: list[tuple[str, ...]]
-) -> Iterator[str]:
+        raise ArgumentError(problems)
     if law != "plastic":
-        for name in PLASTIC:
-            if name in given:
-                yield f'{name} belongs to law = "plastic", got law = "{law}"'
-    elif not hardened:
-        yield (
-            'law = "plastic" needs a hardening: yield_stress, or swift_strength, swift_start and '
-            "swift_exponent, or hardening_strain and hardening_stress, or hardening_file"
-        )
-    elif len(hardened) > 1:
-        several = [", ".join(n for n in group if n in given) for group in hardened]
-        yield f"{several[0]} must be the only hardening, got {' and '.join(several[1:])} too"
+        return Hencky(moduli) if law == "hencky" else moduli
+    return Plastic(
+        moduli,
+        keys.hardening.made(),
+        r_values=keys.r_values,
+        rate=keys.rate and keys.rate.made(),
+        angle_deg=keys.angle_deg,
+    )
+
+
+def _contradictions(keys: Section, law: str) -> Iterator[str]:
+    if law != "plastic":
+        for name in _OF_YIELDING:
+            if getattr(keys, name) is not None:
+                why = f'got law = "{law}"' if keys.law else "got no hardening: give one"
+                yield f'{name} belongs to law = "plastic", {why}'
+    elif keys.hardening is None:
+        kinds = ", ".join(f'"{kind.name}"' for kind in HARDENINGS)
+        yield f'law = "plastic" needs a hardening: a table [material.hardening] with kind = {kinds}'
     if (keys.young_across is None) != (keys.shear is None):
         there, missing = "shear", "young_across"
         if keys.shear is None:
             there, missing = missing, there
         yield f"{there} needs {missing} too: both make the layer orthotropic"
-    for name in _THROUGH:
+    for name in ("shear_through", "shear_through_across"):
         if keys.young_across is None and getattr(keys, name) is not None:
             yield f"{name} needs young_across and shear too: an isotropic layer has one modulus"
     if keys.angle_deg and keys.young_across is None and keys.r_values is None:
@@ -292,77 +250,11 @@ def _contradictions(
         )
 
 
-def _moduli(keys: Section, law: Constructor) -> Elastic | Orthotropic:
-    names = {"young_along" if law is Orthotropic else "young": "young"}
-    shared = [name for name in declared(law) if name in keys.values and name not in names]
-    values = {name: getattr(keys, name) for name in shared}
-    values |= dict.fromkeys(names, keys.young)
-    made: Elastic | Orthotropic = _made_with(law, names, **values)
-    return made
-
-
-def _hardening(keys: Section, group: tuple[str, ...]) -> Table:
-    law = keys.of.keys[group[0]].owner
-    if law is Voce and keys.saturation_gain is None and keys.saturation_strain is None:
-        law, group = Linear, group[:2]
-    made: Table = _made_of(keys, law, group)
-    return made
-
-
-def _rate(keys: Section) -> RateFactor | None:
-    groups = [_owned(law) for law in (CowperSymonds, JohnsonCook)]
-    given = [group for group in groups if any(getattr(keys, name) is not None for name in group)]
-    if len(given) > 1:
-        raise ValueError("cowper_symonds_rate and johnson_cook_rate must not both be given")
-    made: RateFactor | None = None
-    if given:
-        made = _made_of(keys, _LAYER[given[0][0]].owner, given[0])
-    return made
-
-
-def _made_of(keys: Section, law: Constructor | None, group: tuple[str, ...]) -> Any:
-    """Call a constructor with the values of its keys, all of which it may need."""
-    assert law is not None
-    parameters = {keys.of.keys[name].parameter: name for name in group}
-    needed = [n for p, n in parameters.items() if declared(law)[p].default is REQUIRED]
-    missing = [name for name in needed if getattr(keys, name) is None]
-    there = [name for name in needed if name not in missing]
-    if missing:
-        beside = f", with {there[0]}" if there else ""
-        raise ValueError(f"{', '.join(missing)} must be given too{beside}")
-    values = {p: getattr(keys, name) for p, name in parameters.items()}
-    try:
-        return _made_with(law, parameters, **{p: v for p, v in values.items() if v is not None})
-    except FileError as problem:
-        raise ValueError(f"{group[0]}: {problem}") from None
-
-
-def _made_with(constructor: Callable[..., Any], names: Mapping[str, str], **values: Any) -> Any:
-    """Call a constructor; a refusal names the keys instead of the parameters."""
-    try:
-        return constructor(**values)
-    except FileError:
-        raise
-    except ValueError as problem:
-        if not is_refusal(problem):
-            raise
-        said = []
-        for sentence in str(problem).split("; "):
-            words = "|".join(re.escape(name) for name in names)
-            said.append(re.sub(rf"\b({words})\b", lambda found: names[found[1]], sentence, count=1))
-        raise KeyProblems(said) from None
-
-
-def _tried(problems: list[str], make: Callable[[], Any]) -> Any:
-    try:
-        return make()
-    except KeyProblems as problem:
-        problems += problem.problems
-    except ValueError as problem:
-        if not is_refusal(problem):
-            raise
-        problems.append(str(problem))
-    return None
+def _moduli(keys: Section) -> Elastic | Orthotropic:
+    if keys.young_across is None or keys.shear is None:
+        return Elastic(keys.young, keys.poisson, keys.density)
+    shared = [name for name in declared(Orthotropic) if name in keys.values]
+    return Orthotropic(keys.young, **{name: getattr(keys, name) for name in shared})
 
 
 # --- films by name fill in keys -------------------------------------------------------------------
@@ -392,7 +284,7 @@ def filled_in(table: dict[str, Any]) -> dict[str, Any]:
     preset = presets().get(str(table.get("preset", "")), {}).get("material")
     keys = table
     if preset is not None and not ("layers" in table and "layers" not in preset):
-        keys = {**_fitting(preset, table), **table}
+        keys = _of_both(preset, table)
     layers = keys.get("layers")
     if isinstance(layers, list):
         filled = [filled_in(one) if isinstance(one, dict) else one for one in layers]
@@ -400,12 +292,32 @@ def filled_in(table: dict[str, Any]) -> dict[str, Any]:
     return keys
 
 
-def _fitting(preset: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a preset that can go with the given ones."""
-    gone: set[str] = set()
-    if given.get("law") in ("elastic", "hencky"):
-        gone |= set(PLASTIC)
-    for group in HARDENINGS:
-        if any(name in given for name in group):
-            gone |= {name for other in HARDENINGS if other is not group for name in other}
-    return {name: value for name, value in preset.items() if name not in gone}
+def _of_both(preset: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the given keys, and those of a preset that can go with them."""
+    both = {**preset, **given}
+    for name, kinds in (("hardening", HARDENINGS), ("rate", RATES)):
+        of_preset, own = preset.get(name, {}), given.get(name)
+        if isinstance(own, dict) and kind_of(kinds, own) is kind_of(kinds, of_preset):
+            both[name] = {**of_preset, **own}
+        if own is None and given.get("law") in ("elastic", "hencky"):
+            both.pop(name, None)
+    return both
+
+
+MOVED = {
+    "yield_stress": ("hardening", "linear or voce", "yield_stress"),
+    "hardening_modulus": ("hardening", "linear or voce", "modulus"),
+    "saturation_gain": ("hardening", "voce", "gain"),
+    "saturation_strain": ("hardening", "voce", "strain"),
+    "swift_strength": ("hardening", "swift", "strength"),
+    "swift_start": ("hardening", "swift", "start"),
+    "swift_exponent": ("hardening", "swift", "exponent"),
+    "hardening_strain": ("hardening", "table", "plastic_strain"),
+    "hardening_stress": ("hardening", "table", "stress"),
+    "hardening_file": ("hardening", "file", "file"),
+    "cowper_symonds_rate": ("rate", "cowper_symonds", "rate"),
+    "cowper_symonds_exponent": ("rate", "cowper_symonds", "exponent"),
+    "johnson_cook_rate": ("rate", "johnson_cook", "rate"),
+    "johnson_cook_factor": ("rate", "johnson_cook", "factor"),
+}
+"""Keys of version 0.2.0, each with the table, the kind and the key to write instead."""

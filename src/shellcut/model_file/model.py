@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,13 +105,20 @@ class Model:
 
     def all_sections(self) -> Iterator[Section]:
         """Yield every section, including those of lists and the tables in a section."""
-        for section in self.sections.values():
-            yield section
-            for name, key in section.of.keys.items():
-                if key.tables is not None:
-                    yield from section.values[name]
-        for several in self.lists.values():
-            yield from several
+        for section in (*self.sections.values(), *chain(*self.lists.values())):
+            yield from section.with_tables()
+
+    def titled(self) -> dict[str, Section]:
+        """Return the sections that occur once, and the tables in them, by title.
+
+        The keys before the first section have the title "".
+        """
+        found = {"": self.head, **self.sections}
+        for title, section in self.sections.items():
+            for name, inner in section.tables():
+                if not section.of.keys[name].is_several:
+                    found[f"{title}.{name}"] = inner
+        return found
 
 
 def digest_of(path: str | Path) -> str:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from shellcut.arguments import guess, listed
 
 from .errors import ModelFileError, Problem
+from .key import kind_of
 from .material_keys import named_material
-from .section_table import HEAD, LISTS, SECTIONS, Kinds
+from .section_table import HEAD, LISTS, SECTIONS, Kinds, titled
 from .source import KeyPath, Source, beyond_all
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
@@ -39,6 +40,7 @@ def overridden(
             continue  # the reader refuses the model, which determines the keys
         place = f"set {name}={value}"
         place = place if len(place) <= _LONGEST_PLACE else f"{place[:_LONGEST_PLACE]}..."
+        kinds = titled(str(values.get("model", "")))
         try:
             path = path_of(name, str(values.get("model", "")))
         except ValueError as problem:
@@ -46,39 +48,53 @@ def overridden(
             continue
         if path == ("material", "preset"):
             values["material"] = {"preset": value}
-        elif len(path) == 1:
-            values[str(path[0])] = value
         else:
-            title, key = str(path[0]), str(path[1])
-            kinds = SECTIONS.get(str(values.get("model", "")), {}).get(title, ())
-            table = values.get(title, {})
-            if not isinstance(table, dict):
-                problems.append(Problem(source.place((title,)), f"[{title}] must be a section"))
+            set_before = {str(known[-1]) for known in settings if known[:-1] == path[:-1]}
+            try:
+                gone = _set(values, path, value, kinds.get(".".join(path[:-1]), ()), set_before)
+            except ValueError as problem:
+                problems.append(Problem(source.place((path[0],)), str(problem)))
                 continue
-            others = {str(path[1]) for path in settings if path[0] == title and len(path) == 2}
-            rest = _fitting(table, key, kinds, others)
-            if gone := [n for n in table if n not in rest and (title, n) in source.lines]:
-                where = source.place((title, gone[0]))
-                say(f"{place}: takes the place of {', '.join(gone)} in [{title}] ({where})")
-            values[title] = {**rest, key: value}
+            if told := [name for name in gone if (*path[:-1], name) in source.lines]:
+                where = source.place((*path[:-1], told[0]))
+                title = ".".join(path[:-1])
+                say(f"{place}: takes the place of {', '.join(told)} in [{title}] ({where})")
         settings[path] = place
     if problems:
         raise ModelFileError(problems)
     return replace(source, values=values, settings=settings)
 
 
-def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) -> dict[str, Any]:
-    """Return the keys of a section that remain when an overriding key changes its kind.
+def _set(
+    values: dict[str, Any], path: Sequence[str], value: object, kinds: Kinds, keep: Collection[str]
+) -> list[str]:
+    """Set a key of a section or table, and return the keys that give way to it.
 
-    Keys of other kinds only are dropped; unknown keys, and keys that were also overridden, remain
-    and are refused later.
+    Those are the keys of other kinds only, if the key identifies a kind: the present one, if that
+    has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
+    if there is something else in the place of a table.
     """
-    for kind in kinds:
-        if key in (kind.sign, kind.also_sign):
-            known = {name for other in kinds for name in other.names()}
-            foreign = known - set(kind.names()) | {"kind"}
-            return {n: v for n, v in table.items() if n in others or n not in foreign}
-    return table
+    table = values
+    for title in path[:-1]:
+        inner = table.get(title, {})
+        if not isinstance(inner, dict):
+            raise ValueError(f"[{title}] must be a section")
+        table[title] = dict(inner)
+        table = table[title]
+    key = path[-1]
+    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
+    present = kind_of(kinds, table)
+    gone: list[str] = []
+    if identified:
+        stays = present is not None and key in present.names()
+        chosen = present if present is not None and stays else identified[0]
+        known = {name for kind in kinds for name in kind.names()}
+        foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
+        gone = [name for name in table if name in foreign and name not in keep]
+    for name in gone:
+        del table[name]
+    table[key] = value
+    return gone
 
 
 def path_of(name: str, model: str) -> tuple[str, ...]:
@@ -87,19 +103,20 @@ def path_of(name: str, model: str) -> tuple[str, ...]:
         return (name,)
     if name == "material":
         return ("material", "preset")
-    title, _, rest = name.partition(".")
-    layout = SECTIONS.get(model, {})
-    if rest:
+    layout = titled(model)
+    if "." in name:
+        title = name.partition(".")[0]
         if title in LISTS.get(model, {}):
             raise ValueError(f"[[{title}]] can occur several times: write it in the file")
         if title not in layout:
-            hint = guess(title, layout) or listed(layout)
+            hint = guess(title, layout) or listed(SECTIONS.get(model, {}))
             raise ValueError(f"there is no section [{title}]{hint}")
-        return (title, rest)
+        return tuple(name.split("."))
     names = {title: [n for kind in kinds for n in kind.names()] for title, kinds in layout.items()}
     owners = [title for title, known in names.items() if name in known]
+    owners = [title for title in owners if "." not in title] or owners  # not in tables of sections
     if len(owners) == 1:
-        return (owners[0], name)
+        return (*owners[0].split("."), name)
     if owners:
         candidates = ", ".join(f"{owner}.{name}" for owner in owners)
         raise ValueError(f"several sections have this key: write one of {candidates}")

@@ -17,7 +17,7 @@ from shellcut.files.text_content import in_one_form
 from shellcut.material.shell_material import ShellMaterial
 
 from .errors import ModelFileError, Problem, is_refusal
-from .key import REQUIRED, Key, Kind, Section
+from .key import REQUIRED, Key, Kind, Section, kind_of
 from .material_keys import named_material, presets, with_presets
 from .model import Model
 from .overrides import overridden
@@ -284,18 +284,15 @@ class _Reading:
         return made
 
     def choose(self, kinds: Kinds, table: dict[str, Any], path: KeyPath) -> Kind | None:
-        by_name = {kind.name: kind for kind in kinds if kind.name}
+        if found := kind_of(kinds, table):
+            return found
+        by_name = [kind.name for kind in kinds if kind.name]
         if by_name and "kind" in table:
             given = str(table["kind"])
-            if given in by_name:
-                return by_name[given]
             hint = guess(given, by_name) or listed(by_name)
             self.say((*path, "kind"), f"{_shown(path)}kind {given!r} is unknown{hint}")
             return None
-        for kind in kinds:
-            if any(sign and sign in table for sign in (kind.sign, kind.also_sign)):
-                return kind
-        if path and len(path) > 1 and len(kinds) > 1:
+        if len(path) > 1 and len(kinds) > 1:
             self.say(path, f"{_shown(path)}kind must be given: one of {', '.join(by_name)}")
             return None
         return kinds[0]
@@ -304,7 +301,7 @@ class _Reading:
         self, name: str, cls: Kind, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
     ) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
-        owner = ".".join(map(str, path))
+        owner = ".".join(part for part in path if isinstance(part, str))
         if gone := GONE.get((owner, name)):
             self.say(place, f"unknown key {shown}; {gone}")
             return
@@ -333,18 +330,17 @@ class _Reading:
         self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")
 
     def value(self, key: Key, value: Any, path: KeyPath, shown: str) -> Any:
-        if key.tables is not None:
-            if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
-                self.say(path, f"{shown} must be an array of tables, got {value!r}")
-                return ()
-            of = key.tables
-            return tuple(self.section((of,), one, (*path, n), "") for n, one in enumerate(value))
         try:
             read = key.read(value)
         except ValueError as problem:
             instead = GONE.get((str(path[0]), f"{path[-1]} = {value}"), "")
             self.say(path, f"{shown} {problem}{instead and f'; {instead}'}")
             return None
+        if key.is_several:
+            each = enumerate(read)
+            return tuple(self.section(key.kinds, one, (*path, n), "") for n, one in each)
+        if key.kinds:
+            return self.section(key.kinds, read, path, "")
         if not key.is_file:
             return read
         try:
@@ -390,7 +386,10 @@ def _shown(path: KeyPath) -> str:
     """Return "[tool]." for a section, "[[loads]] 2." for one of several, "" at the top."""
     if not path:
         return ""
-    titles = ".".join(str(part) for part in path if isinstance(part, str))
-    if isinstance(path[-1], int):
-        return f"[[{titles}]] {path[-1] + 1}."
-    return f"[{titles}]."
+    numbered = [k for k, part in enumerate(path) if isinstance(part, int)]
+    if not numbered:
+        return f"[{'.'.join(map(str, path))}]."
+    at = numbered[-1]
+    titles = ".".join(part for part in path[:at] if isinstance(part, str))
+    inner = "".join(f"{part}." for part in path[at + 1 :])
+    return f"[[{titles}]] {int(path[at]) + 1}.{inner}"

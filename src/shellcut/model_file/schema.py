@@ -59,10 +59,11 @@ def settings() -> dict[str, Any]:
     """Return the schema of each key that a study may set, by section and key and by key alone."""
     found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
     told: dict[str, str] = {}
+    arrays = [f"{one.title.strip('[]')}." for one in tables() if one.title.startswith("[[")]
     for table in tables():
-        if table.title.startswith("[["):
-            continue
         title = f"{table.title.strip('[]')}."
+        if title.startswith(tuple(arrays)):  # of an array of tables, or in one
+            continue
         kind = {"kind": {"const": table.kind.name}} if table.kind.name else {}
         for name, of in (kind | _properties(table.kind)).items():
             # Kinds and models may give a key other defaults and meanings.
@@ -106,7 +107,7 @@ def _section(kinds: Kinds) -> dict[str, Any]:
 def schema_of(kind: Kind) -> dict[str, Any]:
     """Return the schema of a section, or of one kind of it."""
     # What a preset fills in, or a second name gives, need not be there.
-    free = "preset" in kind.keys
+    free = kind.filled or "preset" in kind.keys
     must = [n for n, k in kind.keys.items() if k.default is REQUIRED and not (free or k.also)]
     return {
         "type": "object",
@@ -123,14 +124,16 @@ def _properties(kind: Kind) -> dict[str, Any]:
 
 
 def _key(key: Key) -> dict[str, Any]:
-    option, found = key.option, dict(key.form.schema)
+    option, found = key.option, key.form.schema()
     quantity = {"$ref": f"#/definitions/{_name(option.unit)}"}
-    if found.get("type") == "number":
+    if found == NUMBER:
         found = {"allOf": [quantity]}  # beside a reference a validator reads nothing
     elif found.get("items") == NUMBER:
         found["items"] = quantity
-    if key.tables is not None:
-        found["items"] = schema_of(key.tables)
+    if key.is_several:
+        found["items"] = _section(key.kinds)
+    elif key.kinds:
+        found |= _section(key.kinds)
     bounds = {word: getattr(option, name) for name, word in _BOUNDS.items()}
     unit = f"[{option.unit}] " if option.unit else ""
     default = {} if key.default in (REQUIRED, None) else {"default": key.default}

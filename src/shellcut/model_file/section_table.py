@@ -47,7 +47,7 @@ from shellcut.tool.tool_file import read_tool
 
 from .forms import FORMS, choice
 from .key import Constructor, Kind, Section, keys_of, optional, own_key
-from .material_keys import HOMOGENEOUS, LAMINATE
+from .material_keys import HOMOGENEOUS, LAMINATE, MOVED
 
 Kinds = tuple[Kind, ...]
 
@@ -255,11 +255,9 @@ def _unsteered(like: Fracture, *names: str) -> Kind:
 
 def _support(section: Section) -> Support:
     given = section.arguments()
-    moved = {
-        name: {axis: Ramped(rate) for axis, rate in given.get(name, ())}
-        for name in ("velocity", "spin")
-    }
-    return Support(**given | moved)
+    for name in {"velocity", "spin"} & set(given):
+        given[name] = {axis: Ramped(rate) for axis, rate in given[name].items()}
+    return Support(**given)
 
 
 def _load(doc: str, constructor: Constructor, name: str, sign: str) -> Kind:
@@ -397,6 +395,24 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
 }
 """By model: the sections that occur once."""
 
+
+def titled(model: str) -> dict[str, Kinds]:
+    """Return the kinds of the sections of a model and of the tables in them, by title.
+
+    Examples
+    --------
+    >>> [kind.name for kind in titled("opening")["material.rate"]]
+    ['cowper_symonds', 'johnson_cook']
+    """
+    found: dict[str, Kinds] = {}
+    for title, kinds in SECTIONS.get(model, {}).items():
+        found[title] = kinds
+        for name, key in ((name, key) for kind in kinds for name, key in kind.keys.items()):
+            if key.kinds and not key.is_several:
+                found[f"{title}.{name}"] = key.kinds
+    return found
+
+
 LISTS: Mapping[str, Mapping[str, Kinds]] = {
     model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
     for model in SECTIONS
@@ -411,5 +427,10 @@ GONE: Mapping[tuple[str, str], str] = {
     ("fracture", "path = imprint"): NO_IMPRINT,
     ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
     '"edges" along the edges there are',
+    **{
+        (owner, old): f"write {key} in [{owner}.{table}], where kind is {kind}"
+        for owner in ("material", "material.layers")
+        for old, (table, kind, key) in MOVED.items()
+    },
 }
 """Keys and values of earlier versions, by section, and what to write instead."""

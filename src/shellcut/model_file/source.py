@@ -160,18 +160,21 @@ def _lines(text: str) -> dict[KeyPath, int]:
 
 def _starts(text: str) -> Iterator[tuple[int, KeyPath]]:
     """Yield line and path of each heading and key, and an empty path for what is neither."""
-    counts: dict[str, int] = {}
+    counts: dict[KeyPath, int] = {}  # of the tables so far, by the path of their array
     section: KeyPath = ()
     depth, quote = 0, ""  # open brackets, and the open multi-line string
     for number, line in enumerate(text.splitlines(), start=1):
         rest = line
         if not depth and not quote:
             if heading := _HEADING.fullmatch(line):
-                section = tuple(_names(heading[2]))
+                section = ()
+                for name in _names(heading[2]):
+                    if section in counts:  # within the last table of an array
+                        section = (*section, counts[section] - 1)
+                    section = (*section, name)
                 if heading[1] == "[[":
-                    n = counts.get(heading[2], 0)
-                    counts[heading[2]] = n + 1
-                    section = (*section, n)
+                    counts[section] = counts.get(section, 0) + 1
+                    section = (*section, counts[section] - 1)
                 yield number, section
                 continue
             if entry := _KEY.fullmatch(line):

@@ -50,20 +50,19 @@ def _section(section: Section, title: str) -> Iterator[str]:
     if section.kind:
         yield _commented(f'kind = "{section.kind}"', section.of.doc)
     yield from _keys(section)
-    for name, key in section.of.keys.items():
-        if key.tables is not None:
-            for one in section.values[name]:
-                yield from ["", f"[[{title}.{name}]]", *_keys(one)]
+    for name, inner in section.tables():
+        heading = f"[{title}.{name}]"
+        yield ""
+        yield f"[{heading}]" if section.of.keys[name].is_several else heading
+        yield from _section(inner, f"{title}.{name}")
 
 
 def _keys(section: Section) -> Iterator[str]:
     for name, key in section.of.keys.items():
         value = section.values[name]
-        if key.tables is not None:
-            continue
         if value is None:
             yield _commented(f"# {name} =", f"{_meaning(key)} (not given: {key.option.unset})")
-        else:
+        elif not key.kinds:
             yield _commented(f"{name} = {written(value)}", _meaning(key))
 
 

@@ -23,8 +23,6 @@ _ANOTHER = 0.95
 _TURN = 1.8
 """By which teeth are turned where the nodes under them are not known [deg]."""
 
-_RATES = ("cowper_symonds_rate", "johnson_cook_rate")
-
 Settings = Mapping[str, object]
 
 
@@ -151,6 +149,6 @@ def _why_fixed(model: Model) -> str:
     changing = [one for several in model.lists.values() for one in several]
     if any(one.values.get(name) for one in changing for name in ("ramp", "velocity", "spin")):
         return "loads or supports change in time"
-    if any(one.values.get(rate) for one in model.all_sections() for rate in _RATES):
+    if any(one.values.get("rate") for one in model.all_sections()):
         return "the film's law depends on the rate"
     return ""

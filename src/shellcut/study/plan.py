@@ -13,7 +13,6 @@ from pathlib import Path
 
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.errors import Problem
-from shellcut.model_file.key import Section
 from shellcut.model_file.model import digest_of
 from shellcut.model_file.reader import ModelVariants
 from shellcut.numerics.threads import available_cores
@@ -166,17 +165,11 @@ def _key(model: Model, digest: Callable[[str], str]) -> str:
     inputs = {
         "version": _VERSION,
         "head": head,
-        "sections": {t: _of(s) for t, s in model.sections.items() if t != "output"},
+        "sections": {t: s.content() for t, s in model.sections.items() if t != "output"},
         # The means of a curve are those of its rows; the other outputs change no figure.
         "rows": model.sections["output"].rows,
-        "lists": {t: [_of(s) for s in several] for t, several in model.lists.items()},
+        "lists": {t: [s.content() for s in several] for t, several in model.lists.items()},
         "files": {path: digest(path) for path in model.files()},
     }
     text = json.dumps(inputs, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
-
-
-def _of(section: Section) -> list[object]:
-    tables = {name for name, key in section.of.keys.items() if key.tables is not None}
-    values = section.values.items()
-    return [section.kind, {n: [_of(one) for one in v] if n in tables else v for n, v in values}]
