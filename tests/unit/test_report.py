@@ -18,6 +18,7 @@ from shellcut.command_line import main
 from shellcut.report import pictures, report_run
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
+from shellcut.report.page import SCENE
 from shellcut.results.run_curves import resistance_diagram
 from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.unit import showing
@@ -507,10 +508,10 @@ def test_a_large_run_has_fewer_frames_in_the_scene(out, monkeypatch):
     assert whole.endswith("</figure>\n")
     monkeypatch.setattr(pictures, "_LARGEST", round(0.6 * len(whole)))
     said = pictures.scene(gather(out))
-    assert pictures.MARK in said
+    assert SCENE in said
     assert said.endswith("a &amp; b&#x27; -o FILE.html</code> writes.</p>")
     monkeypatch.setattr(pictures, "_LARGEST", 3_000)
     said = pictures.scene(gather(out))
-    assert pictures.MARK not in said
+    assert SCENE not in said
     assert "No scene: 2 frames must fit" in said
     assert "<code>shellcut view" in said

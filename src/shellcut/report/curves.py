@@ -14,7 +14,7 @@ from shellcut.results.summary_figures import said_of, window_of
 from shellcut.unit import in_unit, pretty, with_unit
 from shellcut.view import Curve, Diagram
 
-from .chart import chart
+from .chart import ahead, chart
 from .gathered import Gathered
 from .markup import missing, sentences, table
 
@@ -100,9 +100,8 @@ def _chart(
 ) -> str:
     diagram = diagram.shown()
     x = np.asarray(diagram.x)[rows]
-    # A motion may rest or reverse; a curve over its coordinate needs ascending values.
-    ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))
-    if ahead.sum() < 2:
+    kept = ahead(x)
+    if kept.sum() < 2:
         return missing(f"No curve of {diagram.name}: nothing has moved.")
     unit = pretty(diagram.unit)
     ends = [(curve.name, np.asarray(curve.values)[-1]) for curve in diagram.curves[-3:]]
@@ -110,6 +109,6 @@ def _chart(
     curves = []
     for c in diagram.curves:
         finite = np.nan_to_num(c.values, posinf=0.0, neginf=0.0)
-        curves.append(replace(c, values=finite[rows][ahead]) if c.x is None else c)
-    shown = replace(diagram, x=x[ahead], curves=curves)
+        curves.append(replace(c, values=finite[rows][kept]) if c.x is None else c)
+    shown = replace(diagram, x=x[kept], curves=curves)
     return chart(shown, f"Curve: {of}; at the end {last}.", height)

@@ -17,9 +17,6 @@ from shellcut.view import draw_crack_map
 from .gathered import Gathered
 from .markup import missing
 
-MARK = 'class="scene3d"'
-"""What a page with a scene contains."""
-
 _LARGEST = 15_000_000  # bytes that the scene may add to a report
 _N_MAP = 100  # frames read for the crack map
 

@@ -1,4 +1,4 @@
-"""Assemble the sections of the report into a page."""
+"""The report of a run: which sections it has, and what its lead says."""
 
 from __future__ import annotations
 
@@ -7,17 +7,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from shellcut.files.file_list import target
-from shellcut.files.whole_file import write_text
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
-from shellcut.scene_page import scene_scripts, scene_style
 from shellcut.unit import LIBRARY_UNITS, shown, with_unit
 
 from . import curves, pictures, words
 from .error_bars import error_bars
-from .gathered import Gathered, gather, or_say
-from .markup import section
-from .page import page_of
+from .gathered import Gathered, gather
+from .page import made, or_say, write_page
 
 _CONCLUSION, _TRUST = "Conclusion", "What may be trusted"
 
@@ -70,16 +67,8 @@ def report_run(
     out = target(path, run.results.folder / "report.html", inputs)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
-    body = _body(run)
-    html = page_of(
-        title=f"{run.results.name} - report of a run",
-        heading=run.results.name,
-        lead=_lead(run),
-        body=body,
-        style=scene_style(),
-        last=scene_scripts() if pictures.MARK in body else "",
-    )
-    write_text(out, html, errors="backslashreplace")
+    name, lead = run.results.name, _lead(run)
+    write_page(out, kind="run", name=name, lead=lead, sections=_sections(run))
     return out
 
 
@@ -95,7 +84,7 @@ def _lead(run: Gathered) -> str:
     return ", ".join(parts) + "." + (f" {kept}" if converted else "")
 
 
-def _body(run: Gathered) -> str:
+def _sections(run: Gathered) -> dict[str, str]:
     last = or_say(run.problems, "last frame", lambda: next(iter(run.frames(1)), None))
     resistance = run.resistance[0].capitalize() if run.results.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
@@ -113,10 +102,7 @@ def _body(run: Gathered) -> str:
         "What was run": lambda: words.what_was_run(run),
         "Versions": words.versions,
     }
-    made = {
-        title: or_say(run.problems, f'section "{title}"', make) or ""
-        for title, make in makers.items()
-    }
+    sections = made(makers, run.problems)
     # Last, because they report the problems of the other sections.
-    made[_CONCLUSION], made[_TRUST] = words.judged(run, last)
-    return "".join(section(title, body) for title, body in made.items())
+    sections[_CONCLUSION], sections[_TRUST] = words.judged(run, last)
+    return sections

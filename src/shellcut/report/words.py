@@ -81,10 +81,10 @@ def quality(run: Gathered) -> str:
     )
 
 
-def versions(*others: str) -> str:
+def versions() -> str:
     """Return the versions of the packages that wrote the report."""
     rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
-    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib", *others):
+    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib"):
         try:
             rows.append((package, importlib.metadata.version(package)))
         except importlib.metadata.PackageNotFoundError:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import itertools
+from dataclasses import dataclass, replace
 from html import escape
 
 import numpy as np
 
+from shellcut.arrays import Bools, Ints
 from shellcut.files.run_folder import HISTORY
 from shellcut.formats.errors import counted
-from shellcut.report.chart import chart
+from shellcut.report.chart import ahead, chart
 from shellcut.report.markup import missing
 from shellcut.results.history import read_history
+from shellcut.results.run_curves import resistance_diagram
 from shellcut.scene_page.packed_run import as_json
-from shellcut.view.curves import Curve, Diagram, outline
+from shellcut.unit import after
+from shellcut.view.curves import PALETTE, Curve, Diagram, outline
 
-from .colouring import Colouring, coloured_by
-from .studied import Study
+from .studied import Studied, Study
 
 _MOST = 100
 """Curves that are drawn; of more runs every second, third and so on."""
@@ -35,7 +38,7 @@ def curves(study: Study) -> str:
         one = _read(study, row)
         if one is None:
             n_lost += 1
-        elif found and _axes(one) != _axes(found[0][1]):
+        elif found and (one.x_name, one.name) != (found[0][1].x_name, found[0][1].name):
             n_other += 1
         else:
             found.append((row, one))
@@ -70,10 +73,6 @@ def curves(study: Study) -> str:
     return f'<div class="coloured">{_chooser(groups)}{picture}</div>{note}'
 
 
-def _axes(one: Diagram) -> tuple[str, str]:
-    return one.x_name, one.name
-
-
 def _chooser(groups: list[Colouring]) -> str:
     """Return the choice of a factor, and what each changes of the curves, for ``study.js``."""
     if len(groups) < 2:
@@ -96,18 +95,58 @@ def _chooser(groups: list[Colouring]) -> str:
 
 
 def _read(study: Study, row: int) -> Diagram | None:
-    """Return the second and third column of a history, the coordinate going ahead."""
+    """Return torque or force of a run, its coordinate going ahead; None if it cannot be read."""
     try:
-        columns, units = read_history(study.run_folder(row) / HISTORY)
-        _, x_name, y_name, *_ = columns
+        found = resistance_diagram(*read_history(study.run_folder(row) / HISTORY))
     except (OSError, ValueError):
         return None
-    x, y = columns[x_name], columns[y_name]
+    x, y = np.asarray(found.x), np.asarray(found.curves[-1].values)
     good = np.isfinite(x) & np.isfinite(y)
     x, y = x[good], y[good]
-    ahead = x > np.maximum.accumulate(np.append(-np.inf, x))[:-1]
-    if ahead.sum() < 2:
+    kept = ahead(x)
+    if kept.sum() < 2:
         return None
-    kept = outline(x[ahead], y[ahead], _COLUMNS)
-    curve = Curve("", y[ahead][kept])
-    return Diagram(x[ahead][kept], [curve], x_name, units[x_name], y_name, units[y_name])
+    x, y = x[kept], y[kept]
+    rows = outline(x, y, _COLUMNS)
+    return replace(found, x=x[rows], curves=[Curve("", y[rows])])
+
+
+@dataclass(frozen=True)
+class Colouring:
+    """Groups of runs by one factor."""
+
+    factor: str
+    """Its name."""
+    names: tuple[str, ...]
+    """Of the groups, in order."""
+    group: Ints
+    """Of each run, shape (n,)."""
+
+    def style(self, group: int) -> str:
+        """Return the style of a group's lines, from the first to the last of the palette."""
+        n = len(PALETTE)
+        if len(self.names) > n:
+            return f"c{group % n}"
+        return f"c{round(group * (n - 1) / max(1, len(self.names) - 1))}"
+
+    def color(self, group: int) -> str:
+        """Return the colour of a group."""
+        return PALETTE[int(self.style(group)[1:])]
+
+
+def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
+    """Return groups by the values of a factor, or by even parts of its range."""
+    values, unit = factor.values[rows], after(factor.unit)
+    if factor.names:
+        return Colouring(factor.name, factor.names, values.astype(int))
+    levels = np.unique(values)
+    if len(levels) <= len(PALETTE):
+        names = tuple(f"{factor.name} {level:.5g}{unit}" for level in levels)
+        return Colouring(factor.name, names, np.searchsorted(levels, values))
+    low, high = factor.ends
+    bounds = np.linspace(low, high, len(PALETTE))  # one colour less: bounds that are easier to read
+    group = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, len(PALETTE) - 2)
+    names = tuple(
+        f"{factor.name} {a:.4g} to {b:.4g}{unit}" for a, b in itertools.pairwise(bounds.tolist())
+    )
+    return Colouring(factor.name, names, group)

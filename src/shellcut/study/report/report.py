@@ -1,22 +1,24 @@
-"""Assemble the sections of the report of a study into a page."""
+"""The report of a study: which sections it has, and what its lead says."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from shellcut.files.file_list import target
-from shellcut.files.whole_file import write_text
 from shellcut.report.error_bars import error_bars
-from shellcut.report.markup import section
-from shellcut.report.page import page_of, part
+from shellcut.report.page import made, write_page
 from shellcut.report.words import versions
 from shellcut.results.error_bars import ERROR_BARS, read_error_bars
+from shellcut.scene_page.page import part
 
 from . import words
 from .curves import curves
 from .scatter import scatter
 from .studied import Study, read_folder
+
+_STATE = "Study"
 
 
 def report_study(
@@ -57,28 +59,33 @@ def report_study(
     study = read_folder(Path(folder))
     out = target(path, study.folder / "report.html")
     n, n_done = len(study.status), study.count("done")
-    html = page_of(
-        title=f"{study.name} - report of a study",
-        heading=study.name,
+    write_page(
+        out,
+        kind="study",
+        name=study.name,
         lead=f"Report of the study in {study.folder.resolve()}: {n} runs of "
         f"{Path(study.file.model).name}, {n_done} done.",
-        body=_body(study, out),
-        style=part("study.css", __package__),
-        script=part("study.js", __package__),
+        sections=_sections(study, out),
+        style=part(__package__, "study.css"),
+        script=part(__package__, "study.js"),
     )
-    write_text(out, html, errors="backslashreplace")
     return out
 
 
-def _body(study: Study, out: Path) -> str:
+def _sections(study: Study, out: Path) -> dict[str, str]:
+    problems: list[str] = []
     bars = study.folder / ERROR_BARS
-    converged = {"Error bars": error_bars(read_error_bars(bars))} if bars.exists() else None
-    made = {
-        "Study": words.state(study),
-        "Runs": words.runs(study, out),
-        "Curves": curves(study),
-        **(converged or {"Figures over factors": scatter(study)}),
-        "What was run": words.what_was_run(study),
-        "Versions": versions(),
+    figures: dict[str, Callable[[], str]] = {"Figures over factors": lambda: scatter(study)}
+    if bars.exists():
+        figures = {"Error bars": lambda: error_bars(read_error_bars(bars))}
+    makers = {
+        _STATE: str,
+        "Runs": lambda: words.runs(study, out),
+        "Curves": lambda: curves(study),
+        **figures,
+        "What was run": lambda: words.what_was_run(study),
+        "Versions": versions,
     }
-    return "".join(section(title, body) for title, body in made.items())
+    sections = made(makers, problems)
+    sections[_STATE] = words.state(study, problems)  # last, with the problems of the others
+    return sections

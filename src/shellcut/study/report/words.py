@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 
@@ -28,9 +28,10 @@ _DESIGNS = {
 }
 
 
-def state(study: Study) -> str:
+def state(study: Study, problems: Sequence[str]) -> str:
     """Return what is done, what failed, and what the report cannot show."""
-    return sentences(_said(study))
+    lost = (("doubt", "missing", problem) for problem in problems)
+    return sentences([*_said(study), *lost])
 
 
 def _said(study: Study) -> Iterator[tuple[str, str, str]]:
