@@ -123,9 +123,9 @@ def panel(
 
 
 def ahead(x: Floats) -> Bools:
-    """Return which points of a coordinate lie beyond all before them: a motion may rest, or reverse.
+    """Return which points of a coordinate lie beyond all before them, as a curve needs them.
 
-    A curve over it needs ascending values.
+    A motion may rest, or reverse.
     """
     return np.asarray(x > np.maximum.accumulate(np.append(-np.inf, x[:-1])))
 

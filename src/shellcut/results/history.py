@@ -43,8 +43,9 @@ _OF_SPLITS: dict[str, tuple[str, type]] = {
     "depth": ("mm", float),
     "work": ("N*mm", float),
 }
-"""Unit and type of every column of the splits; x, y, z in space, X, Y, Z in the reference. The last four are
-those of a puncture: cutting edge from 1, 0 for none, and :class:`~shellcut.state.SplitRecord`."""
+"""Unit and type of every column of the splits; x, y, z in space, X, Y, Z in the reference. The last
+four are those of a puncture: cutting edge from 1, 0 for none, and
+:class:`~shellcut.state.SplitRecord`."""
 
 
 _Table: TypeAlias = tuple[dict[str, npt.NDArray[Any]], dict[str, str]]

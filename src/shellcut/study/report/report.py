@@ -78,7 +78,7 @@ def _sections(study: Study, out: Path) -> dict[str, str]:
     figures: dict[str, Callable[[], str]] = {"Figures over factors": lambda: scatter(study)}
     if bars.exists():
         figures = {"Error bars": lambda: error_bars(read_error_bars(bars))}
-    makers = {
+    makers: dict[str, Callable[[], str]] = {
         _STATE: str,
         "Runs": lambda: words.runs(study, out),
         "Curves": lambda: curves(study),
