@@ -8,7 +8,7 @@ import pytest
 from opening_frame import RADIUS, opening_frame
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.view import Curve, Diagram, curves, draw_crack_map, draw_curves
-from shellcut.view.crack_map import crack_history, teeth_of, tooth_paths
+from shellcut.view.crack_map import crack_history, tooth_paths
 
 pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
 
@@ -130,12 +130,6 @@ def test_edges_are_dated_by_their_first_frame(frames):
     # 1e-4 mm is the rounding of a displacement of half a millimetre; edges are 0.9 mm long
     rounded = [blurred(frame, 1e-4, k) for k, frame in enumerate(frames)]
     np.testing.assert_array_equal(crack_history(rounded)[1], crack_history(frames)[1])
-
-
-def test_teeth_are_counted_in_the_order_of_their_segments(frames):
-    edges = frames[0].edge_points
-    np.testing.assert_array_equal(teeth_of(edges), np.repeat(np.arange(4), 12))
-    np.testing.assert_array_equal(teeth_of(edges[12:]), np.repeat(np.arange(3), 12))
 
 
 def test_teeth_go_through_the_film_along_the_circle(frames):

@@ -10,16 +10,14 @@ import numpy as np
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, norm
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
-from shellcut.checks.finding import Finding
-from shellcut.formats.errors import counted
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import CLEARLY, MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.frame_capture import Exposure
-from shellcut.recording.status_line import crack_line, how_long
+from shellcut.recording.status_line import crack_line, film_line, how_long, tool_line
 from shellcut.simulation.simulation import Simulation
-from shellcut.unit import shown, with_unit
+from shellcut.unit import shown
 
 from .model_picture import ModelParts, draw_model
 
@@ -98,7 +96,7 @@ def preview(
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), told=told)
     lines = [film, *_film_lines(mesh), *step_lines, *cost]
     lines += [*others, crack_line(sim), *_worst_lines(quality)]
-    lines += [said(finding) for finding in check.findings] if check is not None else []
+    lines += [f"{one.word}: {one}" for one in check.findings] if check is not None else []
     return "\n".join(lines)
 
 
@@ -110,12 +108,6 @@ def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
     return "\n".join(_draw(parts, path, parts.sweep(), np.zeros(0, np.int64), title))
 
 
-def said(finding: Finding) -> str:
-    """Return a finding as printed."""
-    word = {"refuse": "refused", "doubt": "distrust", "note": "note"}[finding.severity]
-    return f"{word}: {finding}"
-
-
 def _draw(
     parts: ModelParts,
     path: str | os.PathLike[str],
@@ -125,18 +117,11 @@ def _draw(
     told: Sequence[str] = (),
 ) -> list[str]:
     """Draw the parts, and what is told below them; return a list of them, one per line."""
-    mesh, tool = parts.mesh, parts.tool
     lines = []
-    if mesh is not None:
-        area = with_unit(mesh.quad_areas().sum(), "mm^2")
-        lines.append(
-            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {area}, {parts.held.size} nodes held"
-        )
-    if tool is not None:
-        lines.append(
-            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
-            f"{counted(tool.n_chain, 'cutting edge')}"
-        )
+    if parts.mesh is not None:
+        lines.append(film_line(parts.mesh, parts.held.size))
+    if parts.tool is not None:
+        lines.append(tool_line(parts.tool))
     if sweep is not None:
         lines.append(edge_line(sweep))
     draw_model(parts, path, sweep, worst, title=title, caption="\n".join([*lines, *told]))
