@@ -167,7 +167,7 @@ def test_of_a_model_that_is_refused_what_there_is_is_drawn(tmp_path):
     ring, mesh = tooth_ring(), opening_test("quick").simulation.mesh
     film, tool = tmp_path / "film.png", tmp_path / "tool.png"
     assert preview_parts(ModelParts(tool=ring), tool).splitlines() == [
-        "tool   4 bodies, 4,112 triangles, 4 cutting edges, 20 mm"
+        "tool   4 bodies, 4,112 triangles, 4 cutting edges, 23.09 mm"
     ]
     assert preview_parts(ModelParts(mesh=mesh), film).startswith("film   649 nodes")
     assert all(picture.stat().st_size > 20_000 for picture in (film, tool))
