@@ -117,8 +117,14 @@ def draw_model(
                 axes.set_title(titles[k], fontsize=10)
                 drawn = drawn or axes.get_legend_handles_labels()
     # All of it is in the first pose: one legend, where it hides nothing.
-    where = {"loc": "center", "bbox_to_anchor": (0.5, 0.945)}
-    figure.legend(*(drawn or ()), fontsize=8, ncols=6, frameon=False, **where)
+    figure.legend(
+        *(drawn or ()),
+        loc="center",
+        bbox_to_anchor=(0.5, 0.945),
+        fontsize=8,
+        ncols=6,
+        frameon=False,
+    )
     save(figure, path)
 
 

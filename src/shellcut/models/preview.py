@@ -80,8 +80,9 @@ def preview(
         check = check_model(sim, time)
     sweep = check.sweep if check is not None else None
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
-    coordinate = {"coordinate": 0.0, "coordinate_name": "path", "coordinate_unit": "mm"}
-    film_now = Exposure.of(sim, **coordinate).frame()
+    film_now = Exposure.of(
+        sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm"
+    ).frame()
     parts = ModelParts(
         mesh=mesh,
         held=held,

@@ -23,7 +23,7 @@ def resistance(run: Gathered) -> str:
     """Return torque (or force) over the coordinate of the motion."""
     if not run.results.history:
         return missing("No curve: the history is missing.")
-    diagram = resistance_diagram(run.results.history, run.results.units)
+    diagram = resistance_diagram(run.results.history, run.results.units, run.figures)
     found = run.measured
     if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], diagram.name):
         x, y = found.measured_curve
@@ -55,17 +55,12 @@ def measured(run: Gathered) -> str:
     found = run.measured
     if found is None:
         return ""
-    x, simulated = found.simulated_curve
-    curves = [
-        Curve("measured", found.measured_curve[1], "measured", x=found.measured_curve[0]),
-        Curve("simulated", simulated),
-        Curve("difference", found.simulated - found.measured, "contact", x=found.x),
-    ]
+    both, gap = found.diagrams()
     drawn = chart(
-        Diagram(x, curves, found.x_name, found.x_unit, found.y_name, found.y_unit),
+        both,
         f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
         f"their root-mean-square difference is {with_unit(found.rms, found.y_unit)}.",
-    )
+    ) + chart(gap, f"Curve: difference of simulated and measured {found.y_name}.", 170.0)
     head = ("", "measured", "simulated", "difference")
     return (
         f'{drawn}<p class="caption">{escape(found.scope())}.</p>'

@@ -65,17 +65,17 @@ class Columns:
         written: Written = "rows",
     ) -> None:
         """Create an empty column with rows of a type and shape."""
-        packing: dict[str, Any] = {}
-        if written == "packed":
-            packing = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        packed = written == "packed"
         dataset = self._root.create_dataset(
             name,
             (0, *shape),
             dtype,
             maxshape=(None, *shape),
             chunks=(_ROW_CHUNK if written == "rows" else _BLOCK_CHUNK, *shape),
-            fletcher32=written == "packed",
-            **packing,
+            compression="gzip" if packed else None,
+            compression_opts=1 if packed else None,
+            shuffle=packed,
+            fletcher32=packed,
         )
         self._columns[name] = _Column.of(dataset)
 

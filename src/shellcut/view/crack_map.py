@@ -98,9 +98,16 @@ def draw_crack_map(
         scale = _opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
         at = factor * np.reshape(places, (-1, 3))[:, ij]
-        look = {"ms": 4.5, "mfc": ("white", "#f4a259")[k % 2], "mec": "black", "mew": 0.8}
-        label = f"split by {kind} ({len(at)})"
-        axes.plot(*at.T, _MARKERS[k % len(_MARKERS)], zorder=4, label=label, **look)
+        axes.plot(
+            *at.T,
+            _MARKERS[k % len(_MARKERS)],
+            ms=4.5,
+            mfc=("white", "#f4a259")[k % 2],
+            mec="black",
+            mew=0.8,
+            zorder=4,
+            label=f"split by {kind} ({len(at)})",
+        )
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
     axes.set_xlabel(in_unit("xyz"[i], unit))
@@ -152,8 +159,16 @@ def _opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Frame]
 
     _, factor = shown(frames[0].coordinate_unit)
     limits = Normalize(factor * frames[0].coordinate, factor * frames[-1].coordinate)
-    look = {"linewidths": 4.0, "capstyle": "round", "zorder": 3}
-    return _add_lines(axes, segments, cmap=_COLORMAP, norm=limits, array=factor * opened, **look)
+    return _add_lines(
+        axes,
+        segments,
+        cmap=_COLORMAP,
+        norm=limits,
+        array=factor * opened,
+        linewidths=4.0,
+        capstyle="round",
+        zorder=3,
+    )
 
 
 def _add_lines(axes: Any, segments: Floats, **style: Any) -> Any:

@@ -126,8 +126,13 @@ def draw_curves(
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     heights = [one.height for one in diagrams[::columns]]
     alike = len({(one.x_name, one.x_unit) for one in diagrams}) == 1
-    shared = {"sharex": "col" if alike else "none", "squeeze": False, "height_ratios": heights}
-    every = figure.subplots(rows, columns, **shared).ravel()
+    every = figure.subplots(
+        rows,
+        columns,
+        sharex="col" if alike else "none",
+        squeeze=False,
+        height_ratios=heights,
+    ).ravel()
     for axes, diagram in zip(every, diagrams, strict=False):
         _draw(axes, diagram.shown())
         if alike:
@@ -165,8 +170,15 @@ def _draw(axes: Any, diagram: Diagram) -> None:
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     if len(named) > 1:  # above the diagram, because a curve may fill all its corners
-        where = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3}
-        axes.legend(title=diagram.title, alignment="left", frameon=False, fontsize="small", **where)
+        axes.legend(
+            title=diagram.title,
+            alignment="left",
+            frameon=False,
+            fontsize="small",
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=3,
+        )
     else:
         axes.set_title(diagram.title, loc="left")
 
