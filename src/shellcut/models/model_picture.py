@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, unit
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.checks import Sweep
 from shellcut.formats.errors import counted
 from shellcut.loads.film_motion import SeenFromFilm
@@ -207,7 +207,7 @@ def _draw_pull(view: _View, at: Floats, way: Floats) -> None:
         axes.annotate("", end, start, arrowprops=arrow, zorder=5)
         axes.update_datalim([end])
         return
-    toward_viewer = np.cross(np.eye(3)[view.i], np.eye(3)[view.j]) @ way > 0.0
+    toward_viewer = product(np.cross(np.eye(3)[view.i], np.eye(3)[view.j]), way) > 0.0
     mark = r"$\odot$" if toward_viewer else r"$\otimes$"
     axes.plot(*start, marker=mark, ms=13, mew=0.4, color=_PULL_COLOR, zorder=5)
 

@@ -11,7 +11,7 @@ from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.unit import LIBRARY_UNITS, shown, with_unit
 
-from . import curves, pictures, words
+from . import pictures, words
 from .error_bars import error_bars
 from .gathered import Gathered, gather
 from .page import made, or_say, write_page
@@ -89,9 +89,9 @@ def _sections(run: Gathered) -> dict[str, str]:
     resistance = run.resistance[0].capitalize() if run.results.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,
-        resistance: lambda: curves.resistance(run),
-        "Measured curve": lambda: curves.measured(run),
-        "Where the work went": lambda: curves.energy(run),
+        resistance: lambda: pictures.resistance(run),
+        "Measured curve": lambda: pictures.measured(run),
+        "Where the work went": lambda: pictures.energy(run),
         _TRUST: str,
         "Error bars": lambda: error_bars(run.error_bars),
         "The cut": lambda: pictures.snapshots(run),

@@ -97,17 +97,7 @@ def draw_crack_map(
     if len(segments[~before]):
         scale = _opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
-        at = factor * np.reshape(places, (-1, 3))[:, ij]
-        axes.plot(
-            *at.T,
-            _MARKERS[k % len(_MARKERS)],
-            ms=4.5,
-            mfc=("white", "#f4a259")[k % 2],
-            mec="black",
-            mew=0.8,
-            zorder=4,
-            label=f"split by {kind} ({len(at)})",
-        )
+        _mark(axes, factor * np.reshape(places, (-1, 3))[:, ij], f"split by {kind}", k)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
     axes.set_xlabel(in_unit("xyz"[i], unit))
@@ -175,6 +165,20 @@ def _add_lines(axes: Any, segments: Floats, **style: Any) -> Any:
     from matplotlib.collections import LineCollection
 
     return axes.add_collection(LineCollection(list(segments), **style))
+
+
+def _mark(axes: Any, at: Floats, what: str, k: int) -> None:
+    """Mark places, shape (n, 2), by the sign of a number."""
+    axes.plot(
+        *at.T,
+        _MARKERS[k % len(_MARKERS)],
+        ms=4.5,
+        mfc=("white", "#f4a259")[k % 2],
+        mec="black",
+        mew=0.8,
+        zorder=4,
+        label=f"{what} ({len(at)})",
+    )
 
 
 def plane_axes(reference: Floats) -> tuple[int, int, int]:
