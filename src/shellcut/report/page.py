@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import platform
 import string
 import time
 from collections.abc import Callable, Mapping
@@ -13,7 +14,7 @@ from typing import TypeVar
 from shellcut.files.whole_file import write_text
 from shellcut.scene_page.page import part, scene_scripts, scene_style
 
-from .markup import section
+from .markup import section, table
 
 CHART, SCENE = 'class="chart', 'class="scene3d"'
 """What a page with a chart, or with a scene, contains."""
@@ -79,3 +80,14 @@ def write_page(
         last=scene_scripts() if has_scene else "",
     )
     write_text(path, html, errors="backslashreplace")
+
+
+def versions() -> str:
+    """Return the versions of the packages that wrote the report."""
+    rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
+    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib"):
+        try:
+            rows.append((package, importlib.metadata.version(package)))
+        except importlib.metadata.PackageNotFoundError:
+            rows.append((package, "not installed"))
+    return table(rows) + '<p class="caption">In the installation that wrote this report.</p>'

@@ -1,22 +1,34 @@
-"""The report of a run: which sections it has, and what its lead says."""
+"""The report of a run: its sections, and those of words and tables themselves."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 
-from shellcut.files.file_list import target
-from shellcut.results.comparison import Comparison, compare
-from shellcut.results.measured_curve import MeasuredCurve
-from shellcut.unit import LIBRARY_UNITS, shown, with_unit
+import numpy as np
 
-from . import pictures, words
+from shellcut.files.file_list import target
+from shellcut.frame import Frame
+from shellcut.results.comparison import Comparison, compare
+from shellcut.results.cut_quality import LABELS, cut_quality
+from shellcut.results.cut_quality import UNITS as CUT_UNITS
+from shellcut.results.measured_curve import MeasuredCurve
+from shellcut.results.summary_figures import conclusion, key_figures
+from shellcut.results.verdict import Line, verdict
+from shellcut.unit import LIBRARY_UNITS, in_unit, shown, with_unit
+from shellcut.view import edge_length
+
+from . import pictures
 from .error_bars import error_bars
 from .gathered import Gathered, gather
-from .page import made, or_say, write_page
+from .markup import missing, sentences, table
+from .page import made, or_say, versions, write_page
 
 _CONCLUSION, _TRUST = "Conclusion", "What may be trusted"
+_NOTHING = 5e-4  # of lengths and areas over those of the whole, of angles [deg], of numbers
+_N_QUALITY = 5  # frames for which the quality of the cut is listed
 
 
 def report_run(
@@ -97,12 +109,70 @@ def _sections(run: Gathered) -> dict[str, str]:
         "The cut": lambda: pictures.snapshots(run),
         "In three dimensions": lambda: pictures.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
-        "Quality of the cut": lambda: words.quality(run),
-        "Figures": lambda: words.figures(run),
-        "What was run": lambda: words.what_was_run(run),
-        "Versions": words.versions,
+        "Quality of the cut": lambda: _quality(run),
+        "Figures": lambda: _figures(run),
+        "What was run": lambda: _what_was_run(run),
+        "Versions": versions,
     }
     sections = made(makers, run.problems)
     # Last, because they report the problems of the other sections.
-    sections[_CONCLUSION], sections[_TRUST] = words.judged(run, last)
+    sections[_CONCLUSION], sections[_TRUST] = _judged(run, last)
     return sections
+
+
+def _what_was_run(run: Gathered) -> str:
+    """Return the model file, or a sentence that there is none."""
+    if not run.model:
+        return missing("No used.toml: the model was built in Python, or the file was removed.")
+    return (
+        "<p>The model with all defaults filled in, as it ran (<code>used.toml</code>):</p>"
+        f"<details><summary>used.toml, {len(run.model.splitlines())} lines</summary>"
+        f"<pre>{escape(run.model)}</pre></details>"
+    )
+
+
+def _judged(run: Gathered, last: Frame | None) -> tuple[str, str]:
+    """Return the conclusion; the verdict with the list of missing data, doubts first."""
+    if "verdict" in run.results.summary:  # the run's own verdict
+        lines = [Line(**line) for line in run.results.summary["verdict"]]
+    else:
+        figures = run.figures
+        if last is not None:
+            figures = {"edge_length_mm": edge_length(last), **figures}
+        lines = verdict(figures)
+    told = [("doubt", "missing", problem) for problem in run.problems]
+    told += [(line.kind, line.word, line.text) for line in lines]
+    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told))
+    return f"<p>{escape(said)}</p>" if said else "", sentences(told)
+
+
+def _figures(run: Gathered) -> str:
+    """Return the summary as a table."""
+    rows = key_figures(run.figures)
+    half = -(-len(rows) // 2)
+    tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
+    return f'<div class="beside">{tables}</div>' if tables else ""
+
+
+def _quality(run: Gathered) -> str:
+    """Return the quality of the cut at a few frames."""
+    frames = run.frames(_N_QUALITY)
+    if not frames:
+        return missing("No figures of the cut: there are no frames.")
+    rows = [cut_quality(frame).figures() for frame in frames]
+    coordinate, (unit, along) = frames[0].coordinate_name, shown(frames[0].coordinate_unit)
+    # Give units once per row, so that the numbers fit beside each other on a phone.
+    head = [in_unit(f"at {coordinate}", unit), *(f"{along * f.coordinate:.3g}" for f in frames)]
+    # a 25th of the film: 5e-4 of that is nothing to be seen
+    part = 0.04 * float(np.linalg.norm(np.ptp(frames[0].reference, axis=0)))
+    least = {"mm": _NOTHING * part, "mm^2": _NOTHING * part * part}
+    lines = []
+    for name, label in LABELS.items():
+        unit, factor = shown(CUT_UNITS[name])
+        floor = least.get(CUT_UNITS[name], _NOTHING)
+        values = (factor * row[name] if abs(row[name]) >= floor else 0.0 for row in rows)
+        lines.append([in_unit(label, unit), *(f"{value:.3g}" for value in values)])
+    return table(lines, head) + (
+        '<p class="caption">Evaluated on the frames; cables are not film. A bridge is film between '
+        "two crack ends that face each other; the cut-out is the piece to be cut free.</p>"
+    )
