@@ -21,7 +21,7 @@ import scipy
 from shellcut import ErrorBar, read_model, sweep
 from shellcut.results.error_bars import PARTS, Run, error_bar
 from shellcut.results.summary_figures import with_unit
-from shellcut.study.companions import companions_of
+from shellcut.study.converge import companions_of
 from shellcut.view import Curve, Diagram, draw_curves
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -8,7 +8,7 @@ import pytest
 from opening_frame import RADIUS, opening_frame
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.view import Curve, Diagram, curves, draw_crack_map, draw_curves
-from shellcut.view.crack_map import crack_history, teeth_of, tooth_paths
+from shellcut.view.crack_map import crack_history, tooth_paths
 
 pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
 
@@ -55,19 +55,22 @@ PARTS = {
 )
 def test_torque_with_its_parts_and_others(tmp_path, figures, second, teeth):
     path = tmp_path / "torque.png"
-    diagram = resistance_diagram(PARTS | {"torque_tooth_2": second * TORQUE}, UNITS)
-    mean = Curve("mean", [143.6, 143.6], "mean", x=[27.44, 63.09])
-    diagram = dataclasses.replace(diagram, curves=[*diagram.curves, mean], title="opening")
+    figures_of_run = {"torque_plateau_Nmm": 143.6, "torque_plateau_half_width_Nmm": 0.5}
+    figures_of_run |= {"window_from_deg": 27.44, "window_to_deg": 63.09}
+    history = PARTS | {"torque_tooth_2": second * TORQUE}
+    diagram = resistance_diagram(history, UNITS, figures_of_run)
+    diagram = dataclasses.replace(diagram, title="opening")
     draw_curves(path, [diagram], dpi=50)
     assert path.stat().st_size > 1000
     (axes,) = figures[0].axes
     assert axes.get_xlabel() == "angle [°]"
     assert axes.get_ylabel() == "torque [N·mm]"
     parts = [*teeth, "from contact", "from cables at the edge", "total"]
-    assert labels(axes) == [*parts, "mean"]
+    mean = "mean over 27.4-63.1°: 143.6 ± 0.5 N·mm"
+    assert labels(axes) == [*parts, mean]
     assert axes.get_legend().get_title().get_text() == "opening"
     lines = {line.get_label(): line for line in axes.lines}
-    assert lines["mean"].get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
+    assert lines[mean].get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
     np.testing.assert_array_equal(lines["total"].get_ydata(), TORQUE)
     assert len({line.get_color() for line in axes.lines}) == len(axes.lines)
     np.testing.assert_allclose(lines["from contact"].get_ydata(), 0.05 * TORQUE, atol=1e-9)
@@ -130,12 +133,6 @@ def test_edges_are_dated_by_their_first_frame(frames):
     # 1e-4 mm is the rounding of a displacement of half a millimetre; edges are 0.9 mm long
     rounded = [blurred(frame, 1e-4, k) for k, frame in enumerate(frames)]
     np.testing.assert_array_equal(crack_history(rounded)[1], crack_history(frames)[1])
-
-
-def test_teeth_are_counted_in_the_order_of_their_segments(frames):
-    edges = frames[0].edge_points
-    np.testing.assert_array_equal(teeth_of(edges), np.repeat(np.arange(4), 12))
-    np.testing.assert_array_equal(teeth_of(edges[12:]), np.repeat(np.arange(3), 12))
 
 
 def test_teeth_go_through_the_film_along_the_circle(frames):

@@ -9,7 +9,7 @@ import scipy
 from shellcut import ErrorBars, read_model
 from shellcut.report.error_bars import error_bars
 from shellcut.results.error_bars import Run, error_bar, read_error_bars
-from shellcut.study.companions import companions_of
+from shellcut.study.converge import companions_of
 
 GIVEN = Run("as given", "", 1.0)
 COARSE, FINE = Run("coarser mesh", "mesh", 1.5), Run("finer mesh", "mesh", 2.0 / 3.0)

@@ -20,7 +20,7 @@ def test_blocks_of_a_packed_column_are_read_back(tmp_path, name):
     blocks = BLOCKS[name]
     with h5py.File(tmp_path / "a.h5", "w") as file:
         columns = Columns(file)
-        columns.create("data/rows", blocks[0].dtype, blocks[0].shape[1:], packed=True)
+        columns.create("data/rows", blocks[0].dtype, blocks[0].shape[1:], written="packed")
         begins = []
         for block in blocks:
             begins.append(columns.end("data/rows"))
@@ -36,7 +36,7 @@ def test_rows_and_plain_blocks_follow_each_other(tmp_path):
         columns = Columns(file)
         columns.create("time", np.float64)
         columns.create("pair", np.int64, (2,))
-        columns.create("offsets", np.int64, blocks=True)
+        columns.create("offsets", np.int64, written="blocks")
         for k in range(300):
             columns.write("time", columns.end("time"), np.array([0.1 * k]))
             columns.write("pair", columns.end("pair"), np.array([(k, -k)]))
@@ -52,7 +52,7 @@ def test_runs_of_equal_numbers_take_next_to_no_room(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         columns = Columns(file)
         for name, number in (("zero", 0.0), ("one", 1.0)):
-            columns.create(name, np.float32, (3,), packed=True)
+            columns.create(name, np.float32, (3,), written="packed")
             columns.write(name, 0, np.full((8192, 3), number, np.float32))
             assert file[name].id.get_storage_size() < 0.01 * 8192 * 12
 
@@ -61,7 +61,7 @@ def test_zeros_take_no_room_and_are_read_as_zeros(tmp_path):
     block = np.zeros((5000, 3), np.float32)
     with h5py.File(tmp_path / "a.h5", "w") as file:
         columns = Columns(file)
-        columns.create("x", np.float32, (3,), packed=True)
+        columns.create("x", np.float32, (3,), written="packed")
         columns.write("x", 0, block)
         columns.write("x", columns.end("x"), block + 7.0)
         assert file["x"].id.get_num_chunks() == 2  # of the second block
@@ -73,7 +73,7 @@ def test_zeros_take_no_room_and_are_read_as_zeros(tmp_path):
 def test_columns_of_an_older_file_go_on_after_a_cut(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         columns = Columns(file)
-        columns.create("x/packed", np.float32, packed=True)
+        columns.create("x/packed", np.float32, written="packed")
         columns.link("alias", "x/packed")
         for k in range(3):
             columns.write("x/packed", columns.end("x/packed"), np.full(10, k, np.float32))

@@ -81,7 +81,7 @@ def test_other_columns_and_foreign_files_are_refused(tmp_path):
         HistoryWriter(path, COLUMNS[:2], kept=Written(30, ""))
     path = tmp_path / "other.csv"
     path.write_text("a;b\n1;2\n")
-    with pytest.raises(ValueError, match="is not a history file"):
+    with pytest.raises(ValueError, match="line 1: must name the columns"):
         read_history(path)
     with HistoryWriter(path, COLUMNS) as history, pytest.raises(KeyError, match="torque"):
         history.append({"time": 0.0, "angle": 0.0, "torqe": 0.0})

@@ -18,9 +18,10 @@ from shellcut import (
     preview,
     trouser,
 )
+from shellcut.models import model_picture
+from shellcut.models.model_picture import edge_groups
 from shellcut.models.preview import ModelParts, preview_parts
 from shellcut.tool.shapes import tooth_ring
-from shellcut.view import model_picture
 
 
 def test_a_picture_of_both_poses_and_a_report(tmp_path):
@@ -126,7 +127,9 @@ def drawn(monkeypatch):
     views = []
     # The package has a function of the name.
     module = importlib.import_module("shellcut.models.preview")
-    monkeypatch.setattr(module, "draw_model", lambda view, *_, **__: views.append(view))
+    monkeypatch.setattr(
+        module, "draw_model", lambda parts, _, sweep, *__, **___: views.append((parts, sweep))
+    )
     return views
 
 
@@ -146,30 +149,28 @@ def test_cutting_edges_are_drawn_by_what_becomes_of_them(drawn, angle, label):
     # Teeth 2 mm high are through the film after 60.6 degrees of a pitch of 12 mm.
     case = opening_test("quick", tool=two_rings(), angle_deg=angle)
     report = preview(case.simulation, "never.png", time=case.duration)
-    (view,) = drawn
-    meeting, never = view.edges
-    assert label in meeting.label
-    assert never.label == "1 cutting edge never meets the film"
-    tool = case.simulation.tool
-    assert meeting.segments.tolist() == tool.edges[tool.edge_chain == 0].tolist()
-    assert never.segments.tolist() == tool.edges[tool.edge_chain == 1].tolist()
-    assert len({meeting.color, never.color}) == 2
-    radius = np.linalg.norm(view.way, axis=1)
+    ((parts, sweep),) = drawn
+    tool = parts.tool
+    labels, colors, edges = zip(*edge_groups(tool, sweep), strict=True)
+    assert label in labels[0]
+    assert labels[1] == "1 cutting edge never meets the film"
+    for k, mine in enumerate(edges):
+        assert mine.tolist() == tool.edges[tool.edge_chain == k].tolist()
+    assert len(set(colors)) == 2
+    radius = np.linalg.norm(sweep.place, axis=1)
     assert np.abs(radius - 9.4).max() < 1e-3  # chords of the edge
     assert "never: 2" in report
     assert "note: 1 of 2 cutting edges never meet the film: cutting edge 2" in report
 
 
-def test_of_a_model_that_is_refused_what_there_is_is_drawn(drawn):
+def test_of_a_model_that_is_refused_what_there_is_is_drawn(tmp_path):
     ring, mesh = tooth_ring(), opening_test("quick").simulation.mesh
-    assert preview_parts(ModelParts(tool=ring), "never.png").splitlines() == [
-        "tool   4 bodies, 4112 triangles, 4 cutting edges"
+    film, tool = tmp_path / "film.png", tmp_path / "tool.png"
+    assert preview_parts(ModelParts(tool=ring), tool).splitlines() == [
+        "tool   4 bodies, 4,112 triangles, 4 cutting edges, 23.09 mm"
     ]
-    assert preview_parts(ModelParts(mesh=mesh), "never.png").startswith("film   649 nodes")
-    tool_only, film_only = drawn
-    assert len(tool_only.nodes) == 0
-    assert len(tool_only.tool) == 1
-    assert len(film_only.tool) == 0
+    assert preview_parts(ModelParts(mesh=mesh), film).startswith("film   649 nodes")
+    assert all(picture.stat().st_size > 20_000 for picture in (film, tool))
     with pytest.raises(ValueError, match="neither film nor tool"):
         preview_parts(ModelParts(), "never.png")
 
@@ -177,7 +178,7 @@ def test_of_a_model_that_is_refused_what_there_is_is_drawn(drawn):
 def test_notch_and_supports_that_move_are_drawn(drawn):
     case = trouser(1.0, length=10.0, notch=3.0)
     preview(case.simulation, "never.png", time=case.duration)
-    (view,) = drawn
+    ((view, _),) = drawn
     assert np.abs(view.notch[:, :, 1:]).max() < 1e-12
     assert (view.notch[..., 0].min(), view.notch[..., 0].max()) == pytest.approx((0.0, 3.0))
     (up, up_way), (down, down_way) = view.pulls

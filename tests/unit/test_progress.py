@@ -158,7 +158,7 @@ def test_no_imbalance_is_said_before_there_is_work_to_compare_with():
 
 def test_a_start_says_film_tool_and_steps(sim):
     film, tool, cracks, shown, step = start_lines(sim, Resistance(sim.motion, 8e-5), 8e-5)
-    assert film.startswith(f"film   {sim.mesh.n_quad} quads with sides of ")
+    assert f"{sim.mesh.n_quad} quads with sides of " in film
     assert "1 body" in tool
     assert cracks == 'cracks along sides of quads only (fracture.path = "edges")'
     assert shown == "shown  force along (1, 0, 0), over the path"

@@ -18,6 +18,7 @@ from shellcut.command_line import main
 from shellcut.report import pictures, report_run
 from shellcut.report.chart import Axis, chart, panel
 from shellcut.report.gathered import gather
+from shellcut.report.page import SCENE
 from shellcut.results.run_curves import resistance_diagram
 from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.unit import showing
@@ -165,22 +166,69 @@ def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(out, tmp_pat
     assert re.search("<noscript>[^/]*needs JavaScript", page)
 
 
+def without(*names):
+    def change(folder):
+        for name in names:
+            (folder / name).unlink()
+
+    return change
+
+
+def with_texts(**texts):
+    def change(folder):
+        for name, text in texts.items():
+            (path,) = folder.glob(f"{name}.*")
+            path.write_text(text(path.read_text()) if callable(text) else text)
+
+    return change
+
+
+LOST = {
+    "the end": (without("summary.json", "splits.csv"), ["the run has not ended"], set()),
+    "the history": (without("history.csv"), ["history.csv is missing"], {"Force"}),
+    "the frames": (without("guillotine.vtkhdf"), ["NAME.vtkhdf; none there"], set()),
+    "all but the end": (
+        without("guillotine.vtkhdf", "history.csv", "used.toml"),
+        ["history.csv is missing", "NAME.vtkhdf; none there"],
+        {"Force"},
+    ),
+    "broken files": (
+        with_texts(guillotine="no HDF5", summary="{", history="time [s],path [mm]\n0.0,0.0\n"),
+        ["The frames cannot be shown", "The summary cannot be shown", "fewer than two rows"],
+        {"Force", "Conclusion", "Figures"},
+    ),
+    "no figures and half a row": (
+        with_texts(summary="[1, 2]", splits=lambda text: text[: len(text) // 2].rpartition(",")[0]),
+        ["The summary cannot be shown", "The splits cannot be shown"],
+        set(),
+    ),
+    "a column": (
+        with_texts(history=lambda text: text.replace("imbalance_rel [-]", "other [-]", 1)),
+        [
+            "The section &quot;Where the work went&quot; cannot be shown: the files contain no "
+            "&#x27;imbalance_rel"
+        ],
+        {"Where the work went"},
+    ),
+}
+"""What happens to the files of a run, what its report says of it, and which sections it lacks."""
+
+
 @pytest.mark.usefixtures("undrawn")
 class TestWhatIsMissing:
-    @pytest.mark.parametrize(
-        ("lost", "said"),
-        [
-            (["summary.json", "splits.csv"], "the run has not ended"),
-            (["history.csv"], "history.csv is missing"),
-            (["guillotine.vtkhdf"], "NAME.vtkhdf; none there"),
-            (["guillotine.vtkhdf", "history.csv", "used.toml"], "history.csv is missing"),
-        ],
-    )
-    def test_is_told_and_the_rest_is_there(self, out, tmp_path, lost, said):
-        page = report_run(copy_without(out, tmp_path, *lost)).read_text(encoding="utf-8")
-        assert any(said in text for kind, text in sentences(page) if kind == "doubt")
-        titles = Outline(page).titles
-        assert {"What may be trusted", "Versions", "Where the work went"} <= set(titles)
+    @pytest.mark.parametrize("case", LOST)
+    def test_is_told_and_costs_no_other_section(self, out, tmp_path, case):
+        change, said, titles = LOST[case]
+        folder = tmp_path / "copy"
+        shutil.copytree(out, folder)
+        change(folder)
+        page = report_run(folder).read_text(encoding="utf-8")
+        told = [text for kind, text in sentences(page) if kind == "doubt"]
+        for one in said:
+            assert sum(one in text for text in told) == 1, (one, told)
+        absent = {"Measured curve", *titles}
+        kept = [title for title in SECTIONS if title not in absent]
+        assert [title for title in Outline(page).titles if title != "Resistance"] == kept
 
     def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
         folders = out, copy_without(out, tmp_path, "summary.json")
@@ -194,47 +242,12 @@ class TestWhatIsMissing:
             assert f"There is no steady window, so there is no mean: {reason}." in page
         assert closes == [closes[0]] * 2
 
-    def test_a_broken_file_is_no_end(self, out, tmp_path):
-        folder = copy_without(out, tmp_path)
-        (folder / "guillotine.vtkhdf").write_bytes(b"no HDF5")
-        (folder / "summary.json").write_text("{")
-        (folder / "history.csv").write_text("time [s],path [mm]\n0.0,0.0\n")
-        page = report_run(folder).read_text(encoding="utf-8")
-        said = " ".join(text for kind, text in sentences(page) if kind == "doubt")
-        assert "The frames cannot be shown" in said
-        assert "fewer than two rows" in said
-
     def test_without_frames_the_verdict_is_still_that_of_the_run(self, out, tmp_path):
         folder = copy_without(out, tmp_path, "guillotine.vtkhdf")
         page = report_run(folder).read_text(encoding="utf-8")
         told = [text for _, text in sentences(page)]
         verdict = json.loads((out / "summary.json").read_text())["verdict"]
         assert {escape(line["text"]) for line in verdict} <= {*told}
-
-    def test_a_broken_summary_or_list_of_splits_costs_no_other_section(self, out, tmp_path):
-        folder = copy_without(out, tmp_path)
-        (folder / "summary.json").write_text("[1, 2]")
-        splits = (folder / "splits.csv").read_text()
-        (folder / "splits.csv").write_text(splits[: len(splits) // 2].rpartition(",")[0])
-        page = report_run(folder).read_text(encoding="utf-8")
-        said = " ".join(text for _, text in sentences(page))
-        assert "The summary cannot be shown" in said
-        assert "The splits cannot be shown" in said
-        assert "Force" in Outline(page).titles
-
-    def test_a_section_that_fails_costs_no_other(self, out, tmp_path):
-        folder = copy_without(out, tmp_path)
-        text = (folder / "history.csv").read_text()
-        (folder / "history.csv").write_text(text.replace("imbalance_rel [-]", "other [-]", 1))
-        page = report_run(folder).read_text(encoding="utf-8")
-        said = [text for _, text in sentences(page) if "cannot be shown" in text]
-        assert len(said) == 1
-        assert said[0].startswith(
-            "The section &quot;Where the work went&quot; cannot be shown: the files contain no "
-            "&#x27;imbalance_rel"
-        )
-        lost = {"Where the work went", "Measured curve"}
-        assert Outline(page).titles == [title for title in SECTIONS if title not in lost]
 
     def test_without_matplotlib_there_are_curves_but_no_map(self, out, tmp_path):
         folder = copy_without(out, tmp_path, *(f"snapshot_0{k}.png" for k in range(3)))
@@ -507,10 +520,10 @@ def test_a_large_run_has_fewer_frames_in_the_scene(out, monkeypatch):
     assert whole.endswith("</figure>\n")
     monkeypatch.setattr(pictures, "_LARGEST", round(0.6 * len(whole)))
     said = pictures.scene(gather(out))
-    assert pictures.MARK in said
+    assert SCENE in said
     assert said.endswith("a &amp; b&#x27; -o FILE.html</code> writes.</p>")
     monkeypatch.setattr(pictures, "_LARGEST", 3_000)
     said = pictures.scene(gather(out))
-    assert pictures.MARK not in said
+    assert SCENE not in said
     assert "No scene: 2 frames must fit" in said
     assert "<code>shellcut view" in said

@@ -1,4 +1,4 @@
-"""Scenes and movies."""
+"""Pictures and movies: the renderer's geometry, what a scene shows, fields and their scales."""
 
 import dataclasses
 import itertools
@@ -9,17 +9,23 @@ import numpy as np
 import pytest
 
 import shellcut
-from opening_frame import EDGE_COLOR, opening_frame
+from opening_frame import EDGE_COLOR, RADIUS, opening_frame
 from run_folder import write_run
+from shellcut import CohesiveLaw, guillotine
 from shellcut.command_line import main
+from shellcut.frame import Frame
+from shellcut.unit import showing
 from shellcut.view import Look, draw_movie, draw_scene, movie, progress, snapshot
-from shellcut.view.fields import at_corners, fields_of
-
-FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
-SIZE = (480, 320)
+from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
+from shellcut.view.fields import at_corners, field_limits, fields_of
+from shellcut.view.snapshot import close_camera, tooth_ball, whole_camera
 
 pillow = pytest.importorskip("PIL.Image", reason="needs shellcut[plot]")
 pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+
+FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
+SIZE = (480, 320)
+RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 def pixels(path):
@@ -28,7 +34,238 @@ def pixels(path):
 
 
 def near(image, color, tolerance=0.12):
+    """Return how many pixels have about a colour."""
     return int((np.abs(image - np.asarray(color)).max(axis=-1) < tolerance).sum())
+
+
+def membrane_only():
+    frame = opening_frame(0.0, n_side=6)
+    left_out = ("tool", "edge", "cable", "crack", "scalar")
+    names = [f.name for f in dataclasses.fields(Frame) if not f.name.startswith(left_out)]
+    return Frame(**{name: getattr(frame, name) for name in names})
+
+
+class TestCanvas:
+    def test_depth_is_that_of_the_plane_for_any_size_and_orientation(self):
+        rng = np.random.default_rng(5)
+        corners = rng.uniform(0.0, 1.0, size=(40, 3, 3)) * [60.0, 50.0, 9.0]
+        canvas = Canvas((50, 60))
+        canvas.draw(corners, RED)
+        # slow twin: every pixel against every triangle
+        y, x = np.divmod(np.arange(50 * 60), 60)
+        wanted = np.full(50 * 60, -np.inf)
+        for triangle in corners:
+            matrix = np.vstack((triangle[:, :2].T, np.ones(3)))
+            weight = np.linalg.solve(matrix, np.stack((x + 0.5, y + 0.5, np.ones(len(x)))))
+            inside = (weight >= 0.0).all(axis=0)
+            wanted[inside] = np.maximum(wanted[inside], (triangle[:, 2] @ weight)[inside])
+        # Round-off of single precision, of depths up to 9 pixels.
+        np.testing.assert_allclose(canvas.depth, wanted, rtol=0.0, atol=9.0 * 2.0**-23)
+
+    def test_values_run_from_corner_to_corner_and_light_follows_the_normal(self):
+        corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
+        greys = np.linspace(0.0, 1.0, 256)[:, None] * np.ones(3)
+        canvas = Canvas((40, 40))
+        canvas.draw(corners, greys, np.array([[0.0, 1.0, 0.5]]))
+        y, x = np.divmod(np.arange(40 * 40), 40)
+        wanted = ((x + 0.5) + 0.5 * (y + 0.5)) / 40.0  # slow twin: barycentric
+        seen = np.isfinite(canvas.depth)
+        assert seen.sum() > 700
+        np.testing.assert_allclose(canvas.color[seen, 0], wanted[seen], atol=0.5 / 255.0 + 1e-6)
+
+        def bright(normal):
+            lit = Canvas((40, 40))
+            normals = np.broadcast_to(np.asarray(normal, float), (1, 3, 3))
+            lit.draw(corners, 0.5 * np.ones(3), normals=normals)
+            return float(lit.color[0, 0])
+
+        aside = [0.3, -0.2, 0.9]
+        assert bright(3.0 * LAMP) > bright([0.0, 0.0, 1.0]) > bright(aside)
+        # The film has two sides alike; the length of a normal does not matter.
+        for factor in (-1.0, 7.0):
+            assert bright(factor * np.array(aside)) == pytest.approx(bright(aside), rel=1e-6)
+
+    def test_a_shadow_falls_where_the_lamp_does_not_see(self):
+        square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+        ground, lid = 10.0 * square, square + np.array([0.0, 0.0, 3.0])
+        camera = Camera(np.eye(3), np.zeros(3), 10.0, (200, 200))
+        lamp = Camera(view_axes(LAMP, np.array([0.0, 1.0, 0.0])), np.zeros(3), 10.0, (400, 400))
+        fan = np.array([[0, 1, 2], [0, 2, 3]])
+        canvas, seen = Canvas(camera.shape), Canvas(lamp.shape)
+        canvas.draw(camera.project(ground[fan]), np.ones(3))
+        for part in (ground, lid):
+            seen.draw(lamp.project(part[fan]), np.zeros(3))
+        canvas.darken(camera, lamp, seen)
+        y, x = np.divmod(np.arange(200 * 200), 200)
+        at = camera.points(np.stack((x + 0.5, y + 0.5, canvas.depth), axis=1))
+        # slow twin: where the ray to the lamp meets the plane of the lid
+        over = at + LAMP / LAMP[2] * 3.0
+        inside = np.abs(over[:, :2]).max(axis=1)
+        dark = canvas.color[:, 0] < 0.99
+        assert dark[inside < 0.5].all()
+        # The lid ends at 1; its soft rim is four pixels of 0.1 mm wide, drawn out by 1 / 0.66.
+        assert not dark[inside > 1.0 + 0.4 / LAMP[2]].any()
+        np.testing.assert_allclose(camera.project(at)[:, :2], np.stack((x + 0.5, y + 0.5), 1))
+
+    def test_a_layer_shows_only_in_front_unless_through(self):
+        sheet = np.array([[[0.0, 0, 0], [8, 0, 0], [0, 8, 0]]])
+        for offset, through, seen in ((1, False, 1), (-1, False, 0), (-1, True, 1)):
+            canvas, layer = Canvas((4, 4)), Canvas((4, 4))
+            canvas.draw(sheet, RED)
+            layer.draw(sheet + np.array([0, 0, offset]), BLUE)
+            canvas.blend(layer, 0.5, through=through)
+            np.testing.assert_allclose(canvas.color[0], 0.5 * (RED + BLUE) if seen else RED)
+
+    def test_lines_have_their_width_and_nothing_is_drawn_of_nothing(self):
+        canvas = Canvas((20, 40))
+        ends = np.array([[[5.0, 10.0, 0], [35, 10, 0]], [[20.0, 4, 0], [20, 4, 0]]])
+        canvas.draw_lines(ends, BLUE, 4.0)
+        drawn = np.isfinite(canvas.depth).reshape(20, 40)
+        assert drawn[:, 30].sum() == 4
+        assert drawn[2:6, 18:22].all()  # a segment without length is a dot
+        canvas = Canvas((4, 4))
+        canvas.draw(np.zeros((0, 3, 3)), RED)
+        canvas.draw_lines(np.zeros((0, 2, 3)), RED, 2.0)
+        canvas.draw(np.full((1, 3, 3), 99.0), RED)  # outside, and without area
+        assert np.isinf(canvas.depth).all()
+
+
+@pytest.mark.parametrize("toward", [(1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (0.0, 0.0, -2.0)])
+def test_camera_axes_are_a_right_handed_frame(toward):
+    axes = view_axes(np.array(toward), np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) > 0.0
+    np.testing.assert_allclose(axes[2], toward / np.linalg.norm(toward))
+
+
+def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
+    axes = view_axes(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    camera = Camera(axes, np.array([1.0, 2.0, 3.0]), 10.0, (80, 100))
+    at = camera.project(np.array([[1.0, 2, 3], [2.0, 2, 3], [1.0, 2, 4], [1.0, 1, 3]]))
+    np.testing.assert_allclose(at, [[50, 40, 0], [60, 40, 0], [50, 30, 0], [50, 40, 10]])
+
+
+@pytest.mark.parametrize("angle", [10.0, 30.0, 60.0])
+def test_the_close_camera_goes_with_the_tooth(angle):
+    frame = opening_frame(angle, n_side=20)
+    edge = frame.edge_points[:12]
+    whole = whole_camera([frame], (300, 400), Look())
+    camera = close_camera(frame, whole, (300, 400))
+    np.testing.assert_array_equal(camera.axes, whole.axes)
+    assert camera.scale > whole.scale
+    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
+    # most cables of this tooth, and its edge, are in the picture
+    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
+    shown = np.concatenate((edge, frame.cable_segments[near_tooth])).reshape(-1, 3)
+    at = camera.project(shown)[:, :2]
+    assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
+
+
+def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
+    path = tmp_path / "snap.png"
+    frame = opening_frame(45.0)
+    none = slice(0, 0)
+    uncut = dataclasses.replace(
+        frame,
+        cable_segments=frame.cable_segments[none],
+        cable_state=frame.cable_state[none],
+        cable_traction=frame.cable_traction[none],
+        cable_opening=frame.cable_opening[none],
+        tool_triangles=frame.tool_triangles[none],
+        tool_tooth=frame.tool_tooth[none],
+        crack_edges=frame.crack_edges[none],
+    )
+    counts = []
+    for shown in (frame, uncut):
+        draw_scene(path, shown, close_up=True, size=(800, 400))
+        image = pixels(path)
+        assert image.shape == (400, 800, 3)
+        right = image[50:350, 455:785]
+        orange, blue, flanks = (1.0, 0.55, 0.0), (0.0, 0.75, 1.0), (0.05, 0.05, 0.05)
+        colors = (orange, blue, EDGE_COLOR, flanks)
+        counts.append([near(right, color, 0.15) for color in colors])
+    drawn, missing = counts
+    # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)
+    assert drawn[0] > 200
+    assert drawn[1] > 10
+    assert min(drawn[2], missing[2]) > 40
+    assert drawn[3] > missing[3] + 80
+    assert missing[0] < 0.1 * drawn[0]  # yellow film
+    assert missing[1] == 0
+
+
+def test_a_membrane_alone_is_drawn_in_one_panel(tmp_path):
+    path = tmp_path / "snap.png"
+    draw_scene(path, membrane_only(), close_up=True, size=(360, 240))
+    assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
+
+
+def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
+    script = (
+        "import sys; sys.modules['matplotlib'] = None\n"
+        "import shellcut.view\n"
+        "try:\n"
+        "    shellcut.view.draw_curves('x.png', [])\n"
+        "except ImportError as error:\n"
+        "    print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
+    assert "pip install shellcut[plot]" in done.stdout
+
+
+@pytest.mark.parametrize("angle", [0.0, 45.0, 80.0])
+def test_the_close_up_holds_the_tooth_and_the_whole_holds_its_circle(angle):
+    frame = opening_frame(angle, n_side=10)
+    centre, radius = tooth_ball(frame)
+    tooth = frame.tool_points[frame.tool_triangles[frame.tool_tooth == 1]].reshape(-1, 3)
+    assert np.linalg.norm(tooth - centre, axis=1).max() < radius
+    # One scale for all pictures of a run.
+    assert radius == pytest.approx(tooth_ball(opening_frame(20.0, n_side=10))[1], rel=1e-6)
+    whole = whole_camera([frame], (300, 400), Look(), [(centre, radius)])
+    height, width = whole.shape
+    x, y, _ = whole.project(centre)
+    assert whole.scale * radius < min(x, y, width - x, height - y)
+
+
+@pytest.mark.parametrize("colormap", ["viridis", "inferno", "turbo"])
+def test_light_keeps_the_hue_of_the_map(colormap):
+    colors = Look(colormap=colormap).colors()
+    corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
+    rng = np.random.default_rng(3)
+    for color in colors[::16]:
+        canvas = Canvas((40, 40))
+        canvas.draw(corners, color, normals=rng.normal(size=(1, 3, 3)))
+        seen = canvas.color[np.isfinite(canvas.depth)]
+        assert seen.max() <= 1.0 + 1e-6
+        factor = seen @ color / (color @ color)
+        np.testing.assert_allclose(seen, factor[:, None] * color, atol=1e-6)
+        assert np.ptp(factor) > 0.05
+
+
+def test_what_cannot_be_written_or_read_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"ends with \.png, .*a page's with \.html; got 'a\.xyz'"):
+        draw_scene(tmp_path / "a.xyz", membrane_only())
+    with pytest.raises(ValueError, match=r"at least 160 x 160 pixels, got \(10, 10\)"):
+        draw_scene(tmp_path / "a.png", membrane_only(), size=(10, 10))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, monkeypatch):
+    ends = []
+    monkeypatch.setattr(
+        "shellcut.view.snapshot.add_color_bar",
+        lambda _figure, scale, _shown, _box, label: ends.append((*scale.get_clim(), label)),
+    )
+    strip = {"length": 6.0, "width": 4.0, "notch": 1.0, "travel": 0.2, "speed": 8000.0}
+    case = guillotine(1.0, **strip, law=CohesiveLaw(strength=12.0))
+    with showing("in, lbf"):
+        case.run(tmp_path / "run", n_snapshot=1, curves=False, progress=False)
+    low, high, label = ends[0]
+    assert low == 0.0
+    assert high == pytest.approx(12.0 * 145.0377, rel=1e-6)
+    assert label == "largest principal stress [lbf/in²]"
 
 
 def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
@@ -96,6 +333,26 @@ def test_smooth_colours_run_from_node_to_node_and_not_across_a_crack(of):
     np.testing.assert_allclose(
         flat[:, 0], values if of == "quad" else values[frame.quads].mean(axis=1)
     )
+
+
+def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames():
+    frame = opening_frame(30.0, n_side=10)
+    zero, stress = np.zeros(len(frame.quads)), frame.quad_principal[:, 0]
+    damage = fields_of(dataclasses.replace(frame, quad_history={"damage [-]": zero}))["damage"]
+    assert (damage.unit, damage.of) == ("-", "quad")
+    for arrays, sign, limits in (
+        ([zero], 0, (0.0, 1.0)),
+        ([np.array([]), np.array([])], 0, (0.0, 1.0)),
+        ([np.full(3, 5.0)], 0, (0.0, 5.0)),
+        ([np.full(4000, 1.0), np.append(np.zeros(4000), 1e3)], 1, (0.0, 1.0)),
+        ([np.array([-3.0, 0.1])], -1, (-3.0, 0.0)),
+        ([-stress], 1, (0.0, 1.0)),
+    ):
+        assert field_limits(arrays, sign) == limits
+    low, high = field_limits([stress], 1)
+    assert low == 0.0
+    assert high in (15.0, 20.0)
+    assert (stress <= high).mean() > 0.99
 
 
 def test_names_and_limits_of_fields():

@@ -20,7 +20,7 @@ from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page import page as page_module
 from shellcut.scene_page.packed_run import pack_ids, pack_numbers
 from shellcut.view import Look
-from shellcut.view.fields import at_corners, field_limits, fields_of
+from shellcut.view.fields import at_corners, fields_of
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
 CUT = 17  # a quad that is a pentagon in the last frame
@@ -201,21 +201,6 @@ class TestFile:
             assert page.is_file()
         page.unlink()
         assert shown == [page.resolve().as_uri()]
-
-
-def test_scales_enclose_nearly_all_numbers_of_all_frames():
-    frame = opening_frame(5.0, n_side=10)
-    zero = np.zeros(len(frame.quads))
-    damage = fields_of(dataclasses.replace(frame, quad_history={"damage [-]": zero}))["damage"]
-    assert (damage.unit, damage.of) == ("-", "quad")
-    for arrays, sign, limits in (
-        ([zero], 0, (0.0, 1.0)),
-        ([np.array([]), np.array([])], 0, (0.0, 1.0)),
-        ([np.full(3, 5.0)], 0, (0.0, 5.0)),
-        ([np.full(4000, 1.0), np.append(np.zeros(4000), 1e3)], 1, (0.0, 1.0)),
-        ([np.array([-3.0, 0.1])], -1, (-3.0, 0.0)),
-    ):
-        assert field_limits(arrays, sign) == limits
 
 
 @pytest.fixture(scope="module")

@@ -135,6 +135,14 @@ class TestWhatIsMissing:
         assert [one.key for one in read_folder(folder).figures] == ["torque_peak_Nmm"]
         assert "asks for the figure force_peak_N, which no run has" in page_of(folder)
 
+    def test_a_section_that_fails_costs_no_other(self, tmp_path):
+        folder = made(tmp_path / "s", THREE, n=4)
+        (folder / "error_bars.json").write_text("{")
+        page = page_of(folder)
+        assert "The section &quot;Error bars&quot; cannot be shown: " in page
+        lost = "Figures over factors"
+        assert Outline(page).titles == [title for title in SECTIONS if title != lost]
+
     def test_no_table_yet_and_a_measured_curve_which_is_for_runs(self, tmp_path, capsys):
         folder = made(tmp_path / "s", THREE, n=1)
         assert main(["report", str(folder), "--measured", "cap.csv"]) == 2

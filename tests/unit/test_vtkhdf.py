@@ -15,6 +15,7 @@ import shellcut
 from damaged.mutations import mutated
 from opening_frame import opening_frame
 from shellcut.frame import Frame
+from shellcut.results import vtkhdf
 from shellcut.results.frame_grid import (
     CABLE,
     CELL_ARRAYS,
@@ -60,6 +61,7 @@ def test_an_array_that_came_later_is_left_out_of_older_files(tmp_path, monkeypat
     with monkeypatch.context() as context:
         for module in ("frame_grid", "vtkhdf"):
             context.setattr(f"shellcut.results.{module}.CELL_ARRAYS", older)
+        context.delitem(vtkhdf._COLUMNS, f"CellData/{name}")
         write(tmp_path / "older.vtkhdf", [frame])
     assert_same(
         VtkHdfReader(tmp_path / "older.vtkhdf").frame(0),

@@ -24,6 +24,11 @@ class Finding:
     forcible: bool = False
     """Whether a refusal can be overridden, because the run may make sense to an expert."""
 
+    @property
+    def word(self) -> str:
+        """The word before it."""
+        return {REFUSE: "refused", DOUBT: "distrust", NOTE: "note"}[self.severity]
+
     def __str__(self) -> str:
         if not self.holds:
             return f"{self.came}; {self.remedy}"

@@ -4,62 +4,29 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, norm
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
-from shellcut.checks.finding import Finding
-from shellcut.formats.errors import counted
-from shellcut.loads.film_motion import SeenFromFilm
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import CLEARLY, MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.frame_capture import Exposure
-from shellcut.recording.status_line import crack_line, how_long
+from shellcut.recording.status_line import crack_line, film_line, how_long, tool_line
 from shellcut.simulation.simulation import Simulation
-from shellcut.tool.motion import Motion
-from shellcut.tool.pose_of_motion import pose_at
-from shellcut.tool.tool import Tool
-from shellcut.unit import shown, with_unit
-from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
+from shellcut.unit import shown
+
+from .model_picture import ModelParts, draw_model
+
+__all__ = ["ModelParts", "preview", "preview_parts"]
 
 # Memory of the program and of each quad (docs/performance.md) [MB].
 _PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
 
-# Poses on the way of the tool that is drawn.
-_ON_WAY = 60
-
-# Colours of the cutting edges: in the film until the end, leaving it, never in it.
-_STAYS, _LEAVES, _NEVER = "#c1121f", "#9d4edd", "#0077b6"
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ModelParts:
-    """Parts of a model; None for a part that could not be built."""
-
-    mesh: Mesh | None = None
-    held: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """Supported nodes."""
-    tool: Tool | None = None
-    motion: Motion | None = None
-    duration: float | None = None
-    """[s]"""
-    pulls: Sequence[tuple[Floats, Floats]] = ()
-    """Middle [mm] and direction of every support that moves."""
-    notch: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
-    """Where the film is cut, shape (n, 2, 3) [mm]."""
-
-    def sweep(self) -> Sweep | None:
-        """Return the path of the cutting edges, if all parts for it exist."""
-        if self.mesh is None or self.tool is None or self.motion is None or self.duration is None:
-            return None
-        if not self.tool.n_edge:
-            return None
-        return Sweep.of(self.mesh, self.tool, self.motion, self.duration)
+_N_TIME = 60  # at which the fastest moment of a support is looked for
 
 
 @checked
@@ -113,8 +80,9 @@ def preview(
         check = check_model(sim, time)
     sweep = check.sweep if check is not None else None
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
-    coordinate = {"coordinate": 0.0, "coordinate_name": "path", "coordinate_unit": "mm"}
-    film_now = Exposure.of(sim, **coordinate).frame()
+    film_now = Exposure.of(
+        sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm"
+    ).frame()
     parts = ModelParts(
         mesh=mesh,
         held=held,
@@ -129,7 +97,7 @@ def preview(
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), told=told)
     lines = [film, *_film_lines(mesh), *step_lines, *cost]
     lines += [*others, crack_line(sim), *_worst_lines(quality)]
-    lines += [said(finding) for finding in check.findings] if check is not None else []
+    lines += [f"{one.word}: {one}" for one in check.findings] if check is not None else []
     return "\n".join(lines)
 
 
@@ -141,12 +109,6 @@ def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
     return "\n".join(_draw(parts, path, parts.sweep(), np.zeros(0, np.int64), title))
 
 
-def said(finding: Finding) -> str:
-    """Return a finding as printed."""
-    word = {"refuse": "refused", "doubt": "distrust", "note": "note"}[finding.severity]
-    return f"{word}: {finding}"
-
-
 def _draw(
     parts: ModelParts,
     path: str | os.PathLike[str],
@@ -156,103 +118,27 @@ def _draw(
     told: Sequence[str] = (),
 ) -> list[str]:
     """Draw the parts, and what is told below them; return a list of them, one per line."""
-    mesh, tool = parts.mesh, parts.tool
-    poses, titles = _poses(parts)
     lines = []
-    if mesh is not None:
-        area = with_unit(mesh.quad_areas().sum(), "mm^2")
-        lines.append(
-            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {area}, {parts.held.size} nodes held"
-        )
-    if tool is not None:
-        lines.append(
-            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
-            f"{counted(tool.n_chain, 'cutting edge')}"
-        )
+    if parts.mesh is not None:
+        lines.append(film_line(parts.mesh, parts.held.size))
+    if parts.tool is not None:
+        lines.append(tool_line(parts.tool))
     if sweep is not None:
         lines.append(edge_line(sweep))
-    none = np.zeros((0, 3))
-    draw_model(
-        ModelView(
-            nodes=none if mesh is None else mesh.nodes,
-            quads=np.zeros((0, 4), np.int64) if mesh is None else np.asarray(mesh.quads, np.int64),
-            held=np.asarray(parts.held, np.int64),
-            worst=np.asarray(worst, np.int64),
-            tool=poses,
-            triangles=none.astype(np.int64) if tool is None else np.asarray(tool.triangles),
-            edges=[] if tool is None else list(_edge_groups(tool, sweep)),
-            way=none if sweep is None else sweep.place,
-            track=_track(parts),
-            titles=titles,
-            pulls=parts.pulls,
-            notch=parts.notch,
-        ),
-        path,
-        title=title,
-        caption="\n".join([*lines, *told]),
-    )
+    draw_model(parts, path, sweep, worst, title=title, caption="\n".join([*lines, *told]))
     return lines
-
-
-def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
-    """Return the tool's vertices at the start and, if there is one, at the end, and titles."""
-    tool, motion = parts.tool, parts.motion
-    if tool is None:
-        return [], ["t = 0 ms"]
-    if motion is None:
-        return [tool.vertices], ["the tool as given"]
-    poses, titles = [], []
-    for at in [0.0] if parts.duration is None else [0.0, parts.duration]:
-        poses.append(pose_at(motion, at).to_space(tool.vertices))
-        place, unit = motion.coordinate(at), motion.coordinate_unit
-        where = f"{np.degrees(place):.4g}°" if unit == "rad" else with_unit(place, unit)
-        seen = " as seen from the film" if isinstance(motion, SeenFromFilm) else ""
-        titles.append(f"t = {1e3 * at:.4g} ms, {where}{seen}")
-    return poses, titles
-
-
-def _track(parts: ModelParts) -> Floats:
-    """Return how the lowest end of the first cutting edge moves, shape (n, 3) [mm].
-
-    Of a tool without cutting edges, how its first vertex does.
-    """
-    tool, motion = parts.tool, parts.motion
-    if tool is None or motion is None or not parts.duration:
-        return np.zeros((0, 3))
-    poses = [pose_at(motion, at) for at in np.linspace(0.0, parts.duration, _ON_WAY)]
-    ids = np.unique(tool.edges[tool.edge_chain == 0]) if tool.n_edge else np.zeros(1, np.int64)
-    lowest = tool.vertices[[ids[np.argmin(poses[0].to_space(tool.vertices[ids])[:, 2])]]]
-    return np.concatenate([pose.to_space(lowest) for pose in poses])
 
 
 def _pulls(sim: Simulation, time: float) -> Iterator[tuple[Floats, Floats]]:
     """Yield the middle of each support that moves, and the velocity of its fastest moment."""
     supports: Sequence[Support] = sim.inputs["supports"]  # type: ignore[assignment]
-    times = np.linspace(0.0, time, _ON_WAY).tolist()
+    times = np.linspace(0.0, time, _N_TIME).tolist()
     for one in supports:
         rates = [one.velocity.get(axis) for axis in "xyz"]
         each = np.array([[rate(at) if rate else 0.0 for rate in rates] for at in times])
         fastest = each[np.argmax(norm(each))]
         if fastest.any():
             yield sim.mesh.nodes[choose_nodes(sim.mesh, one.nodes)].mean(axis=0), fastest
-
-
-def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
-    """Yield the cutting edges grouped by whether they stay in the film."""
-    if sweep is None:
-        yield EdgeGroup(counted(tool.n_chain, "cutting edge"), np.asarray(tool.edges), _STAYS)
-        return
-    groups = (
-        ("stay{} in the film to the end", _STAYS, [f.chain for f in sweep.fates if f.stays]),
-        ("leave{} the film", _LEAVES, [f.chain for f in sweep.fates if f.meets and not f.stays]),
-        ("never meet{} the film", _NEVER, [f.chain for f in sweep.fates if not f.meets]),
-    )
-    for what, color, chains in groups:
-        if chains:
-            mine = np.isin(tool.edge_chain, chains)
-            does = what.format("s" if len(chains) == 1 else "")
-            label = f"{counted(len(chains), 'cutting edge')} {does}"
-            yield EdgeGroup(label, np.asarray(tool.edges[mine]), color, dashed=color != _STAYS)
 
 
 def _film_lines(mesh: Mesh) -> Iterator[str]:

@@ -9,6 +9,8 @@ import numpy as np
 
 from shellcut.checks import Sweep, edge_line
 from shellcut.formats.errors import counted
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.tool import Tool
 from shellcut.unit import pretty, shown, with_unit
 from shellcut.view.progress import duration, percent
 
@@ -29,21 +31,10 @@ def start_lines(
     sim: Simulation, resistance: AnyResistance, until: float, sweep: Sweep | None = None
 ) -> Iterator[str]:
     """Yield lines on film, tool, cuts, time step and estimated run time up to ``until`` [s]."""
-    mesh, tool = sim.mesh, sim.tool
-    sides = mesh.edge_lengths()
-    unit, per = shown("mm")
-    held = int(sim.state.node.supported[: mesh.n_node].sum())
-    yield (
-        f"film   {mesh.n_quad:,} quads with sides of {per * sides.min():.3g} to "
-        f"{per * sides.max():.3g} {unit}, {mesh.n_node:,} nodes, {held:,} of them held, "
-        f"{per * sim.material.thickness:.3g} {unit} thick"
-    )
-    if tool is not None:
-        length = sum(chain.length for chain in tool.chains())
-        yield (
-            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle:,} triangles, "
-            f"{counted(tool.n_chain, 'cutting edge')}, {with_unit(length, 'mm')}"
-        )
+    held = int(sim.state.node.supported[: sim.mesh.n_node].sum())
+    yield f"{film_line(sim.mesh, held)}, {with_unit(sim.material.thickness, 'mm')} thick"
+    if sim.tool is not None:
+        yield tool_line(sim.tool)
     if sweep is not None:
         yield edge_line(sweep)
     yield crack_line(sim)
@@ -53,6 +44,25 @@ def start_lines(
         f"step   {sim.dt:.4g} s at first, so about {round(until / sim.dt, -2):,.0f} steps to "
         f"{r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)}, "
         f"{1e3 * until:.4g} ms; {how_long(sim, until)}"
+    )
+
+
+def film_line(mesh: Mesh, n_held: int) -> str:
+    """Say how large a film and its quads are, and how many of its nodes are held."""
+    sides, (unit, per) = mesh.edge_lengths(), shown("mm")
+    return (
+        f"film   {mesh.n_node:,} nodes, {mesh.n_quad:,} quads with sides of "
+        f"{per * sides.min():.3g} to {per * sides.max():.3g} {unit}, "
+        f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_held:,} nodes held"
+    )
+
+
+def tool_line(tool: Tool) -> str:
+    """Say of what a tool is made, and how long its cutting edges are."""
+    length = sum(chain.length for chain in tool.chains())
+    return (
+        f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle:,} triangles, "
+        f"{counted(tool.n_chain, 'cutting edge')}, {with_unit(length, 'mm')}"
     )
 
 

@@ -122,6 +122,14 @@ def panel(
     return _figure("chart small", titles, described, traces, layout)
 
 
+def ahead(x: Floats) -> Bools:
+    """Return which points of a coordinate lie beyond all before them, as a curve needs them.
+
+    A motion may rest, or reverse.
+    """
+    return np.asarray(x > np.maximum.accumulate(np.append(-np.inf, x[:-1])))
+
+
 def _trace(mode: str, x: Floats, y: Floats, digits: int = 8, **look: Any) -> dict[str, Any]:
     return {"mode": mode, "x": _rounded(x, 8), "y": _rounded(y, digits), **look}
 

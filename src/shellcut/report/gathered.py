@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SPLITS, SUMMARY, USED
@@ -18,7 +17,7 @@ from shellcut.results.run_results import Results, history_in, result_in, summary
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from shellcut.scene_page.page import spread
 
-T = TypeVar("T")
+from .page import or_say
 
 _SIGNS = (HISTORY, SUMMARY, USED)
 
@@ -106,15 +105,3 @@ def gather(folder: Path) -> Gathered:
             "the run up to its last record."
         )
     return run
-
-
-def or_say(problems: list[str], what: str, attempt: Callable[[], T]) -> T | None:
-    """Return the attempt's result; if it fails, add the reason to the problems."""
-    try:
-        return attempt()
-    except KeyError as error:
-        problems.append(f"The {what} cannot be shown: the files contain no {error}.")
-        return None
-    except (OSError, ValueError, IndexError) as error:
-        problems.append(f"The {what} cannot be shown: {error}.")
-        return None

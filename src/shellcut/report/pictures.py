@@ -1,24 +1,28 @@
-"""Sections with pictures: crack map, snapshots of the run, the run in three dimensions."""
+"""Sections with pictures: curves, crack map, snapshots, the run in three dimensions."""
 
 from __future__ import annotations
 
 import shlex
 import tempfile
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
+from shellcut.arrays import Bools
 from shellcut.card import image
 from shellcut.files import run_folder
+from shellcut.results.energy_account import account, trusted_rows
+from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
+from shellcut.results.summary_figures import said_of, window_of
 from shellcut.scene_page import packed_scene
-from shellcut.view import draw_crack_map
+from shellcut.unit import in_unit, pretty, with_unit
+from shellcut.view import Curve, Diagram, draw_crack_map
 
+from .chart import ahead, chart
 from .gathered import Gathered
-from .markup import missing
-
-MARK = 'class="scene3d"'
-"""What a page with a scene contains."""
+from .markup import missing, sentences, table
 
 _LARGEST = 15_000_000  # bytes that the scene may add to a report
 _N_MAP = 100  # frames read for the crack map
@@ -79,3 +83,93 @@ def scene(run: Gathered) -> str:
         return missing(f"No scene: {error}.") + f"<p>{command} writes a page with it alone.</p>"
     said = f"<p>Every frame is in the page that {command} writes.</p>" if packed.dropped else ""
     return packed.html + said
+
+
+def resistance(run: Gathered) -> str:
+    """Return torque (or force) over the coordinate of the motion."""
+    if not run.results.history:
+        return missing("No curve: the history is missing.")
+    diagram = resistance_diagram(run.results.history, run.results.units, run.figures)
+    found = run.measured
+    if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], diagram.name):
+        x, y = found.measured_curve
+        measured = Curve("measured", y, "measured", x=x)
+        diagram = replace(diagram, curves=[*diagram.curves, measured])
+    drawn = _chart(diagram, f"{diagram.name} over {diagram.x_name}")
+    return f'{drawn}<p class="caption">{escape(_said_of(run))}</p>'
+
+
+def _said_of(run: Gathered) -> str:
+    """Return the meaning of the resistance, and its steady mean."""
+    first, unit = run.resistance
+    figures = run.figures
+    said = []
+    if "resistance" in figures:
+        resists = "the tool" if "tool_work_Nmm" in figures else "the motion"
+        said.append(f"The curve is the {figures['resistance']}. Positive values resist {resists}.")
+    mean = f"{first}_plateau_{unit.replace('*', '')}"
+    if mean in figures:
+        shown = said_of(mean, figures)
+        said.append(f"The mean over the steady window, {window_of(figures)}, is {shown}.")
+    elif "no_window" in figures:
+        said.append(f"There is no steady window, so there is no mean: {figures['no_window']}.")
+    return " ".join(said)
+
+
+def measured(run: Gathered) -> str:
+    """Return the run compared with the measured curve; "" without one."""
+    found = run.measured
+    if found is None:
+        return ""
+    both, gap = found.diagrams()
+    drawn = chart(
+        both,
+        f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
+        f"their root-mean-square difference is {with_unit(found.rms, found.y_unit)}.",
+    ) + chart(gap, f"Curve: difference of simulated and measured {found.y_name}.", 170.0)
+    head = ("", "measured", "simulated", "difference")
+    return (
+        f'{drawn}<p class="caption">{escape(found.scope())}.</p>'
+        + table([(in_unit(row.name, row.unit), *row[2:]) for row in found.rows()], head)
+        + sentences(("note", "note", note) for note in found.notes)
+    )
+
+
+def energy(run: Gathered) -> str:
+    """Return the energy ledger: work put in, energies, and imbalance."""
+    h = run.results.history
+    if "tool_work" not in h:
+        return missing("No ledger: the history is missing.")
+    rows = [
+        (words, with_unit(energy, "N*mm"), f"{100.0 * share:.1f} %")
+        for lines in account(run.figures)
+        for words, energy, share in lines
+    ]
+    at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
+    ledger = at_end + _chart(energy_diagram(h, run.results.units), "energies and the work put in")
+    trusted = trusted_rows(h)
+    if trusted.sum() < 2:
+        return ledger
+    missed = imbalance_diagram(h, run.results.units)
+    start = with_unit(h[missed.x_name][trusted][0], run.coordinate[1])
+    missed = replace(missed, name=f"imbalance of the energies from {start} on")
+    return ledger + _chart(missed, "imbalance of the energies", 170.0, trusted)
+
+
+def _chart(
+    diagram: Diagram, of: str, height: float = 300.0, rows: Bools | slice = slice(None)
+) -> str:
+    diagram = diagram.shown()
+    x = np.asarray(diagram.x)[rows]
+    kept = ahead(x)
+    if kept.sum() < 2:
+        return missing(f"No curve of {diagram.name}: nothing has moved.")
+    unit = pretty(diagram.unit)
+    ends = [(curve.name, np.asarray(curve.values)[-1]) for curve in diagram.curves[-3:]]
+    last = ", ".join(f"{name} {end:.4g} {unit}" for name, end in ends)
+    curves = []
+    for c in diagram.curves:
+        finite = np.nan_to_num(c.values, posinf=0.0, neginf=0.0)
+        curves.append(replace(c, values=finite[rows][kept]) if c.x is None else c)
+    shown = replace(diagram, x=x[kept], curves=curves)
+    return chart(shown, f"Curve: {of}; at the end {last}.", height)

@@ -1,25 +1,34 @@
-"""Assemble the sections of the report into a page."""
+"""The report of a run: its sections, and those of words and tables themselves."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 
-from shellcut.files.file_list import target
-from shellcut.files.whole_file import write_text
-from shellcut.results.comparison import Comparison, compare
-from shellcut.results.measured_curve import MeasuredCurve
-from shellcut.scene_page import scene_scripts, scene_style
-from shellcut.unit import LIBRARY_UNITS, shown, with_unit
+import numpy as np
 
-from . import curves, pictures, words
+from shellcut.files.file_list import target
+from shellcut.frame import Frame
+from shellcut.results.comparison import Comparison, compare
+from shellcut.results.cut_quality import LABELS, cut_quality
+from shellcut.results.cut_quality import UNITS as CUT_UNITS
+from shellcut.results.measured_curve import MeasuredCurve
+from shellcut.results.summary_figures import conclusion, key_figures
+from shellcut.results.verdict import Line, verdict
+from shellcut.unit import LIBRARY_UNITS, in_unit, shown, with_unit
+from shellcut.view import edge_length
+
+from . import pictures
 from .error_bars import error_bars
-from .gathered import Gathered, gather, or_say
-from .markup import section
-from .page import page_of
+from .gathered import Gathered, gather
+from .markup import missing, sentences, table
+from .page import made, or_say, versions, write_page
 
 _CONCLUSION, _TRUST = "Conclusion", "What may be trusted"
+_NOTHING = 5e-4  # of lengths and areas over those of the whole, of angles [deg], of numbers
+_N_QUALITY = 5  # frames for which the quality of the cut is listed
 
 
 def report_run(
@@ -70,16 +79,8 @@ def report_run(
     out = target(path, run.results.folder / "report.html", inputs)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
-    body = _body(run)
-    html = page_of(
-        title=f"{run.results.name} - report of a run",
-        heading=run.results.name,
-        lead=_lead(run),
-        body=body,
-        style=scene_style(),
-        last=scene_scripts() if pictures.MARK in body else "",
-    )
-    write_text(out, html, errors="backslashreplace")
+    name, lead = run.results.name, _lead(run)
+    write_page(out, kind="run", name=name, lead=lead, sections=_sections(run))
     return out
 
 
@@ -95,28 +96,83 @@ def _lead(run: Gathered) -> str:
     return ", ".join(parts) + "." + (f" {kept}" if converted else "")
 
 
-def _body(run: Gathered) -> str:
+def _sections(run: Gathered) -> dict[str, str]:
     last = or_say(run.problems, "last frame", lambda: next(iter(run.frames(1)), None))
     resistance = run.resistance[0].capitalize() if run.results.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,
-        resistance: lambda: curves.resistance(run),
-        "Measured curve": lambda: curves.measured(run),
-        "Where the work went": lambda: curves.energy(run),
+        resistance: lambda: pictures.resistance(run),
+        "Measured curve": lambda: pictures.measured(run),
+        "Where the work went": lambda: pictures.energy(run),
         _TRUST: str,
         "Error bars": lambda: error_bars(run.error_bars),
         "The cut": lambda: pictures.snapshots(run),
         "In three dimensions": lambda: pictures.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
-        "Quality of the cut": lambda: words.quality(run),
-        "Figures": lambda: words.figures(run),
-        "What was run": lambda: words.what_was_run(run),
-        "Versions": words.versions,
+        "Quality of the cut": lambda: _quality(run),
+        "Figures": lambda: _figures(run),
+        "What was run": lambda: _what_was_run(run),
+        "Versions": versions,
     }
-    made = {
-        title: or_say(run.problems, f'section "{title}"', make) or ""
-        for title, make in makers.items()
-    }
+    sections = made(makers, run.problems)
     # Last, because they report the problems of the other sections.
-    made[_CONCLUSION], made[_TRUST] = words.judged(run, last)
-    return "".join(section(title, body) for title, body in made.items())
+    sections[_CONCLUSION], sections[_TRUST] = _judged(run, last)
+    return sections
+
+
+def _what_was_run(run: Gathered) -> str:
+    """Return the model file, or a sentence that there is none."""
+    if not run.model:
+        return missing("No used.toml: the model was built in Python, or the file was removed.")
+    return (
+        "<p>The model with all defaults filled in, as it ran (<code>used.toml</code>):</p>"
+        f"<details><summary>used.toml, {len(run.model.splitlines())} lines</summary>"
+        f"<pre>{escape(run.model)}</pre></details>"
+    )
+
+
+def _judged(run: Gathered, last: Frame | None) -> tuple[str, str]:
+    """Return the conclusion; the verdict with the list of missing data, doubts first."""
+    if "verdict" in run.results.summary:  # the run's own verdict
+        lines = [Line(**line) for line in run.results.summary["verdict"]]
+    else:
+        figures = run.figures
+        if last is not None:
+            figures = {"edge_length_mm": edge_length(last), **figures}
+        lines = verdict(figures)
+    told = [("doubt", "missing", problem) for problem in run.problems]
+    told += [(line.kind, line.word, line.text) for line in lines]
+    said = conclusion(run.figures, sum(kind == "doubt" for kind, *_ in told))
+    return f"<p>{escape(said)}</p>" if said else "", sentences(told)
+
+
+def _figures(run: Gathered) -> str:
+    """Return the summary as a table."""
+    rows = key_figures(run.figures)
+    half = -(-len(rows) // 2)
+    tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
+    return f'<div class="beside">{tables}</div>' if tables else ""
+
+
+def _quality(run: Gathered) -> str:
+    """Return the quality of the cut at a few frames."""
+    frames = run.frames(_N_QUALITY)
+    if not frames:
+        return missing("No figures of the cut: there are no frames.")
+    rows = [cut_quality(frame).figures() for frame in frames]
+    coordinate, (unit, along) = frames[0].coordinate_name, shown(frames[0].coordinate_unit)
+    # Give units once per row, so that the numbers fit beside each other on a phone.
+    head = [in_unit(f"at {coordinate}", unit), *(f"{along * f.coordinate:.3g}" for f in frames)]
+    # a 25th of the film: 5e-4 of that is nothing to be seen
+    part = 0.04 * float(np.linalg.norm(np.ptp(frames[0].reference, axis=0)))
+    least = {"mm": _NOTHING * part, "mm^2": _NOTHING * part * part}
+    lines = []
+    for name, label in LABELS.items():
+        unit, factor = shown(CUT_UNITS[name])
+        floor = least.get(CUT_UNITS[name], _NOTHING)
+        values = (factor * row[name] if abs(row[name]) >= floor else 0.0 for row in rows)
+        lines.append([in_unit(label, unit), *(f"{value:.3g}" for value in values)])
+    return table(lines, head) + (
+        '<p class="caption">Evaluated on the frames; cables are not film. A bridge is film between '
+        "two crack ends that face each other; the cut-out is the piece to be cut free.</p>"
+    )

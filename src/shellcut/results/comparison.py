@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_type_hints
@@ -217,6 +217,11 @@ class Comparison:
             If Matplotlib is not installed.
         """
         path = Path(path)
+        draw_curves(path, self.diagrams(), size=(9.0, 6.0))
+        return path
+
+    def diagrams(self) -> tuple[Diagram, Diagram]:
+        """Return both curves with their peaks, and their difference."""
 
         def peak(value: float, at: float) -> str:
             return f"peak {said(value, self.y_unit)} at {said(at, self.x_unit)}"
@@ -228,13 +233,18 @@ class Comparison:
         )
         both = [Curve(peaks[0], measured, "measured", x=x), Curve(peaks[1], simulated, x=own)]
         gap = [Curve("difference", self.simulated - self.measured, "contact")]
-        x_axis = self.x_name, self.x_unit
         upper = Diagram(
-            self.x, both, *x_axis, self.y_name, self.y_unit, title=self.name, height=3.0
+            self.x,
+            both,
+            self.x_name,
+            self.x_unit,
+            self.y_name,
+            self.y_unit,
+            title=self.name,
+            height=3.0,
         )
-        lower = Diagram(self.x, gap, *x_axis, "difference", self.y_unit)
-        draw_curves(path, [upper, lower], size=(9.0, 6.0))
-        return path
+        lower = replace(upper, curves=gap, name="difference", title="", height=1.0)
+        return upper, lower
 
 
 _FIGURES: dict[str, str] = {

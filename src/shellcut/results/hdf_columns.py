@@ -11,13 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import h5py
 import numpy as np
 
 _BLOCK_CHUNK = 4096  # rows; a frame of 2,604 quads has few chunks, a small one little padding
 _ROW_CHUNK = 128
+
+Written: TypeAlias = Literal["rows", "blocks", "packed"]
+"""How the rows of a column come: singly, or in blocks, which may be packed."""
 
 
 @dataclass
@@ -59,20 +62,20 @@ class Columns:
         name: str,
         dtype: Any,
         shape: tuple[int, ...] = (),
-        *,
-        blocks: bool = False,
-        packed: bool = False,
+        written: Written = "rows",
     ) -> None:
-        """Create an empty column with rows of a type and shape, written singly or in blocks."""
-        packing: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        """Create an empty column with rows of a type and shape."""
+        packed = written == "packed"
         dataset = self._root.create_dataset(
             name,
             (0, *shape),
             dtype,
             maxshape=(None, *shape),
-            chunks=(_BLOCK_CHUNK if blocks or packed else _ROW_CHUNK, *shape),
+            chunks=(_ROW_CHUNK if written == "rows" else _BLOCK_CHUNK, *shape),
+            compression="gzip" if packed else None,
+            compression_opts=1 if packed else None,
+            shuffle=packed,
             fletcher32=packed,
-            **(packing if packed else {}),
         )
         self._columns[name] = _Column.of(dataset)
 

@@ -13,7 +13,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -43,8 +43,13 @@ _OF_SPLITS: dict[str, tuple[str, type]] = {
     "depth": ("mm", float),
     "work": ("N*mm", float),
 }
-"""Unit and type of every column; x, y, z in space, X, Y, Z in the reference. The last four are
-those of a puncture: cutting edge from 1, 0 for none, and :class:`~shellcut.state.SplitRecord`."""
+"""Unit and type of every column of the splits; x, y, z in space, X, Y, Z in the reference. The last
+four are those of a puncture: cutting edge from 1, 0 for none, and
+:class:`~shellcut.state.SplitRecord`."""
+
+
+_Table: TypeAlias = tuple[dict[str, npt.NDArray[Any]], dict[str, str]]
+"""The columns of a file and their units, by name."""
 
 
 def _header(columns: Iterable[tuple[str, str]]) -> list[str]:
@@ -57,7 +62,7 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
         name, bracket, unit = cell.partition(" [")
         if not bracket or not unit.endswith("]"):
             raise ValueError(
-                f"{path} is not a history file: its header must be 'name [unit],...', "
+                f"{path}, line 1: must name the columns as 'name [unit],...', "
                 f"got {cell[:_SHOWN_BYTES]!r}"
             )
         columns.append((name, unit[:-1]))
@@ -222,22 +227,26 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
     return _parsed(read_regular(path), path)
 
 
-def _parsed(content: bytes, path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
-    """Return columns and units of :func:`read_history`."""
-    lines = in_one_form(content).decode(errors="backslashreplace").split("\n")
-    # After the last line break there is nothing, or an unfinished line.
-    header, rows = lines[0].rstrip("\r"), lines[1:-1]
+def _parsed(content: bytes, path: Path, kinds: Mapping[str, type] | None = None) -> _Table:
+    """Return the table in a file that a run appends to; numbers are floats.
+
+    Its last line may be unfinished. That of a file written at once, whose columns have ``kinds`` of
+    their own, is whole.
+    """
+    *lines, last = in_one_form(content).decode(errors="backslashreplace").split("\n")
+    if last and kinds is not None:
+        lines.append(last)
+    header, *rows = [line.rstrip("\r") for line in lines] or [last]
     columns = _parse_header(header, path)
     for i, row in enumerate(rows):
         n_cell = row.count(",") + 1
         if n_cell != len(columns):
-            wrong = f"must have {len(columns)} numbers, got {n_cell}"
-            raise ValueError(f"{path}, line {i + 2}: {wrong}")
+            raise ValueError(f"{path}, line {i + 2}: must have {len(columns)} cells, got {n_cell}")
     cells = zip(*(row.split(",") for row in rows), strict=True) if rows else [()] * len(columns)
-    values = {
-        name: _numbers(column, float, path, f"{name} [{unit}]")
-        for column, (name, unit) in zip(cells, columns, strict=True)
-    }
+    values = {}
+    for (name, unit), column in zip(columns, cells, strict=True):
+        kind = (kinds or {}).get(name, float)
+        values[name] = _numbers(column, kind, path, f"{name} [{unit}]")
     return values, dict(columns)
 
 
@@ -269,27 +278,12 @@ def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
             table.writerow([*row, s.edge + 1, s.force, s.depth, s.work])
 
 
-def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:
+def read_splits(path: Path) -> _Table:
     """Return the columns, each of shape (n_split,), and their units; empty without a file."""
     if not path.exists():
         return {}, {}
-    text = in_one_form(read_regular(path)).decode(errors="backslashreplace")
-    lines = text.splitlines()
-    header, *rows = csv.reader(lines or [""])
-    if missing := [name for name in _OF_SPLITS if name not in _names_in(header)]:
+    kinds = {name: kind for name, (_, kind) in _OF_SPLITS.items()}
+    columns, units = _parsed(read_regular(path), path, kinds)
+    if missing := [name for name in kinds if name not in columns]:
         raise ValueError(f"{path}, line 1: must name the columns of splits, lacks {missing[0]!r}")
-    for i, row in enumerate(rows):
-        if len(row) != len(header):
-            raise ValueError(f"{path}, line {i + 2}: must have {len(header)} cells, got {len(row)}")
-    columns: dict[str, npt.NDArray[Any]] = {}
-    units: dict[str, str] = {}
-    cells = zip(*rows, strict=True) if rows else [()] * len(header)
-    for heading, column in zip(header, cells, strict=True):
-        name, _, unit = heading.rstrip("]").partition(" [")
-        _, kind = _OF_SPLITS.get(name, ("", float))
-        columns[name], units[name] = _numbers(column, kind, path, heading), unit
     return columns, units
-
-
-def _names_in(header: Sequence[str]) -> list[str]:
-    return [heading.partition(" [")[0] for heading in header]

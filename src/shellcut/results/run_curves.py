@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from shellcut.arrays import Floats
 from shellcut.view.curves import Curve, Diagram
 
 from .energy_account import PUT_IN, energy_shares, total, trusted_rows
+from .summary_figures import said_of, window_of
 
 # A negative share up to this part of the largest is still drawn as an area: round-off and the half
 # step between work and energy cause it.
@@ -19,8 +21,15 @@ _NEGATIVE_SHARE = 0.01
 _ALIKE = 0.01
 
 
-def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
-    """Return torque or force over the coordinate: in total, in parts and of each tooth."""
+def resistance_diagram(
+    history: Mapping[str, Floats],
+    units: Mapping[str, str],
+    figures: Mapping[str, Any] | None = None,
+) -> Diagram:
+    """Return torque or force over the coordinate: in total, in parts and of each tooth.
+
+    With the figures of the run its mean over the steady window is drawn, if there is one.
+    """
     _, x, name, *_ = history
     teeth = [column for column in history if column.startswith(f"{name}_tooth_")]
     each = {f"tooth {c.rpartition('_')[2]}": history[c] for c in teeth if len(teeth) > 1}
@@ -38,6 +47,11 @@ def resistance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) 
             Curve("from cables at the edge", joints, "joints"),
         ]
     curves.append(Curve("total", history[name]))
+    mean = f"{name}_plateau_{units[name].replace('*', '')}"
+    if figures is not None and mean in figures:
+        label = f"mean over {window_of(figures)}: {said_of(mean, figures)}"
+        ends = [figures[f"window_{end}_{units[x]}"] for end in ("from", "to")]
+        curves.append(Curve(label, [figures[mean]] * 2, "mean", x=ends))
     return Diagram(history[x], curves, x, units[x], name, units[name])
 
 

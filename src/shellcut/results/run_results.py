@@ -29,13 +29,13 @@ from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, 
 from shellcut.formats.errors import counted
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
-from shellcut.view import Curve, Look, draw_curves, png_of
+from shellcut.view import Look, draw_curves, png_of
 
 from .cut_quality import UNITS, cut_quality
 from .history import read_history, read_splits
 from .run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from .steady_window import SteadyWindow, steady_figures, steady_window
-from .summary_figures import LABELS, key_figures, said_of, window_of
+from .summary_figures import LABELS, key_figures
 from .verdict import Line
 from .vtkhdf_reader import VtkHdfReader
 
@@ -194,17 +194,11 @@ class Results:
         ImportError
             If Matplotlib is not installed.
         """
-        name, unit, x_unit = self.resistance_name, self.resistance_unit, self.coordinate_unit
-        path = resistance_picture(self.folder, name) if path is None else Path(path)
-        diagram = resistance_diagram(self.history, self.units)
-        figures = steady_figures(self.history, (self.coordinate_name, x_unit), (name, unit))
-        name_of_mean = f"{name}_plateau_{unit.replace('*', '')}"
-        mean = figures.get(name_of_mean)
-        if mean is not None:
-            ends = [figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"]]
-            label = f"mean over {window_of(figures)}: {said_of(name_of_mean, figures)}"
-            plateau = Curve(label, [mean, mean], "mean", x=ends)
-            diagram = replace(diagram, curves=[*diagram.curves, plateau])
+        coordinate = self.coordinate_name, self.coordinate_unit
+        resistance = self.resistance_name, self.resistance_unit
+        path = resistance_picture(self.folder, resistance[0]) if path is None else Path(path)
+        figures = steady_figures(self.history, coordinate, resistance)
+        diagram = resistance_diagram(self.history, self.units, figures)
         draw_curves(path, [replace(diagram, title=self.name)])
         return path
 

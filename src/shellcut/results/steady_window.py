@@ -27,6 +27,7 @@ looked for, and the mean of their torque is up to 0.3 % too large.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -145,10 +146,15 @@ def steady_window(
     window that several runs have in common.
     """
     find = _torn if coordinate[0] == WAY else _cut
-    found = find(history, coordinate, between)
-    if isinstance(found, str):
-        return SteadyWindow(reason=found)
-    return _tested(history, coordinate, *found, from_start=between is None)
+    try:
+        cuts, first, last = find(history, coordinate, between)
+        return _tested(history, coordinate, cuts, first, last, from_start=between is None)
+    except _NoWindow as why:
+        return SteadyWindow(reason=str(why))
+
+
+class _NoWindow(Exception):
+    """There is no steady window; it says why."""
 
 
 def _tested(
@@ -170,22 +176,21 @@ def _tested(
     each = zip(done, cuts, strict=True)
     pieces, k = min((one / cut.zone, k) for k, (one, cut) in enumerate(each))
     if n_cosine(pieces) < LEAST:
-        return SteadyWindow(
-            reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
+        raise _NoWindow(
+            f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, in which "
             f"{cuts[k].name} cuts {done[k]:.3g} mm; a mean with its ± takes "
             f"{0.5 * LEAST * cuts[k].zone:.3g} mm, {0.5 * LEAST:g} process zones"
         )
     if not x[last] > x[first]:
-        return SteadyWindow(reason="the tool does not move along the film")
+        raise _NoWindow("the tool does not move along the film")
     change = change_in(way[rows], _resistance_sum(history)[rows], pieces)
     if change is None:
         return SteadyWindow(float(x[first]), float(x[last]), first, last, pieces)
     later = max(cut.after_zone(first) for cut in cuts)
     if from_start and change.at is not None and later < last and change.at <= way[later]:
-        rest = _tested(history, coordinate, cuts, later, last, from_start=False)
-        if rest:
-            return rest
-    return SteadyWindow(reason=_not_steady(change, coordinate, float(x[first]), float(x[last])))
+        with suppress(_NoWindow):
+            return _tested(history, coordinate, cuts, later, last, from_start=False)
+    raise _NoWindow(_not_steady(change, coordinate, float(x[first]), float(x[last])))
 
 
 def _not_steady(change: Change, coordinate: tuple[str, str], low: float, high: float) -> str:
@@ -218,17 +223,11 @@ def _within(x: Floats, between: Range | None) -> Bools:
     return np.asarray((x >= low) & (x <= high))
 
 
-_Found: TypeAlias = "tuple[list[_Cut], int, int] | str"
-"""The cuts, the first and the last row of a window, or why there is none."""
-
-
 def _cut(
     history: Mapping[str, Floats], coordinate: tuple[str, str], between: Range | None
-) -> _Found:
-    """Return where the cut of a tool could be steady."""
+) -> tuple[list[_Cut], int, int]:
+    """Return the cuts, and the first and last row in which those of a tool could be steady."""
     cuts = _cuts(history)
-    if isinstance(cuts, str):
-        return cuts
     name, unit = coordinate
     x, time = history[name], history["time"]
     renewed = np.all([cut.renewed for cut in cuts], axis=0)
@@ -237,7 +236,7 @@ def _cut(
     good = renewed & free & cutting & _up_to_speed(x, time) & _within(x, between)
     first, last = _longest(x, good)
     if first < 0:
-        return _why_none(cuts, x, unit, renewed, free)
+        raise _NoWindow(_why_none(cuts, x, unit, renewed, free))
     if between is None:
         within = [c.joints[(c.joints >= first) & (c.joints <= last)] for c in cuts]
         joints = min(within, key=lambda one: one[:1].tolist() or [last + 1])
@@ -247,19 +246,19 @@ def _cut(
 
 def _torn(
     history: Mapping[str, Floats], coordinate: tuple[str, str], between: Range | None
-) -> _Found:
-    """Return where the tear of a film without a tool could be steady."""
+) -> tuple[list[_Cut], int, int]:
+    """Return the same for the tear of a film without a tool."""
     crack, broken = history["crack_length"], history["cables_broken"] > 0.0
     if not crack[-1] > 0.0:
-        return "nothing was torn"
+        raise _NoWindow("nothing was torn")
     if not broken.any():
-        return "no cable has broken"
+        raise _NoWindow("no cable has broken")
     nothing = np.zeros(len(crack))
     tear = _Cut(0, crack, nothing, nothing, float(crack[np.argmax(broken)]))
     full = broken & (crack >= _TORN * crack[-1]) & _within(history[coordinate[0]], between)
     rows = tear.joints[full[tear.joints]] if between is None else np.flatnonzero(full)
     if not len(rows):
-        return "the crack did not grow"
+        raise _NoWindow("the crack did not grow")
     return [tear], int(rows[0]), int(rows[-1])
 
 
@@ -321,14 +320,14 @@ class _Cut:
         return np.asarray(goes_on & (self.spare > _ROUND_OFF * self.length[-1]))
 
 
-def _cuts(history: Mapping[str, Floats]) -> list[_Cut] | str:
-    """Return the cuts to consider, or why there are none."""
+def _cuts(history: Mapping[str, Floats]) -> list[_Cut]:
+    """Return the cuts to consider."""
     edges = [name.removeprefix(CUT_LENGTH) for name in history if name.startswith(CUT_LENGTH)]
     if not edges:
-        return "the history lacks the cut length of each cutting edge"
+        raise _NoWindow("the history lacks the cut length of each cutting edge")
     longest = max(float(history[CUT_LENGTH + edge].max(initial=0.0)) for edge in edges)
     if longest == 0.0:
-        return "no cable was bent around a cutting edge"
+        raise _NoWindow("no cable was bent around a cutting edge")
     cuts = []
     for edge in edges:
         length = history[CUT_LENGTH + edge]

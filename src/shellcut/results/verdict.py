@@ -142,7 +142,8 @@ def _remedies(figures: Figures, *names: str) -> str:
     texts = []
     for text, is_left in (_REMEDIES[name] for name in names):
         with suppress(KeyError, TypeError):  # an option that is not there, or None
-            texts += [text] * bool(is_left(options))
+            if is_left(options):
+                texts.append(text)
     if not texts:
         return ""
     *others, last = texts
@@ -387,8 +388,10 @@ def distrusted_figures(figures: Figures) -> tuple[str, ...]:
 def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
         why = "the tool never touched the film" if never_touched(figures) else "no cable was made"
-        where = " Use shellcut preview to see the path of the cutting edges."
-        yield Line("doubt", f"Nothing was cut: {why}.{where * _is_of_a_tool(figures)}")
+        where = ""
+        if _is_of_a_tool(figures):
+            where = " Use shellcut preview to see the path of the cutting edges."
+        yield Line("doubt", f"Nothing was cut: {why}.{where}")
 
 
 def _off_path(figures: Figures) -> Iterator[Line]:

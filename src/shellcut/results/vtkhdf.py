@@ -42,7 +42,7 @@ from .frame_digest import (
     digest_of_row,
 )
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
-from .hdf_columns import Columns
+from .hdf_columns import Columns, Written
 
 _VERSION = (2, 3)
 _TIME = "time [s]"
@@ -57,6 +57,32 @@ _OF_CELLS = "PartOffsets", "NumberOfParts", "CellOffsets", "ConnectivityIdOffset
 _CELL_DATA_OFFSETS = "CellDataOffsets/part"
 _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
+
+_COLUMNS: dict[str, tuple[Any, tuple[int, ...], Written]] = {
+    **dict.fromkeys(SIZES, (np.int64, (), "rows")),
+    # Not packed: this column cannot start on a new chunk, see above.
+    "Offsets": (np.int64, (), "blocks"),
+    "Connectivity": (np.int64, (), "packed"),
+    "Types": (np.uint8, (), "packed"),
+    "Points": (np.float32, (3,), "packed"),
+    "Steps/Values": (np.float64, (), "rows"),
+    "Steps/PartOffsets": (np.int64, (), "rows"),
+    "Steps/NumberOfParts": (np.int64, (), "rows"),
+    "Steps/PointOffsets": (np.int64, (), "rows"),
+    f"Steps/{_CELL_DATA_OFFSETS}": (np.int64, (), "rows"),
+    "Steps/CellOffsets": (np.int64, (1,), "rows"),
+    "Steps/ConnectivityIdOffsets": (np.int64, (1,), "rows"),
+    **{f"PointData/{name}": (*kind, "packed") for name, kind in POINT_ARRAYS.items()},
+    **{f"CellData/{name}": (*kind, "packed") for name, kind in CELL_ARRAYS.items()},
+}
+"""Columns of every file: type and shape of a row, and how rows come."""
+
+_BESIDE: dict[str, tuple[Any, tuple[int, ...]]] = {
+    "counts": (np.int64, (len(Counts._fields),)),
+    "pose": (np.float64, (12,)),
+    DIGESTS: (np.uint32, (2,)),
+}
+"""Type and shape of the rows beside VTK's own."""
 
 
 class VtkHdfWriter:
@@ -212,27 +238,13 @@ class VtkHdfWriter:
         self._beside = Columns(self._file.create_group(BESIDE))
         self._file[BESIDE].attrs["version"] = version("shellcut")
         self._file[BESIDE].attrs[ENDED] = np.int64(NOT_ENDED)
-        self._beside.create("counts", np.int64, (len(Counts._fields),))
-        self._beside.create("pose", np.float64, (12,))
-        self._beside.create(DIGESTS, np.uint32, (2,))
-        create = self._columns.create
-        for name in SIZES:
-            create(name, np.int64)
-        # Not packed: this column cannot start on a new chunk, see above.
-        create("Offsets", np.int64, blocks=True)
-        create("Connectivity", np.int64, packed=True)
-        create("Types", np.uint8, packed=True)
-        create("Points", np.float32, (3,), packed=True)
-        create("Steps/Values", np.float64)
-        for name in ("PartOffsets", "NumberOfParts", "PointOffsets", _CELL_DATA_OFFSETS):
-            create(f"Steps/{name}", np.int64)
-        for name in ("CellOffsets", "ConnectivityIdOffsets"):
-            create(f"Steps/{name}", np.int64, (1,))
-        for name, (dtype, shape) in POINT_ARRAYS.items():
-            create(f"PointData/{name}", dtype, shape, packed=True)
+        for name, (dtype, shape) in _BESIDE.items():
+            self._beside.create(name, dtype, shape)
+        for name, (dtype, shape, written) in _COLUMNS.items():
+            self._columns.create(name, dtype, shape, written)
+        for name in POINT_ARRAYS:
             self._columns.link(f"Steps/PointDataOffsets/{name}", "Steps/PointOffsets")
-        for name, (dtype, shape) in CELL_ARRAYS.items():
-            create(f"CellData/{name}", dtype, shape, packed=True)
+        for name in CELL_ARRAYS:
             offsets = f"Steps/{_CELL_DATA_OFFSETS}"
             self._columns.link(f"Steps/CellDataOffsets/{name}", offsets)
         self._count(0)
@@ -242,7 +254,7 @@ class VtkHdfWriter:
         create, link = self._columns.create, self._columns.link
         begun = filter(is_history, self._root["CellData"])  # by a run that was killed
         for name in sorted(of_material - {*begun}):
-            create(f"CellData/{name}", np.float32, packed=True)
+            create(f"CellData/{name}", np.float32, written="packed")
             link(f"Steps/CellDataOffsets/{name}", f"Steps/{_CELL_DATA_OFFSETS}")
         create(f"Steps/{_SERIES_OFFSETS}", np.int64)
         create(f"Steps/{_SERIES_SIZES}", np.int64, (2,))
@@ -258,9 +270,7 @@ class VtkHdfWriter:
         )
 
     def _open_old(self) -> None:
-        arrays = [f"VTKHDF/PointData/{name}" for name in POINT_ARRAYS]
-        arrays += [f"VTKHDF/CellData/{name}" for name in CELL_ARRAYS]
-        if not is_ours(self._file) or not all(name in self._file for name in arrays):
+        if not is_ours(self._file) or not all(name in self._file["VTKHDF"] for name in _COLUMNS):
             raise ValueError(
                 f"{self.path} was not written by shellcut, or by an older version; move it away or "
                 "start anew"

@@ -22,6 +22,7 @@ from shellcut.view.fields import fields_of
 
 from .packed_run import as_json, packed
 
+_ROOM = "shellcut.scene_page"
 _SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
 _LOOK = Look()
 _MB = 1_000_000
@@ -108,10 +109,10 @@ def view_html(
     scripts = scene_scripts()
     scene = packed_scene(results, frames, _LARGEST - len(scripts), look)
     dropped = f" ({scene.dropped})" if scene.dropped else ""
-    html = string.Template(_part("page.html")).substitute(
+    html = string.Template(part(_ROOM, "page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
-        style=_part("page.css") + scene_style(),
+        style=part(_ROOM, "page.css") + scene_style(),
         scene=scene.html,
         scripts=scripts,
         footer=escape(
@@ -159,14 +160,14 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
 
 def scene_style() -> str:
     """Return the style sheet of a scene."""
-    return _part("scene.css")
+    return part(_ROOM, "scene.css")
 
 
 @functools.cache
 def scene_scripts() -> str:
     """Return the script elements of a scene: three.js with its licence, and ours."""
-    licence, library = _part("three/LICENSE"), _part("three/three.min.js")
-    own = "\n".join(map(_part, _SCRIPTS))
+    licence, library = part(_ROOM, "three/LICENSE"), part(_ROOM, "three/three.min.js")
+    own = "\n".join(part(_ROOM, name) for name in _SCRIPTS)
     return (
         f"<script>\n/*\n{licence}*/\n{library}\n</script>\n"
         f'<script>\n(() => {{\n"use strict";\n{own}}})();\n</script>'
@@ -192,7 +193,7 @@ def _figure(described: Mapping[str, Any], data: Mapping[str, str]) -> str:
         f'<script type="text/plain" data-table="{name}">{text}</script>'
         for name, text in data.items()
     )
-    return string.Template(_part("scene.html")).substitute(
+    return string.Template(part(_ROOM, "scene.html")).substitute(
         content=as_json(described), tables=tables
     )
 
@@ -202,5 +203,6 @@ def _size(n_byte: float) -> str:
     return f"{n_byte / _MB:.{digits}f} MB"
 
 
-def _part(name: str) -> str:
-    return (importlib.resources.files(__package__) / name).read_text(encoding="utf-8")
+def part(room: str, name: str) -> str:
+    """Return the text of a file beside the modules of a room."""
+    return (importlib.resources.files(room) / name).read_text(encoding="utf-8")

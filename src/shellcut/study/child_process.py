@@ -8,9 +8,10 @@ that takes it makes the step wait: runs of 600 quads took a third longer than in
 own. So the worker hands a run to a child and waits for its outcome; the child is kept for the next
 run, and ends with the thread that it belongs to.
 
-``multiprocessing`` starts no child of a Dask worker, whose process is a daemon, and its pools break
-where one process dies. Here tasks and outcomes go through the child's standard streams, whose end
-tells it that the worker has died.
+No pool does this. ``concurrent.futures``, loky and pebble start their processes by
+``multiprocessing``, which starts no child of a Dask worker, whose process is a daemon; and where
+one process dies, all runs of the first two are lost. Here tasks and outcomes go through the child's
+standard streams, whose end tells it that the worker has died.
 """
 
 from __future__ import annotations

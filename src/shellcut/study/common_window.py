@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from shellcut.results.run_results import history_in
-from shellcut.results.steady_window import Range, steady_figures
+from shellcut.results.steady_window import Range, SteadyWindow, steady_figures
 
 from .one_run import Outcome
 
@@ -47,7 +47,8 @@ class CommonWindow:
             for number, ends in own.items():
                 figures = found.get(number)
                 if figures is None:
-                    said = f"the mean is over its own window, {_said(ends, unit)}: {why}"
+                    own_window = SteadyWindow(*ends).text(unit)
+                    said = f"the mean is over its own window, {own_window}: {why}"
                     figures = {NOT_COMMON: said}
                 figures = {**outcomes[number].figures, **figures}
                 common[number] = replace(outcomes[number], figures=figures)
@@ -65,10 +66,8 @@ class CommonWindow:
                 self._found[number] = between, self._read(number, between)
             found[number] = self._found[number][1]
             if why := found[number].get("no_window"):
-                return (
-                    {},
-                    f"in that of all runs, {_said(between, unit)}, run {number} has none, {why}",
-                )
+                common = SteadyWindow(*between).text(unit)
+                return {}, f"in that of all runs, {common}, run {number} has none, {why}"
         return found, ""
 
     def _read(self, number: int, between: Range) -> dict[str, Any]:
@@ -77,7 +76,3 @@ class CommonWindow:
             return {"no_window": "its history is missing"}
         _, x, resistance, *_ = history
         return steady_figures(history, (x, units[x]), (resistance, units[resistance]), between)
-
-
-def _said(ends: Range, unit: str) -> str:
-    return f"{ends[0]:.3g} to {ends[1]:.3g} {unit}"

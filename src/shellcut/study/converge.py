@@ -1,24 +1,52 @@
-"""Error bars of a model: its companion runs as a study, and what follows from them."""
+"""Error bars of a model: its companion runs as a study, and what follows from them.
+
+Companions are the model on other meshes, slower, and from other small shapes of its film;
+docs/howto/converge.md lists them. Each sets a few keys of the model file otherwise, so all of them
+are a study with one factor.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from shellcut.files.file_list import claim, folder_named
-from shellcut.model_file import read_model
-from shellcut.results.error_bars import ERROR_BARS, PICTURE, ErrorBars, error_bar
+from shellcut.model_file import Model, read_model
+from shellcut.results.error_bars import (
+    CHANCE,
+    ERROR_BARS,
+    GIVEN,
+    MESH,
+    PICTURE,
+    SPEED,
+    ErrorBars,
+    Run,
+    error_bar,
+)
 from shellcut.results.steady_window import half_width_of
 from shellcut.results.summary_figures import known_figure
 from shellcut.view import can_draw, draw_curves
 
 from .common_window import NOT_COMMON
-from .companions import companions_of
 from .engines import AnyExecutor, Say, engine_of
 from .one_run import Outcome
 from .plan import FEW_FILES, Definition
 from .report.studied import of_interest
 from .study import run_study
+
+_RATIO, _SLOWER = 1.5, 2.0
+
+_AROUND = {"quick": 72, "M1": 152, "M2": 276}
+"""Nodes on the path, of the discs of the opening test."""
+
+_ANOTHER = 0.95
+"""Size of another mesh about as fine over that of the model, where a mesher makes it."""
+
+_TURN = 1.8
+"""By which teeth are turned where the nodes under them are not known [deg]."""
+
+Settings = Mapping[str, object]
 
 
 def converge(
@@ -102,3 +130,131 @@ def converge(
         size = 7.0, 0.6 + 2.6 * len(bars)
         draw_curves(folder / PICTURE, [found.diagram(bar) for bar in bars], size=size)
     return found
+
+
+def companions_of(
+    model: Model, finer: float = _RATIO, slower: float = _SLOWER
+) -> tuple[dict[Run, Settings], dict[str, list[str]]]:
+    """Return the runs, the model as given first, with what each sets: all the same keys.
+
+    And by the part of the error bar, why it is missing or weak. ``finer`` and ``slower`` are the
+    ratios of the finer mesh and of the slower motion.
+    """
+    runs: dict[Run, Settings] = {Run("as given", GIVEN, 1.0): {}}
+    missing: dict[str, list[str]] = {}
+    try:
+        runs |= _meshes(model, finer)
+    except ValueError as reason:
+        missing[MESH] = [str(reason)]
+    if moved := _moved(model):
+        runs[Run("nodes moved", CHANCE, 1.0)] = moved
+    else:
+        missing[CHANCE] = ["there is no mesh as fine with its nodes elsewhere under the path"]
+    try:
+        runs[Run("slower", SPEED, 1.0)] = _slower(model, slower)
+    except ValueError as reason:
+        missing[SPEED] = [str(reason)]
+    shape = model.head.imperfection
+    if shape is None:
+        shape = int("tool" in model.sections and model.sections["tool"].kind != "bar")
+    for k in (shape + 1, shape + 2):
+        runs[Run(f"shape {k}", CHANCE, 1.0)] = {"imperfection": k}
+    places = {key: key.rpartition(".") for keys in runs.values() for key in keys}
+    given: dict[str, object] = {
+        key: (model.sections[title] if title else model.head).values[name]
+        for key, (title, _, name) in places.items()
+    }
+    given["imperfection"] = shape
+    return {run: {**given, **keys} for run, keys in runs.items()}, missing
+
+
+def _meshes(model: Model, finer: float) -> dict[Run, Settings]:
+    """Return a coarser and a finer mesh; ValueError has the reason if there is neither."""
+    film = model.sections["membrane"]
+    if film.kind == "opening":
+        n = _AROUND[film.mesh]
+        near = sorted(_AROUND, key=lambda name: abs(_AROUND[name] - n))[1:]
+        names = near if film.mesh != "quick" else near[:1]
+        return {Run(f"mesh {m}", MESH, n / _AROUND[m]): {"membrane.mesh": m} for m in names}
+    if not {"n_side", "n_x"} & {*film.values} and film.values.get("size") is None:
+        why = "shellcut cannot remesh a file; run your own coarser and finer file"
+        if film.kind != "file":
+            why = "the mesher chose the size; give membrane.size"
+        raise ValueError(f"left out, because {why}")
+    found = {"coarser mesh": _mesh(model, 1.0 / _RATIO), "finer mesh": _mesh(model, finer)}
+    return {Run(name, MESH, h): keys for name, (h, keys) in found.items() if h != 1.0}
+
+
+def _mesh(model: Model, factor: float) -> tuple[float, Settings]:
+    """Return the same for a mesh of about so many times as many rows."""
+    film = model.sections["membrane"]
+    if film.kind == "disc":
+        n, m = film.n_side, _scaled(film.n_side, factor)
+        layers = {"membrane.n_layer": max(1, round(film.n_layer * m / n))} if film.n_layer else {}
+        return n / m, {"membrane.n_side": m, **layers}
+    if (rows := _rows(model)) is not None:
+        m_x, m_y = (_scaled(n, factor) for n in rows)
+        return rows[1] / m_y, _of_rows(model, m_x, m_y)
+    return 1.0 / factor, {"membrane.size": film.size / factor}
+
+
+def _moved(model: Model) -> Settings:
+    """Return the keys of a mesh as fine with other nodes under the path; none if there is none."""
+    film, tool = model.sections["membrane"], model.sections.get("tool")
+    if tool is not None and tool.kind == "teeth":
+        around = _AROUND.get(film.values.get("mesh", ""), 4 * film.values.get("n_side", 0))
+        turn = 180.0 / around if around else _TURN
+        return {"tool.phase_deg": tool.phase_deg + turn}
+    if (rows := _rows(model)) is not None:
+        keys = _of_rows(model, rows[0] + 1, rows[1], along=True)
+        return keys if _rows(model, keys.get("membrane.size"))[1] == rows[1] else {}
+    return {"membrane.size": _ANOTHER * film.size} if film.values.get("size") else {}
+
+
+def _rows(model: Model, size: Any = None) -> Any:
+    """Return the quads along and across a sheet, of another size if given; None for other films."""
+    film = model.sections["membrane"]
+    if film.kind not in ("strip", "rectangle") or "band" in film.values:
+        return None
+    if (size := size or film.size) is None:
+        return film.n_x, film.n_y
+    return round(film.length / size), round(film.width / size)
+
+
+def _of_rows(model: Model, n_x: int, n_y: int, *, along: bool = False) -> Settings:
+    """Return the keys of so many rows; of a size those across decide, or those along."""
+    film = model.sections["membrane"]
+    if film.size is None:
+        return {"membrane.n_x": n_x, "membrane.n_y": n_y}
+    return {"membrane.size": film.length / n_x if along else film.width / n_y}
+
+
+def _scaled(n: int, factor: float) -> int:
+    """Return a number of rows about so many times as large, even or odd like it, 1 or more."""
+    scaled = n + 2 * round(0.5 * n * (factor - 1.0))
+    return scaled if scaled > 0 else n
+
+
+def _slower(model: Model, times: float) -> Settings:
+    """Return the keys of a slower motion. Raises ValueError with the reason if there is none."""
+    limit, v = model.head.quasi_static, model.sections["motion"].values
+    # A limit of the energy goes with the square of the speed, whatever moves.
+    paced = {} if limit is None else {"quasi_static": limit / times**2}
+    if why := _why_fixed(model):
+        if not paced:
+            raise ValueError(f"{why}, so no run is slower")
+        return paced
+    longer = {f"motion.{name}": v[name] * times for name in ("duration", "ramp") if v.get(name)}
+    return paced | longer | ({"motion.speed": v["speed"] / times} if "speed" in v else {})
+
+
+def _why_fixed(model: Model) -> str:
+    """Return why the speed of a model cannot be another; "" if it can."""
+    if model.sections["motion"].kind == "table":
+        return "the motion is a table of times"
+    changing = [one for several in model.lists.values() for one in several]
+    if any(one.values.get(name) for one in changing for name in ("ramp", "velocity", "spin")):
+        return "loads or supports change in time"
+    if any(one.values.get("rate") for one in model.all_sections()):
+        return "the film's law depends on the rate"
+    return ""

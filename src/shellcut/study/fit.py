@@ -23,10 +23,10 @@ from shellcut.recording.resistance import resistance_of
 from .curve_misfit import FitCurve, read_curves
 from .engines import AnyExecutor, Say, engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
-from .fit_runs import FitRuns, OutOfRuns
+from .fit_runs import Done, FitRuns, OutOfRuns
 from .free_parameters import FreeParameters
 from .plan import sought
-from .study import taken
+from .study import run_values, taken
 
 Method = Literal["local", "global"]
 
@@ -121,8 +121,13 @@ def fit(
     case = variants.read({}).build()
     measured = read_curves(curves, resistance_of(case.simulation, case.duration))
     engine, folder = engine_of(executor), folder_named(out)
+
+    def run(several: Sequence[Mapping[str, object]]) -> Done:
+        done = run_values(variants, several, folder, engine, say)
+        return [(outcome, one.folder(folder)) for one, outcome in done]
+
     with taken(folder, [FIT, PICTURE]):
-        runs = FitRuns(variants, parameters, measured, folder, engine, search.max_runs, say)
+        runs = FitRuns(parameters, measured, run, search.max_runs)
         runs.begin()
         try:
             (_locally if search.method == "local" else _globally)(runs)
@@ -172,7 +177,8 @@ def _globally(runs: FitRuns) -> None:
     points = [np.zeros(low.size), *(low + cube * (high - low))]
     runs.several(points)
     while True:
-        tried, missed = runs.tried()
+        tried = np.array(list(runs.tried))
+        missed = np.array([one.residuals for one in runs.tried.values()])
         surface = scipy.interpolate.RBFInterpolator(tried, missed, kernel="thin_plate_spline")
         found = scipy.optimize.differential_evolution(
             lambda logs, s=surface: float(np.sum(s(logs[None])[0] ** 2)),

@@ -137,8 +137,8 @@ class FitResult:
 def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     """Return the result of all runs, with the derivatives of the residuals and why they ended."""
     best = runs.best()
-    missed, comparisons = runs.at(best)
-    start, at_start = runs.at(np.zeros(best.size))
+    found, at_start = runs.at(best), runs.at(np.zeros(best.size))
+    missed, comparisons, start = found.residuals, found.comparisons, at_start.residuals
     n_curve = len(comparisons)
     covariance, nu = covariance_of(slopes, missed, [correlations(one) for one in comparisons])
     spread = np.sqrt(np.diag(covariance))
@@ -162,7 +162,7 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
         n_run=runs.n_run,
         notes=tuple(notes),
         comparisons=comparisons,
-        at_start=at_start,
+        at_start=at_start.comparisons,
         settings=tuple(curve.settings for curve in runs.curves),
     )
 
@@ -213,10 +213,10 @@ def _judged(
             )
         if min(best[k] - low[k], high[k] - best[k]) < 1e-3:
             notes.append(f"{one.key} lies at a bound, {one.value:.4g} {one.unit}: widen it")
-    here, n_doubted = runs.doubts(best)
-    notes += [f"distrust, at the fitted values: {doubt}" for doubt in here]
-    if n_doubted:
-        notes.append(f"the verdict distrusts {n_doubted} of {len(runs.tried()[0])} sets of values")
-    if runs.failures:
-        notes.append(f"{len(runs.failures)} sets of values could not be run: {runs.failures[0]}")
+    tried = runs.tried.values()
+    notes += [f"distrust, at the fitted values: {doubt}" for doubt in runs.at(best).doubts]
+    if n_doubted := sum(bool(one.doubts) for one in tried):
+        notes.append(f"the verdict distrusts {n_doubted} of {len(tried)} sets of values")
+    if failures := [one.failure for one in tried if one.failure]:
+        notes.append(f"{len(failures)} sets of values could not be run: {failures[0]}")
     return notes

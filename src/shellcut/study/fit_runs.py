@@ -2,42 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.model_file.reader import ModelVariants
 from shellcut.results.comparison import Comparison
 
 from .curve_misfit import FitCurve, compared, nothing_simulated, residuals, window_of
-from .engines import Engine, Say
 from .free_parameters import FreeParameters
 from .one_run import Outcome
-from .study import run_values
+
+Done: TypeAlias = Sequence[tuple[Outcome, Path]]
+"""How runs ended, and their folders."""
 
 
 class OutOfRuns(Exception):
     """The runs that a fit may take are used up."""
 
 
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """What the runs of a set of parameters gave."""
+
+    residuals: Floats
+    comparisons: list[Comparison]
+    """Those of the start, for a set that could not be run."""
+    doubts: tuple[str, ...] = ()
+    """What the verdicts of its runs distrust."""
+    failure: str = ""
+    """Why it could not be run."""
+
+
 class FitRuns:
-    """Residuals of the measured curves at sets of parameters, from ``most`` runs in a folder."""
+    """Residuals of the measured curves at sets of parameters, from ``most`` runs.
+
+    ``run`` carries out runs with these values by key.
+    """
 
     def __init__(
         self,
-        variants: ModelVariants,
         parameters: FreeParameters,
         curves: tuple[FitCurve, ...],
-        folder: Path,
-        engine: Engine,
+        run: Callable[[Sequence[Mapping[str, object]]], Done],
         most: int,
-        say: Say,
     ) -> None:
         self.parameters, self.curves = parameters, curves
-        self._variants, self._folder, self._engine = variants, folder, engine
-        self._most, self._say = most, say
+        self._carry_out, self._most = run, most
         # Curves of the same settings share a run.
         texts = [repr(sorted(curve.settings.items())) for curve in curves]
         several = {text: dict(curve.settings) for text, curve in zip(texts, curves, strict=True)}
@@ -46,12 +60,10 @@ class FitRuns:
         # Of each curve; every run is compared at the points of the first one.
         self._windows: list[float] = []
         self._points: list[Floats] = []
-        self._known: dict[tuple[float, ...], tuple[Floats, list[Comparison]]] = {}
+        self.tried: dict[tuple[float, ...], Tried] = {}
+        """By the set of parameters, the start first."""
         self.n_run = 0
         """Runs so far, those found done included."""
-        self.failures: list[str] = []
-        """Why runs failed."""
-        self._doubts: dict[tuple[float, ...], list[str]] = {}
 
     @property
     def left(self) -> int:
@@ -76,7 +88,7 @@ class FitRuns:
                 problems.append(str(problem))
         if problems:
             raise ValueError("\n".join(problems))
-        self._take(start, done)
+        self.tried[_key(start)] = self._compared(done)
 
     def residuals(self, logs: Floats) -> Floats:
         """Return the residuals at one set of parameters."""
@@ -87,20 +99,19 @@ class FitRuns:
 
         Raises OutOfRuns if there are not as many runs left, unless ``beyond`` says not to mind.
         """
-        new = [p for p in {_key(p): p for p in points}.values() if _key(p) not in self._known]
+        keys = [_key(point) for point in points]
+        new = {key: p for key, p in zip(keys, points, strict=True) if key not in self.tried}
         if new and not beyond and self.left < len(new):
             raise OutOfRuns
-        valued = []
-        for point in new:
+        valued = {}
+        for key, point in new.items():
             try:
-                valued.append((point, self.parameters.values(point.tolist())))
+                valued[key] = self.parameters.values(point.tolist())
             except ValueError as problem:
-                self._fail(point, str(problem))
-        if valued:
-            runs = self._run([values for _, values in valued])
-            for (point, _), done in zip(valued, runs, strict=True):
-                self._take(point, done)
-        return [self._known[_key(point)][0] for point in points]
+                self.tried[key] = self._failed(str(problem))
+        for key, done in zip(valued, self._run(list(valued.values())), strict=True):
+            self.tried[key] = self._compared(done)
+        return [self.tried[key].residuals for key in keys]
 
     def slopes(self, logs: Floats, step: float, *, beyond: bool = False) -> Floats:
         """Return the derivatives of the residuals by differences, shape (n_point, n_varied)."""
@@ -113,56 +124,43 @@ class FitRuns:
         each = enumerate(zip(there, points, strict=True))
         return np.column_stack([(far - here) / (p[k] - logs[k]) for k, (far, p) in each])
 
-    def tried(self) -> tuple[Floats, Floats]:
-        """Return all sets of parameters tried, and their residuals, a row each."""
-        return np.array(list(self._known)), np.array([r for r, _ in self._known.values()])
-
     def best(self) -> Floats:
         """Return the set with the least misfit."""
-        points, missed = self.tried()
-        return np.asarray(points[np.argmin((missed**2).sum(axis=1))])
+        squares = {key: float((one.residuals**2).sum()) for key, one in self.tried.items()}
+        return np.array(min(squares, key=lambda key: squares[key]))
 
-    def at(self, logs: Floats) -> tuple[Floats, list[Comparison]]:
-        """Return residuals and comparisons of a set that has been run."""
-        return self._known[_key(logs)]
+    def at(self, logs: Floats) -> Tried:
+        """Return what a set that has been run gave."""
+        return self.tried[_key(logs)]
 
-    def doubts(self, logs: Floats) -> tuple[list[str], int]:
-        """Return what verdicts distrust at a set that has been run, and at how many sets any do."""
-        return self._doubts.get(_key(logs), []), len(self._doubts)
-
-    def _run(self, values: Sequence[dict[str, float]]) -> list[list[tuple[Outcome, Path]]]:
+    def _run(self, values: Sequence[Mapping[str, float]]) -> list[Done]:
         """Run sets of values with all settings; return outcome and folder by set and setting."""
         combined = [{**settings, **one} for one in values for settings in self._settings]
-        done = run_values(self._variants, combined, self._folder, self._engine, self._say)
+        done = self._carry_out(combined) if combined else ()
         self.n_run += len(done)
-        each = [(outcome, run.folder(self._folder)) for run, outcome in done]
         n = len(self._settings)
-        return [each[k : k + n] for k in range(0, len(each), n)]
+        return [done[k : k + n] for k in range(0, len(done), n)]
 
-    def _take(self, point: Floats, done: Sequence[tuple[Outcome, Path]]) -> None:
-        """Keep the residuals of a set of runs."""
-        failed = [one.reason or one.status for one, _ in done if one.status != "done"]
-        if failed:
-            self._fail(point, failed[0])
-            return
+    def _compared(self, done: Done) -> Tried:
+        """Return what the runs of a set gave."""
+        for one, _ in done:
+            if one.status != "done":
+                return self._failed(one.reason or one.status)
         each = zip(self.curves, self._run_of, self._windows, self._points, strict=True)
         try:
-            comparisons = [
+            found = [
                 compared(done[which][1], curve, window, points)
                 for curve, which, window, points in each
             ]
         except ValueError as problem:  # a run that ended early
-            self._fail(point, str(problem))
-            return
-        self._known[_key(point)] = residuals(comparisons), comparisons
-        if doubts := [doubt for one, _ in done for doubt in one.doubts]:
-            self._doubts[_key(point)] = doubts
+            return self._failed(str(problem))
+        doubts = tuple(doubt for one, _ in done for doubt in one.doubts)
+        return Tried(residuals(found), found, doubts)
 
-    def _fail(self, point: Floats, reason: str) -> None:
-        """Give a set that cannot be run a misfit that the fit turns away from."""
-        self.failures.append(reason)
-        _, comparisons = next(iter(self._known.values()))
-        self._known[_key(point)] = nothing_simulated(comparisons), comparisons
+    def _failed(self, reason: str) -> Tried:
+        """Return a misfit that the fit turns away from, of a set that cannot be run."""
+        comparisons = next(iter(self.tried.values())).comparisons
+        return Tried(nothing_simulated(comparisons), comparisons, failure=reason)
 
 
 def _key(logs: Floats) -> tuple[float, ...]:

@@ -56,7 +56,9 @@ def _row(
     if outcome is None:
         return [run.number, *inputs, "waits", *[""] * len(figures), run.key, ""]
     given = [outcome.figures.get(name, "") for name in figures]
-    reasons = [outcome.reason] * bool(outcome.reason) + [f"distrust: {d}" for d in outcome.doubts]
+    reasons = [f"distrust: {doubt}" for doubt in outcome.doubts]
+    if outcome.reason:
+        reasons.insert(0, outcome.reason)
     if lacks_mean := outcome.figures.get("no_window"):
         reasons.append(f"no steady window: {lacks_mean}")
     if own_mean := outcome.figures.get(NOT_COMMON):

@@ -213,8 +213,14 @@ def show(axes: Any, image: Floats, across: float) -> None:
     to = x + length / across * width
     axes.plot([x, to], [y, y], color="white", lw=4.5)
     axes.plot([x, to], [y, y], color="black", lw=2.5, solid_capstyle="butt")
-    text = {"ha": "center", "va": "bottom", "bbox": PAPER}
-    axes.text(0.5 * (x + to), y - 0.02 * height, f"{length:g} {unit}", **text)
+    axes.text(
+        0.5 * (x + to),
+        y - 0.02 * height,
+        f"{length:g} {unit}",
+        ha="center",
+        va="bottom",
+        bbox=PAPER,
+    )
 
 
 def color_scale(look: Look, limits: tuple[float, float]) -> Any:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats
 from shellcut.frame import Frame, sides_of
-from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 from shellcut.unit import in_unit, shown, with_unit
 
 from ._figure import new_figure, save
@@ -94,12 +93,11 @@ def draw_crack_map(
         _add_lines(
             axes, factor * segments[before][..., ij], colors=_BEFORE_COLOR, label="open before"
         )
-    scale = _add_opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
+    scale = None
+    if len(segments[~before]):
+        scale = _opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
-        at = factor * np.reshape(places, (-1, 3))[:, ij]
-        look = {"ms": 4.5, "mfc": ("white", "#f4a259")[k % 2], "mec": "black", "mew": 0.8}
-        label = f"split by {kind} ({len(at)})"
-        axes.plot(*at.T, _MARKERS[k % len(_MARKERS)], zorder=4, label=label, **look)
+        _mark(axes, factor * np.reshape(places, (-1, 3))[:, ij], f"split by {kind}", k)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
     axes.set_xlabel(in_unit("xyz"[i], unit))
@@ -145,39 +143,42 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
     return segments, opened
 
 
-def _add_opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Frame]) -> Any:
-    if not len(segments):
-        return None
-    from matplotlib.collections import LineCollection
+def _opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Frame]) -> Any:
+    """Add segments coloured by when they opened; return their scale."""
     from matplotlib.colors import Normalize
 
     _, factor = shown(frames[0].coordinate_unit)
     limits = Normalize(factor * frames[0].coordinate, factor * frames[-1].coordinate)
-    lines = LineCollection(
-        list(segments), cmap=_COLORMAP, norm=limits, linewidths=4.0, capstyle="round", zorder=3
+    return _add_lines(
+        axes,
+        segments,
+        cmap=_COLORMAP,
+        norm=limits,
+        array=factor * opened,
+        linewidths=4.0,
+        capstyle="round",
+        zorder=3,
     )
-    lines.set_array(factor * opened)
-    axes.add_collection(lines)
-    return lines
 
 
-def _add_lines(axes: Any, segments: Floats, **style: Any) -> None:
+def _add_lines(axes: Any, segments: Floats, **style: Any) -> Any:
     from matplotlib.collections import LineCollection
 
-    axes.add_collection(LineCollection(list(segments), **style))
+    return axes.add_collection(LineCollection(list(segments), **style))
 
 
-def teeth_of(edge_points: Floats) -> Ints:
-    """Return the tooth of every cutting segment, in the order of their first segments.
-
-    edge_points : (n_edge, 2, 3), [mm]; segments that share an end belong together.
-    """
-    if not len(edge_points):
-        return np.zeros(0, dtype=np.int64)
-    _, ids = np.unique(edge_points.reshape(-1, 3).round(6), axis=0, return_inverse=True)
-    ids = ids.reshape(-1, 2)
-    part = connected_parts(ids[:, 0], ids[:, 1], 2 * len(ids))
-    return np.asarray(by_first_appearance(part[ids[:, 0]]), dtype=np.int64)
+def _mark(axes: Any, at: Floats, what: str, k: int) -> None:
+    """Mark places, shape (n, 2), by the sign of a number."""
+    axes.plot(
+        *at.T,
+        _MARKERS[k % len(_MARKERS)],
+        ms=4.5,
+        mfc=("white", "#f4a259")[k % 2],
+        mec="black",
+        mew=0.8,
+        zorder=4,
+        label=f"{what} ({len(at)})",
+    )
 
 
 def plane_axes(reference: Floats) -> tuple[int, int, int]:
@@ -199,9 +200,9 @@ def tooth_paths(frames: Sequence[Frame]) -> list[Floats]:
         return []
     if len({len(f.edge_points) for f in frames}) != 1:
         return []
-    tooth = teeth_of(frames[0].edge_points)
+    numbers, tooth = np.unique(frames[0].edge_tooth, return_inverse=True)
     level = reference[:, across].mean()
-    paths = np.full((tooth.max(initial=-1) + 1, len(frames), 3), np.nan)
+    paths = np.full((len(numbers), len(frames), 3), np.nan)
     for k, frame in enumerate(frames):
         a, b = frame.edge_points[:, 0], frame.edge_points[:, 1]
         height_a, height_b = a[:, across] - level, b[:, across] - level

@@ -36,21 +36,15 @@ STYLES: dict[str, dict[str, Any]] = {
     "contact": {"color": "#3d83c8", "width": 1.4},
     **{f"tooth{k}": {"color": color, "width": 0.9} for k, color in enumerate(_TEETH)},
     "measured": {"color": INK, "width": 2.0, "dash": "dash"},
-    "other": {"color": INK, "width": 1.6, "dash": "dash"},
     "work": {"color": INK, "width": 1.8, "dash": "dash"},
-    "level": {"color": INK, "width": 1.4, "dash": "dot"},
     "mean": {"color": INK, "width": 1.6},
-    "effect": {"color": "#cf3a44", "width": 2.0},
-    "same": {"color": "#99a1aa", "width": 1.4, "dash": "dash"},
-    **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
     **{f"law{k}": {"color": color, "width": 2.4} for k, color in enumerate(PALETTE)},
+    **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
     **{f"a{k}": {"color": color, "width": 1.6} for k, color in enumerate(_AREAS)},
     "doubt": {"color": PALETTE[6], "width": 0.0, "marker": "x"},
     **{f"p{k}": {"color": c, "width": 0.0, "marker": "o"} for k, c in enumerate(PALETTE)},
 }
 """How lines look, by name."""
-
-_DASHES = {"dash": "--", "dot": ":"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +126,13 @@ def draw_curves(
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     heights = [one.height for one in diagrams[::columns]]
     alike = len({(one.x_name, one.x_unit) for one in diagrams}) == 1
-    shared = {"sharex": "col" if alike else "none", "squeeze": False, "height_ratios": heights}
-    every = figure.subplots(rows, columns, **shared).ravel()
+    every = figure.subplots(
+        rows,
+        columns,
+        sharex="col" if alike else "none",
+        squeeze=False,
+        height_ratios=heights,
+    ).ravel()
     for axes, diagram in zip(every, diagrams, strict=False):
         _draw(axes, diagram.shown())
         if alike:
@@ -157,7 +156,7 @@ def _draw(axes: Any, diagram: Diagram) -> None:
             axes.fill_between(places, floor, top, color=look["color"], alpha=0.85, lw=0.0, **label)
             floor = top
         else:
-            line = _DASHES.get(look.get("dash", ""), "-")
+            line = "--" if "dash" in look else "-"
             label |= {"marker": look.get("marker"), "color": look["color"], "lw": look["width"]}
             axes.plot(places, values, ls=line, **label)
         named.add(curve.name)
@@ -171,8 +170,15 @@ def _draw(axes: Any, diagram: Diagram) -> None:
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     if len(named) > 1:  # above the diagram, because a curve may fill all its corners
-        where = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3}
-        axes.legend(title=diagram.title, alignment="left", frameon=False, fontsize="small", **where)
+        axes.legend(
+            title=diagram.title,
+            alignment="left",
+            frameon=False,
+            fontsize="small",
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=3,
+        )
     else:
         axes.set_title(diagram.title, loc="left")
 

@@ -11,16 +11,6 @@ from shellcut.arrays import Floats, norm
 from shellcut.frame import Frame, is_corner
 from shellcut.unit import shown
 
-_STRESSES: dict[str, Callable[[Frame], Floats]] = {
-    "largest principal": lambda frame: frame.quad_principal[:, 0],
-    "smallest principal": lambda frame: frame.quad_principal[:, 1],
-    "von Mises": lambda frame: _von_mises(frame.quad_principal),
-    "largest principal, top": lambda frame: frame.quad_principal_top[:, 0],
-    "largest principal, bottom": lambda frame: frame.quad_principal_bottom[:, 0],
-}
-"""Stresses that can colour the film: name -> values of the quads [MPa], the mean over the thickness
-unless a face is named."""
-
 _SHARE = 0.98  # of the quads or nodes that a colour scale encloses: tips have a stress of their own
 
 
@@ -41,23 +31,31 @@ class Field:
     are."""
 
 
-def _stress(name: str) -> Field:
-    which, _, face = name.partition(", ")
-    label = f"{which} stress" + (f", {face}" if face else "")
-    sign = -1 if which == "smallest principal" else 1
-    return Field(name, label, "MPa", "quad", _STRESSES[name], sign)
+def _von_mises(frame: Frame) -> Floats:
+    a, b = frame.quad_principal[:, 0], frame.quad_principal[:, 1]
+    return np.asarray(np.sqrt(a * a - a * b + b * b))
+
+
+def _stress(name: str, values: Callable[[Frame], Floats], sign: int = 1) -> Field:
+    which, comma, face = name.partition(",")
+    return Field(name, f"{which} stress{comma}{face}", "MPa", "quad", values, sign)
 
 
 _OF_ALL = (
-    *map(_stress, _STRESSES),
+    _stress("largest principal", lambda frame: frame.quad_principal[:, 0]),
+    _stress("smallest principal", lambda frame: frame.quad_principal[:, 1], -1),
+    _stress("von Mises", _von_mises),
+    _stress("largest principal, top", lambda frame: frame.quad_principal_top[:, 0]),
+    _stress("largest principal, bottom", lambda frame: frame.quad_principal_bottom[:, 0]),
     Field("thickness", "thickness", "mm", "quad", lambda frame: frame.quad_thickness),
     Field("displacement", "displacement", "mm", "node", lambda f: norm(f.displacement), 1),
     Field("displacement z", "displacement in z", "mm", "node", lambda f: f.displacement[:, 2]),
     Field("speed", "speed", "mm/s", "node", lambda frame: norm(frame.velocity), 1),
 )
+"""Those of every film; a stress is the mean over the thickness unless a face is named."""
 
 FIELDS = tuple(field.name for field in _OF_ALL)
-"""Names of the fields of every film."""
+"""Their names."""
 
 
 def fields_of(frame: Frame) -> dict[str, Field]:
@@ -142,8 +140,3 @@ def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]
 
 def _history(key: str) -> Callable[[Frame], Floats]:
     return lambda frame: frame.quad_history[key]
-
-
-def _von_mises(principal: Floats) -> Floats:
-    a, b = principal[:, 0], principal[:, 1]
-    return np.asarray(np.sqrt(a * a - a * b + b * b))

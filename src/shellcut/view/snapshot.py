@@ -145,8 +145,8 @@ class SnapshotSeries:
         if self._right is not None:
             close = bool(len(frame.edge_points))
             self._right.set_visible(close)
-            for circle in self._left.patches:
-                circle.remove()
+            for patch in self._left.patches:
+                patch.remove()
             if close:
                 camera = close_camera(frame, self._camera, self._close_shape)
                 self._put(self._right, frame, camera, "tooth 1")
@@ -154,8 +154,8 @@ class SnapshotSeries:
 
                 at = self._camera.project(camera.centre)[:2] / OVERSAMPLING  # a circle around it
                 seen = 0.5 * min(camera.shape) / camera.scale * self._camera.scale / OVERSAMPLING
-                look = {"fill": False, "ls": "--", "lw": 1.2, "ec": "0.25"}
-                self._left.add_patch(Circle(tuple(at), seen, **look))
+                circle = Circle(tuple(at), seen, fill=False, ls="--", lw=1.2, ec="0.25")
+                self._left.add_patch(circle)
         return self._figure
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:

@@ -1,22 +1,40 @@
-"""Assemble the sections of the report of a study into a page."""
+"""The report of a study: its sections, and those of words and tables themselves."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator, Sequence
+from html import escape
 from pathlib import Path
 
-from shellcut.files.file_list import target
-from shellcut.files.whole_file import write_text
-from shellcut.report.error_bars import error_bars
-from shellcut.report.markup import section
-from shellcut.report.page import page_of, part
-from shellcut.report.words import versions
-from shellcut.results.error_bars import ERROR_BARS, read_error_bars
+import numpy as np
 
-from . import words
-from .curves import curves
-from .scatter import scatter
+from shellcut.files.file_list import target
+from shellcut.report.error_bars import error_bars
+from shellcut.report.markup import link_to, missing, sentences
+from shellcut.report.page import made, versions, write_page
+from shellcut.results.error_bars import ERROR_BARS, read_error_bars
+from shellcut.scene_page.page import part
+from shellcut.study.study_file import STUDY
+from shellcut.study.table import TABLE
+from shellcut.unit import in_unit
+
+from .pictures import curves, scatter
 from .studied import Study, read_folder
+
+_STATE = "Study"
+
+_MOST_ROWS = 2000
+"""Runs in the table of the page; table.csv has all."""
+
+_SHOWN = 8
+"""Digits of the name of a folder."""
+
+_DESIGNS = {
+    "grid": "every combination of the values",
+    "sobol": "Sobol' points",
+    "lhs": "a Latin hypercube",
+}
 
 
 def report_study(
@@ -57,28 +75,142 @@ def report_study(
     study = read_folder(Path(folder))
     out = target(path, study.folder / "report.html")
     n, n_done = len(study.status), study.count("done")
-    html = page_of(
-        title=f"{study.name} - report of a study",
-        heading=study.name,
+    write_page(
+        out,
+        kind="study",
+        name=study.name,
         lead=f"Report of the study in {study.folder.resolve()}: {n} runs of "
         f"{Path(study.file.model).name}, {n_done} done.",
-        body=_body(study, out),
-        style=part("study.css", __package__),
-        script=part("study.js", __package__),
+        sections=_sections(study, out),
+        style=part(__package__, "study.css"),
+        script=part(__package__, "study.js"),
     )
-    write_text(out, html, errors="backslashreplace")
     return out
 
 
-def _body(study: Study, out: Path) -> str:
+def _sections(study: Study, out: Path) -> dict[str, str]:
+    problems: list[str] = []
     bars = study.folder / ERROR_BARS
-    converged = {"Error bars": error_bars(read_error_bars(bars))} if bars.exists() else None
-    made = {
-        "Study": words.state(study),
-        "Runs": words.runs(study, out),
-        "Curves": curves(study),
-        **(converged or {"Figures over factors": scatter(study)}),
-        "What was run": words.what_was_run(study),
-        "Versions": versions(),
+    figures: dict[str, Callable[[], str]] = {"Figures over factors": lambda: scatter(study)}
+    if bars.exists():
+        figures = {"Error bars": lambda: error_bars(read_error_bars(bars))}
+    makers: dict[str, Callable[[], str]] = {
+        _STATE: str,
+        "Runs": lambda: _runs(study, out),
+        "Curves": lambda: curves(study),
+        **figures,
+        "What was run": lambda: _what_was_run(study),
+        "Versions": versions,
     }
-    return "".join(section(title, body) for title, body in made.items())
+    sections = made(makers, problems)
+    sections[_STATE] = _state(study, problems)  # last, with the problems of the others
+    return sections
+
+
+def _state(study: Study, problems: Sequence[str]) -> str:
+    """Return what is done, what failed, and what the report cannot show."""
+    lost = (("doubt", "missing", problem) for problem in problems)
+    return sentences([*_said(study), *lost])
+
+
+def _said(study: Study) -> Iterator[tuple[str, str, str]]:
+    n, n_done = len(study.status), study.count("done")
+    if failed := study.count("failed"):
+        # The same reason names another folder in each run.
+        reasons = dict.fromkeys(
+            reason.replace(key, "...")
+            for reason, key, how in zip(study.reasons, study.keys, study.status, strict=True)
+            if how == "failed"
+        )
+        first = next(iter(reasons))
+        more = f" ({len(reasons) - 1} other reasons in the table)" if len(reasons) > 1 else ""
+        yield "doubt", "failed", f"{failed} of {n} runs failed: {first}{more}."
+    if open_ := n - n_done - failed:
+        yield (
+            "note",
+            "not done",
+            f"{open_} of {n} runs are not done. To go on, call shellcut sweep again.",
+        )
+    if n_done:
+        yield "good" if n_done == n else "note", "done", f"{n_done} of {n} runs are done."
+    else:
+        yield "doubt", "nothing", "No run is done, so there are no figures: see the table for why."
+    if n_doubt := int(study.doubted.sum()):
+        first = study.reasons[int(np.argmax(study.doubted))]
+        yield (
+            "doubt",
+            "distrust",
+            f"{n_doubt} of {n_done} done runs are distrusted by their own verdict, and count in "
+            "all pictures below: the table says why, hollow points are "
+            f"theirs. The first: {first}.",
+        )
+    for name in study.lacking:
+        yield "doubt", "missing", f"{STUDY} asks for the figure {name}, which no run has."
+    if n_done and not study.figures:
+        yield "doubt", "missing", f"The runs have none of the usual figures; name some in {STUDY}."
+    if not study.factors:
+        yield "note", "one model", "No key has several values, so there is nothing to compare."
+    share = study.all_figures.get("share_done", np.ones(n))
+    if early := int(np.sum(study.done & (share < 1.0 - 1e-6))):
+        yield "note", "stopped", f"{early} runs ended before their time; their figures are partial."
+
+
+def _runs(study: Study, page: Path) -> str:
+    """Return the table of all runs; its headings sort it."""
+    heads = [("run", "run"), *((in_unit(f.name, f.unit), f.key) for f in study.inputs)]
+    heads += [(in_unit(f.name, f.unit), f.key) for f in study.figures]
+    heads += [("status", "done, failed, stopped or waits"), ("folder", "of the run")]
+    head = "".join(
+        f'<th scope="col" title="{escape(key)}">{escape(text)}</th>' for text, key in heads
+    )
+    body = "".join(_row(study, row, page) for row in range(min(len(study.status), _MOST_ROWS)))
+    cut = ""
+    if len(study.status) > _MOST_ROWS:
+        cut = missing(f"The first {_MOST_ROWS:,} of {len(study.status):,} runs; {TABLE} has all.")
+    link = escape(link_to(study.folder / TABLE, page))
+    return (
+        f'<div class="wide tall"><table class="sortable"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>{cut}"
+        f'<p class="caption">A click on a heading sorts. All figures of all runs are in '
+        f'<a href="{link}">{TABLE}</a>.</p>'
+    )
+
+
+def _row(study: Study, row: int, page: Path) -> str:
+    status, cells = study.status[row], []
+    for one in study.inputs:
+        cells.append(_cell(one.texts[row] if one.names else one.values[row]))
+    cells += [_cell(figure.values[row]) for figure in study.figures]
+    kind = {"failed": "bad", "done": "doubted" if study.doubted[row] else ""}.get(status, "waits")
+    reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""
+    cells.append(f'<td class="status {kind}">{escape(status)}{reason}</td>')
+    folder = study.run_folder(row)
+    text = f"<code>{escape(study.keys[row][:_SHOWN])}</code>"
+    if folder.is_dir():
+        text = f'<a href="{escape(link_to(folder, page))}/">{text}</a>'
+    number = escape(study.numbers[row])
+    return (
+        f'<tr><th scope="row" data-v="{number}">{number}</th>{"".join(cells)}<td>{text}</td></tr>'
+    )
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return f'<td data-v="{escape(value)}">{escape(value)}</td>'
+    if np.isnan(value):
+        return '<td class="n" data-v="">–</td>'
+    return f'<td class="n" data-v="{float(value)!r}">{f"{value:.5g}".replace("-", "−")}</td>'
+
+
+def _what_was_run(study: Study) -> str:
+    """Return the study file and the design in words."""
+    design = study.file.design
+    how = _DESIGNS[design.kind]
+    if design.kind != "grid":
+        how += f", {design.n} of them, seed {design.seed}"
+    text = (study.folder / STUDY).read_text(encoding="utf-8", errors="replace")
+    return (
+        f"<p>The design is {escape(how)}. The study as a file, from which "
+        f"<code>shellcut sweep</code> makes the same runs:</p><details open><summary>{STUDY}"
+        f"</summary><pre>{escape(text)}</pre></details>"
+    )

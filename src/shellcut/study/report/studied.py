@@ -95,13 +95,8 @@ class Study:
     @property
     def doubted(self) -> Bools:
         """Which runs their verdicts distrust, shape (n_run,)."""
-        doubts = self.all_figures.get("doubts")
-        return self.failed & False if doubts is None else doubts > 0.0
-
-    @property
-    def failed(self) -> Bools:
-        """Which runs have failed, shape (n_run,)."""
-        return np.array([status == "failed" for status in self.status], bool)
+        none = np.zeros(len(self.status))
+        return np.asarray(self.all_figures.get("doubts", none) > 0.0)
 
     @property
     def name(self) -> str:
