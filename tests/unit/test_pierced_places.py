@@ -85,12 +85,12 @@ def pierced(angle, path, line, kind="squares"):
     [
         ("free", 0.0, "squares"),
         ("free", 30.0, "squares"),
-        ("free", 45.0, "squares"),
+        pytest.param("free", 45.0, "squares", marks=pytest.mark.slow),
         ("free", 105.0, "squares"),
         ("edges", 30.0, "squares"),
         ("free", 20.0, "skewed"),
         pytest.param("free", 70.0, "triangles", marks=pytest.mark.slow),
-        ("free", 30.0, "curved"),
+        pytest.param("free", 30.0, "curved", marks=pytest.mark.slow),
         ("free", 90.0, "curved"),
     ],
 )

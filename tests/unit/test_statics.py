@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dense_statics import dense
+from patches import hinged_roof
 from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
@@ -378,33 +379,11 @@ def test_arc_length_goes_on_from_load_steps():
     assert len(strip.arc_length(0.1, until=lambda _: False, most_steps=2)) == 2
 
 
-def shallow_roof():
-    """A hinged roof that snaps back: a quarter, h = 6.35 (verification case B09 with half of h)."""
-    half = 0.1
-    arc = cylinder(2540.0, 254.0, n_around=4, n_along=4, arc_deg=np.degrees(half))
-    c, s = np.cos(0.5 * half), np.sin(0.5 * half)
-    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])  # one edge to the crown
-    mesh = Mesh.from_arrays(
-        arc.nodes @ turn.T, arc.quads, directors=arc.directors @ turn.T, node_sets=arc.node_sets
-    )
-    top = int(np.intersect1d(mesh.node_set("left"), mesh.node_set("bottom"))[0])
-    roof = Statics(
-        mesh,
-        ShellMaterial.homogeneous(young=3102.75, thickness=6.35),
-        supports=[
-            Support.symmetry("left", "x"),
-            Support.symmetry("bottom", "y"),
-            Support("right", "xyz", "xz"),
-        ],
-        loads=[NodalForce([top], (0.0, 0.0, -750.0))],
-    )
-    return roof, top
-
-
 @pytest.mark.parametrize("first", [0.05, 0.4, 1.0, 5.0])
 def test_a_snap_is_not_passed_in_one_leap(first):
-    # The load falls to -0.1245 of the full one while the centre goes back by 2 mm.
-    roof, top = shallow_roof()
+    # The roof of case B09, half as thick. The load falls to -0.1245 of the full one while the
+    # centre goes back by 2 mm.
+    roof, top = hinged_roof(4, 6.35)
     path = roof.arc_length(first, until=lambda e: e.factor > 0.6)
     factor = np.array([e.factor for e in path])
     down = -np.array([e.displacement[top, 2] for e in path])

@@ -1,7 +1,4 @@
-"""Laws between logarithmic strain and its stress: plain twin, closed forms, refusals.
-
-Curves of tension, of both ways and of shear up to large strains: verification case P03.
-"""
+"""Laws between logarithmic strain and its stress: plain twin, closed forms, refusals."""
 
 import numba as nb
 import numpy as np
@@ -277,6 +274,38 @@ def test_work_is_what_is_stored_and_dissipated(material, _):
 
 
 # ---------------------------------------------------------------- closed forms
+
+
+@pytest.mark.parametrize("kind", ["Voce", "table"])
+@pytest.mark.parametrize("mode", ["uniaxial", "equibiaxial", "shear"])
+def test_monotonic_curves_are_the_hardening_itself(kind, mode):
+    """To 100 % of logarithmic strain; the stress is σ_y at p = ε - σ/E exactly."""
+    material, formula = KINDS[kind]
+    point = MaterialPoint(material)
+    for strain in (0.05, 0.3, 1.0):
+        if mode == "uniaxial":
+            state = point.pull(strain)
+            stress, elastic = state.stress[0], state.stress[0] / E
+            volume = np.exp((1 - 2 * NU) * elastic)
+            wanted = volume / np.exp(strain + state.strain[1])
+            plastic = strain - elastic
+        elif mode == "equibiaxial":
+            state = point.strain_to([strain, strain, 0.0])
+            stress = state.stress[0]
+            elastic = (1 - NU) * stress / E
+            wanted = np.exp(-2 * NU * stress / E - 2 * (strain - elastic))
+            plastic = 2 * (strain - elastic)
+        else:
+            state = point.strain_to([0.0, 0.0, 2 * strain])
+            stress = np.sqrt(3.0) * state.stress[2]
+            elastic = state.stress[2] * (1 + NU) / E
+            wanted = 1.0
+            plastic = 2.0 / np.sqrt(3.0) * (strain - elastic)
+        p = state.history["equivalent plastic strain [-]"]
+        assert stress == pytest.approx(float(material.hardening.stress(p)), rel=1e-8)
+        assert stress == pytest.approx(formula(p), rel=ACCURACY)
+        assert p == pytest.approx(plastic, rel=1e-8)
+        assert state.thickness_stretch == pytest.approx(wanted, rel=1e-8)
 
 
 def test_hencky_is_the_closed_form_and_orthotropic_turns():

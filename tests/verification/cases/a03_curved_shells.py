@@ -1,11 +1,36 @@
 """Curved shells in small displacement beside others' MITC4: A03 to A06; A15, beside flat facets."""
 
+from collections.abc import Callable
+
 import numpy as np
 
-from cases.patches import Place, cylinder_patch, mapped_patch, same_element
 from cases.paths import curve
 from harness import Check, case
+from patches import Place, cylinder_patch, mapped_patch, pinched_hemisphere, sphere
 from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, ShellMaterial, Statics, Support
+
+
+def same_element(
+    name: str,
+    deflection: Callable[[Mesh], float],
+    patch: Callable[..., Mesh],
+    cross_check: dict[int, float],
+    published: dict[int, float] | None = None,
+) -> list[Check]:
+    """Return deflections on n x n quads beside those of others' MITC4, whose directors are exact.
+
+    And one on 16 x 16 quads with directors left to the mesh.
+    """
+    ours = {n: deflection(patch(n)) for n in cross_check}
+    of, same = published or {}, "same element"
+    rows = [
+        Check(f"{name}, N = {n}, {source} MITC4", value, ours[n], 2e-3, same)
+        for source, table in (("published", of), ("cross-check", cross_check))
+        for n, value in table.items()
+    ]
+    left, reference = deflection(patch(16, exact=False)), {**cross_check, **of}[16]
+    what = f"{name}, N = 16, directors left to the mesh"
+    return [*rows, Check(what, reference, left, 2e-3, "same element, mean normals")]
 
 
 def roof(n: int, *, exact: bool = True) -> Mesh:
@@ -85,35 +110,9 @@ def a04() -> list[Check]:
     return same_element("w / 1.8248e-5", of_cylinder, cylinder, cross_check, {16: 0.9286})
 
 
-RADIUS, HOLE_DEG = 10.0, 18.0
-
-
-def sphere(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Map u to the azimuth from x to y, v to the height from the equator to the hole."""
-    azimuth, height = 0.5 * np.pi * u, np.radians(90.0 - HOLE_DEG) * v
-    out = [np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)]
-    director = np.stack(out, axis=-1)
-    return RADIUS * director, director
-
-
 def pinch(mesh: Mesh, thickness: float, force: float) -> float:
     """Return the mean radial displacement under the two loads."""
-    on_x, on_y = (
-        int(np.intersect1d(mesh.node_set(side), mesh.node_set("v0"))[0]) for side in ("u0", "u1")
-    )
-    material = ShellMaterial.homogeneous(
-        young=6.825e7, poisson=0.3, thickness=thickness, shear_factor=1.0
-    )
-    model = Statics(
-        mesh,
-        material,
-        supports=[
-            Support.symmetry("u0", "y"),
-            Support.symmetry("u1", "x"),
-            Support([on_x], translation="z", rotation=""),
-        ],
-        loads=[NodalForce([on_x], (force, 0, 0)), NodalForce([on_y], (0, -force, 0))],
-    )
+    model, on_x, on_y = pinched_hemisphere(mesh, thickness, force, shear_factor=1.0)
     u, _ = model.linear()
     return 0.5 * float(u[on_x, 0] - u[on_y, 1])
 

@@ -9,9 +9,9 @@ Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 3 (Abaq
 
 import numpy as np
 
-from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, path_checks, rows_of
 from harness import Check
+from patches import mapped_patch
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B04", "Slit annular plate, lifted lip", False

@@ -12,9 +12,9 @@ are; the deformed quads are warped, and on 16 x 16 their membrane locks by 5 % a
 
 import numpy as np
 
-from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, path_checks, rows_of, table_checks
 from harness import Check
+from patches import mapped_patch
 from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B05", "Pinched hemisphere with hole, large displacement", False

@@ -11,9 +11,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import iv, jv
 
-from cases.patches import mapped_patch
 from cases.paths import order_curve
 from harness import Case, Check, case
+from patches import mapped_patch
 from shellcut import Mesh, ShellMaterial, Support
 from shellcut.mesh.structured import disc, rectangle
 from shellcut.statics.statics import Modes, Statics
