@@ -26,6 +26,12 @@ def growth(way, work, first, last):
     return float(np.diff(np.interp([first, last], way, work))[0] / (last - first))
 
 
+def largest_share(imbalance, work, least):
+    """Return the largest imbalance over the work done so far, once that is more than ``least``."""
+    counted = work > least
+    return np.abs(imbalance[counted] / work[counted]).max()
+
+
 def worst(tool, imbalance):
     """Return the largest imbalance after the first tenth of the tool's work, relative to that."""
     return np.abs(imbalance[tool > 0.1 * tool.max()]).max() / tool.max()

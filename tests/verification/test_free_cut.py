@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from courses import course, growth
+from courses import course, growth, largest_share
 from curved_films import moved
 from films import cut_by
 from page_tables import in_range, row
@@ -54,7 +54,7 @@ def forces(sim, duration, size):
     first = last - size * int((last - 8.8) / size)
     unit = sim.law.fracture_energy * sim.material.thickness
     by_tool, by_cables = (growth(way, work, first, last) / unit for work in (tool, cables))
-    return by_tool, by_cables, np.abs(imbalance / tool)[tool > 0.1 * tool[-1]].max()
+    return by_tool, by_cables, largest_share(imbalance, tool, 0.1 * tool[-1])
 
 
 def check(case, size=SIZE):
