@@ -57,7 +57,7 @@ def theory(pierced, law, thickness):
     return np.interp((DEPTHS - pierced) / DOWN, s, work)
 
 
-@pytest.mark.parametrize("film", ["quick", "M1", "raw"])
+@pytest.mark.parametrize("film", ["quick", pytest.param("M1", marks=pytest.mark.slow), "raw"])
 def test_the_power_between_piercing_and_steady_cutting(film):
     pierced, (depth, work, energy), sim = courses(unstructured_disc() if film == "raw" else film)
     ours = np.diff(np.interp(DEPTHS, depth, work))

@@ -132,7 +132,7 @@ UNEVEN = Sheet(6.0, -18.0, length=25.0, low=-20.0, high=8.0, size=1.0, speed=300
     "sheet",
     [
         pytest.param(UNEVEN, id="hyperbola"),
-        pytest.param(EVEN._replace(film=MD_AT_45), id="anisotropic"),
+        pytest.param(EVEN._replace(film=MD_AT_45), id="anisotropic", marks=pytest.mark.slow),
         pytest.param(EVEN._replace(film=MD_AT_45, moved=0.2), id="anisotropic, moved"),
     ],
 )
