@@ -3,13 +3,14 @@
 import numpy as np
 
 import shellcut as sc
+from films import from_zero, shaken
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.structured import rectangle
 
 
 def moved(mesh, kind, amount, size, seed=5):
     """Return a strip from x = 0 whose rows of quads do not follow y = 0, its rims straight."""
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
+    X = from_zero(mesh).nodes.copy()
     x, y = X[:, 0], X[:, 1]
     length, width = np.ptp(x), np.ptp(y)
     if kind == "offset":
@@ -20,9 +21,7 @@ def moved(mesh, kind, amount, size, seed=5):
     elif kind == "wavy":
         X[:, 1] += amount * np.sin(2.0 * np.pi * x / 9.0) * (1.0 - (2.0 * y / width) ** 2)
     elif kind == "random":
-        free = np.ones(mesh.n_node, bool)
-        free[mesh.boundary_nodes()] = False
-        X[free, :2] += np.random.default_rng(seed).uniform(-amount, amount, (free.sum(), 2)) * size
+        return from_zero(shaken(mesh, amount, seed, size))
     return sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
 
 
@@ -82,8 +81,8 @@ class Roll:
 
 def strip_with_hole(length, width, size, hole):
     """Return a strip from x = 0 without the quads whose centres lie in x from, x to, |y| up to."""
-    mesh = rectangle(length, width, size=size)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
+    mesh = from_zero(rectangle(length, width, size=size))
+    X = mesh.nodes
     x, y, _ = X[mesh.quads].mean(axis=1).T
     stays = ~((hole[0] < x) & (x < hole[1]) & (np.abs(y) < hole[2]))
     used, quads = np.unique(mesh.quads[stays], return_inverse=True)

@@ -1,11 +1,64 @@
-"""Unstructured quad meshes that know nothing of the blade's path, made without a mesher."""
+"""Quad meshes that know nothing of the blade's path, made without a mesher."""
 
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
-from shellcut import Mesh
+from shellcut import (
+    CohesiveLaw,
+    Fracture,
+    Mesh,
+    ShellMaterial,
+    Simulation,
+    StraightMotion,
+    Support,
+    Tool,
+)
+
+
+def shaken(
+    mesh: Mesh, most: float, seed: int = 1, size: float = 1.0, held: np.ndarray | None = None
+) -> Mesh:
+    """Return a mesh whose nodes, but those of its rim and some others, are moved at random.
+
+    By up to ``most`` times ``size`` [mm] along x and y.
+    """
+    X, rng = mesh.nodes.copy(), np.random.default_rng(seed)
+    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
+    inside = inside if held is None else np.setdiff1d(inside, held)
+    X[inside, :2] += rng.uniform(-most, most, (inside.size, 2)) * size
+    return Mesh.from_arrays(X, mesh.quads, node_sets=dict(mesh.node_sets))
+
+
+def from_zero(mesh: Mesh, *corner: float) -> Mesh:
+    """Return a mesh moved to begin at x = 0, or with its lowest coordinates at a corner."""
+    start = mesh.nodes.min(axis=0)
+    shift = np.append(start[: len(corner)] - corner, 0.0) if corner else [start[0], 0.0, 0.0]
+    return Mesh.from_arrays(mesh.nodes - shift, mesh.quads, node_sets=dict(mesh.node_sets))
+
+
+def pieces(quads: np.ndarray) -> np.ndarray:
+    """Return the piece to which each quad belongs: quads with a common node hang together."""
+    table = csr_array((np.ones(quads.size), (np.arange(len(quads)).repeat(4), quads.ravel())))
+    return connected_components(table @ table.T)[1]
+
+
+def cut_by(tool: Tool, mesh: Mesh, speed: float, *, ramp: float = 0.0, **options) -> Simulation:
+    """Return a run of a tool that goes along x through a film whose long sides are held.
+
+    The film, the law and cracks through the quads are the defaults; ``options`` replaces them.
+    """
+    material = options.pop("material", ShellMaterial.homogeneous())
+    usual = {
+        "supports": [Support.clamped("bottom"), Support.clamped("top")],
+        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+        "law": CohesiveLaw(),
+        "fracture": Fracture(path="free"),
+    }
+    return Simulation(mesh, material, tool=tool, **usual | options)
 
 
 def unstructured_disc(radius: float = 10.2, spacing: float = 0.93, seed: int = 0) -> Mesh:

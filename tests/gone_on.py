@@ -57,7 +57,10 @@ def numbers_of(thing, path="sim", seen=None):
 
 
 def check_goes_on(build, reached, path, n_step):
-    """Save a run that has ``reached`` something; go on with it and from the file on two threads."""
+    """Save a run that has ``reached`` something; go on with it and from the file on two threads.
+
+    Returns the run, its ledger closed.
+    """
     sim, other = build(threads=1), build(threads=2)
     while not reached(sim):
         sim.step()
@@ -72,3 +75,4 @@ def check_goes_on(build, reached, path, n_step):
     assert differing(sim, other) == []
     assert not np.array_equal(sim.state.node.x, before)
     assert abs(sim.ledger.imbalance) < 5e-3 * sim.ledger.put_in
+    return sim

@@ -42,7 +42,7 @@ ROOMS = {
     "rounded_depth start_check blunt_tool time_step",
     "fracture": "crack_meets tip_watch segment_cables tip_force cut_topology cut_state topology "
     "crack_way curved_ways side_tears puncture drawn_film anisotropy options blade_reach cut_loads "
-    "goes_on severing",
+    "every_term severing",
     "central_difference.py": "integrator load symmetry_plane quasi_static",
     "loads": "load cut_loads symmetry_plane support_pull freedoms integrator statics",
     "material": "material yielding_laws nominal_stress section yielding_film new_law shell",

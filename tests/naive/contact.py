@@ -18,14 +18,32 @@ def closest_point(p, corners):
     return min(candidates, key=lambda q: np.linalg.norm(p - q))
 
 
-def winding_number(p, tool):
+def distances(points, tool):
+    """Distances (n_point, n_triangle) by projection on the plane, else on the three edges."""
+    a, b, c = (tool.vertices[tool.triangles[:, k]] for k in range(3))
+    p = points[:, None, :]
+    squared = np.full((len(points), tool.n_triangle), np.inf)
+    for u, v in ((a, b), (b, c), (c, a)):
+        along = v - u
+        s = np.clip(((p - u) * along).sum(-1) / (along * along).sum(-1), 0.0, 1.0)
+        squared = np.minimum(squared, ((p - u - s[..., None] * along) ** 2).sum(-1))
+    normal = tool.triangle_normals
+    height = ((p - a) * normal).sum(-1)
+    foot = p - height[..., None] * normal
+    over = np.ones_like(squared, dtype=bool)
+    for u, v in ((a, b), (b, c), (c, a)):
+        over &= ((foot - u) * np.cross(normal, v - u)).sum(-1) >= 0.0
+    return np.where(over, np.abs(height), np.sqrt(squared))
+
+
+def winding_number(points, tool):
     """1 inside, 0 outside: solid angle of the surface over 4 pi (van Oosterom & Strackee 1983)."""
-    a, b, c = np.moveaxis(tool.vertices[tool.triangles] - p, 1, 0)
-    la, lb, lc = (np.linalg.norm(rows, axis=1) for rows in (a, b, c))
-    ab, bc, ca = ((one * other).sum(axis=1) for one, other in ((a, b), (b, c), (c, a)))
-    below = la * lb * lc + ab * lc + bc * la + ca * lb
-    above = (a * np.cross(b, c)).sum(axis=1)
-    return 2.0 * np.arctan2(above, below).sum() / (4.0 * np.pi)
+    a, b, c = (tool.vertices[tool.triangles[:, k]] - points[..., None, :] for k in range(3))
+    la, lb, lc = (np.linalg.norm(r, axis=-1) for r in (a, b, c))
+    volume = (a * np.cross(b, c)).sum(-1)
+    below = la * lb * lc
+    below += (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
+    return np.arctan2(volume, below).sum(axis=-1) / (2.0 * np.pi)
 
 
 def smoothed(g, g_m):

@@ -158,16 +158,3 @@ def products(x, t):
             *(p @ tm + h @ tq, p @ tq + h @ tm, q @ tm + h @ tp, q @ tp + h @ tm),
         ]
     )
-
-
-def generalised(x, t, xi, eta):
-    """½ a_1·a_1, ½ a_2·a_2, a_1·a_2, a_alpha·t_,beta alike, and the tied a_alpha·t, shape (8,)."""
-    _, *by = shape(xi, eta)
-    (a1, a2), (b1, b2) = ([d @ v for d in by] for v in (x, t))
-    return np.array(
-        [
-            *(0.5 * a1 @ a1, 0.5 * a2 @ a2, a1 @ a2),
-            *(a1 @ b1, a2 @ b2, a1 @ b2 + a2 @ b1),
-            *tied_shear(x, t, xi, eta),
-        ]
-    )

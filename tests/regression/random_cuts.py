@@ -1,4 +1,4 @@
-"""Random cuts through random meshes: lines, arcs, bends, crossings, tight turns.
+"""Random cuts through random meshes: arcs, bends, crossings, tight turns.
 
 The tests run a few; ``python tests/regression/random_cuts.py --seeds 40`` runs so many of each kind
 and prints what each came to, and the worst of all.
@@ -91,30 +91,6 @@ def bend(rng, *, curvature=(-0.12, 0.12), slits=0):
     return RandomCut(sim, float(times[-1]) * 0.9, lambda places: _from_line(places, path))
 
 
-def line(rng):
-    """A long blade enters at the left rim and goes straight on."""
-    X, mesh = film(rng)
-    angle, y = rng.uniform(-0.44, 0.44), rng.uniform(-1.0, 1.0)
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    start = turn @ [-LENGTH / 2, y, 0.0]
-    # The film is turned, so that the blade moves along x.
-    left = (np.abs(X[:, 0] + LENGTH / 2) < 1e-9) & (np.abs(X[:, 1]) < WIDTH / 2 - 1e-6)
-    rim = np.setdiff1d(mesh.boundary_nodes(), np.flatnonzero(left))
-    sim = sc.Simulation(
-        sc.Mesh.from_arrays(X @ turn.T, mesh.quads, node_sets={"held": rim}),
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("held")],
-        tool=straight_blade(length=20.0, height=6.0).translated((start[0] - 0.9, start[1], 0.0)),
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=1e-4),
-        law=sc.CohesiveLaw(),
-        fracture=sc.Fracture(path="free"),
-    )
-    ahead = np.array([1.0, 0.0, 0.0])
-    sim.notch(start - 1.5 * ahead, start + 2.0 * ahead)
-    return RandomCut(sim, 8.0 / SPEED, lambda places: np.abs(places[:, 1] - start[1]))
-
-
 def arc(rng):
     """Teeth screw down into a film that is held all around.
 
@@ -202,7 +178,7 @@ def tight(rng):
     return RandomCut(sim, float(time[-1]), lambda places: _from_line(places, path), least)
 
 
-KINDS = {"line": line, "bend": bend, "arc": arc, "crossing": crossing, "tight": tight}
+KINDS = {"bend": bend, "arc": arc, "crossing": crossing, "tight": tight}
 
 
 def _from_line(places, path):

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import course, growth
+from films import cut_by
 from page_tables import shown_as, table
 from shellcut.mesh.structured import rectangle
 from shellcut.models.guillotine import blade_before
@@ -23,26 +25,13 @@ def force_at(z, number):
     notch = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < start + NOTCH + 0.1))
     blade, motion, duration = blade_before(mesh, None, travel=TRAVEL, speed=SPEED, law=LAW)
     lift = np.array([0.0, 0.0, z])
-    sim = sc.Simulation(
-        sc.Mesh.from_arrays(mesh.nodes + lift, mesh.quads, node_sets=mesh.node_sets).cut(notch),
-        FILM,
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
-        tool=blade.translated(tuple(lift)),
-        motion=motion,
-        law=LAW,
-        fracture=sc.Fracture(path="edges"),
-        imperfection=number,
-    )
-    rows = []
-    while sim.state.time < duration:
-        sim.step()
-        if sim.state.step % 100 == 0:
-            rows.append((sim.motion.coordinate(sim.state.time), sim.close_ledger().tool_work))
-    way, work = np.array(rows).T
+    lifted = sc.Mesh.from_arrays(mesh.nodes + lift, mesh.quads, node_sets=mesh.node_sets)
+    along = {"motion": motion, "fracture": sc.Fracture(path="edges"), "imperfection": number}
+    sim = cut_by(blade.translated(tuple(lift)), lifted.cut(notch), SPEED, **along)
+    way, work = course(sim, duration, "tool_work")
     # Whole spacings of the nodes.
     ends = way[-1] - SIZE * int((way[-1] - 8.8) / SIZE), way[-1]
-    steady = np.diff(np.interp(ends, way, work))[0] / (ends[1] - ends[0])
-    return steady / (LAW.fracture_energy * FILM.thickness)
+    return growth(way, work, *ends) / (LAW.fracture_energy * FILM.thickness)
 
 
 @pytest.mark.slow

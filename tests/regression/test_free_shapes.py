@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import pieces
 from random_cuts import LENGTH, SIZE, SPEED, _from_line, film
 from shellcut.fracture.quad_polygon import FLANK
 from shellcut.numerics.bilinear import shape_functions
@@ -118,23 +119,14 @@ def swept(X, start, end):
     return total
 
 
-def hanging_together(state, first):
-    """Return the rows that hang together with a row."""
-    nodes, todo = set(), set(state.quads[first].tolist())
-    while todo:
-        nodes |= todo
-        rows = np.isin(state.quads, list(todo)).any(axis=1)
-        todo = set(state.quads[rows].ravel().tolist()) - nodes
-    return np.flatnonzero(np.isin(state.quads[:, 0], list(nodes)))
-
-
 def test_a_closed_loop_frees_its_piece():
     radius, angle = 2.6, np.linspace(0.0, 2.2 * np.pi, 160)
     circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
     sim = led(circle, angle + 0.5 * np.pi, 1, enters=False)
     s, topology = sim.state, sim.cracks.cuts.topology
     centres = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
-    rows = hanging_together(s, int(np.argmin(np.linalg.norm(centres, axis=1))))
+    of_row = pieces(s.quads)
+    rows = np.flatnonzero(of_row == of_row[np.argmin(np.linalg.norm(centres, axis=1))])
     held = sim.shell.area[rows] @ s.quad.share[rows]
     # Green's theorem: what its flanks enclose is its area, if they are closed lines.
     enclosed = 0.0

@@ -1,9 +1,6 @@
 """A blade that cuts a small strip through its quads, for the tests of what comes after a cut."""
 
-import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
-
+from films import pieces
 from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, StraightMotion, Support
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
@@ -38,7 +35,4 @@ def cut_strip(*, material=None, mesh=None, notched=True, **options):
 
 def pieces_of(sim):
     """How many pieces the film has."""
-    quads = sim.state.quads
-    rows, of = np.arange(len(quads)).repeat(4), quads.ravel()
-    table = csr_array((np.ones(of.size), (rows, of)))
-    return connected_components(table @ table.T)[0]
+    return pieces(sim.state.quads).max() + 1

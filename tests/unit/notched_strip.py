@@ -34,17 +34,20 @@ def cutting(
     sides = {name: mesh.node_set(name) for name in ("bottom", "top")}
     mesh = mesh.with_sets(node_sets={"sides": [*sides["bottom"], *sides["top"]]})
     options.setdefault("fracture", Fracture(path="edges", check_every=5))
-    return Simulation(
-        mesh,
-        material or ShellMaterial.homogeneous(),
-        supports=[
+    short = CohesiveLaw(strength=strength, opening_a=0.05, opening_p=0.2, opening_u=0.3)
+    options.setdefault("law", short)
+    supports = [Support.clamped(sides["bottom"]), Support.clamped(sides["top"])]
+    if set_name != "sides":
+        supports = supports[:1]
+    elif pulled:
+        supports = [
             Support(sides["bottom"], velocity={"y": lambda t: -200.0 * np.sin(3e4 * t)}),
             Support(sides["top"], velocity={"y": lambda t: 300.0}),
         ]
-        if set_name == "sides" and pulled
-        else [Support.clamped(nodes) for nodes in sides.values()]
-        if set_name == "sides"
-        else [Support.clamped(sides["bottom"])],
+    return Simulation(
+        mesh,
+        material or ShellMaterial.homogeneous(),
+        supports=supports,
         loads=[
             Pressure(pressure),
             Pressure(1e-3, following=True, factor=lambda t: 1.0 + 1e4 * t),
@@ -54,6 +57,5 @@ def cutting(
         ],
         tool=straight_blade(half_thickness=blade, length=2.0, height=2.0),
         motion=motion or StraightMotion((1, 0, 0), 2e4, ramp=5e-6),
-        law=CohesiveLaw(strength=strength, opening_a=0.05, opening_p=0.2, opening_u=0.3),
         **options,
     )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import from_zero
 from shellcut.mesh.structured import rectangle
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -56,8 +57,6 @@ def test_of_two_equally_good_ways_a_crack_takes_one():
 
     It does not branch, but tacks: as soon as the other way releases more it takes that one.
     """
-    mesh = rectangle(9.0, 6.0, size=0.6)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
 
     def pulled(name, speed):
         rate = {"y": lambda time: speed * min(1.0, time / 2e-4)}
@@ -65,7 +64,7 @@ def test_of_two_equally_good_ways_a_crack_takes_one():
 
     film = sc.Anisotropy(direction=(1.0, 0.0, 0.0), along=3.0, across=1.0)
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
+        from_zero(rectangle(9.0, 6.0, size=0.6)),
         sc.ShellMaterial.homogeneous(),
         supports=[pulled("top", 400.0), pulled("bottom", -400.0)],
         law=sc.CohesiveLaw(

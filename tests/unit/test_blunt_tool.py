@@ -4,19 +4,15 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from blunt_tools import BOX_FACES, box_corners
+from films import cut_by
 from shellcut.meshing import rectangle
 from shellcut.models import Case
 from shellcut.tool_shapes import straight_blade
 
 # A box of 2 mm that leans forward with its top: its front pushes the film down.
-CORNERS = [
-    [x + (0.8 if z > 0.0 else -0.8), y, z]
-    for x in (-2.0, 0.0)
-    for y in (-1.0, 1.0)
-    for z in (-4.0, 4.0)
-]
-SIDES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-FACES = [half for a, b, c, d in SIDES for half in ([a, b, c], [a, c, d])]
+LEANING = box_corners((-2.0, -1.0, -4.0), (0.0, 1.0, 4.0))
+LEANING[:, 0] += 0.2 * LEANING[:, 2]
 LAW = sc.CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
@@ -24,7 +20,7 @@ LAW = sc.CohesiveLaw(
 
 def bar():
     none = np.zeros((0, 2), int)
-    return sc.Tool.from_triangles(CORNERS, FACES, edges=none, name="bar")
+    return sc.Tool.from_triangles(LEANING, BOX_FACES, edges=none, name="bar")
 
 
 def test_it_has_no_edges_and_no_flanks():
@@ -38,15 +34,8 @@ def test_it_has_no_edges_and_no_flanks():
 def pushed(tmp_path_factory):
     """A notched strip that the bar tears."""
     folder = tmp_path_factory.mktemp("pushed")
-    sim = sc.Simulation(
-        rectangle(12.0, 8.0, size=1.0),
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
-        tool=bar().translated((-0.1, 0.0, 0.0)),
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=8000.0, ramp=1e-4),
-        law=LAW,
-        fracture=sc.Fracture(path="free"),
-    )
+    tool = bar().translated((-0.1, 0.0, 0.0))
+    sim = cut_by(tool, rectangle(12.0, 8.0, size=1.0), 8000.0, ramp=1e-4, law=LAW)
     sim.notch((-1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     case = Case("pushed", sim, 0.4e-3)
     case.run(folder, n_row=50, n_frame=2, n_snapshot=2)
@@ -84,22 +73,15 @@ def test_checks_report_and_preview_do_without_edges(pushed, tmp_path):
 
 def test_a_blunt_body_before_a_cutting_one_stops_no_free_cut():
     blade = straight_blade(length=4.0, height=3.0)
-    box = np.array([[x, y, z] for x in (-2, 0) for y in (-1, 1) for z in (6, 8)], float)
+    body = box_corners((-2, -1, 6), (0, 1, 8))
     both = sc.Tool.from_triangles(
-        np.concatenate([box, blade.vertices]),
-        np.concatenate([FACES, blade.triangles + len(box)]),
-        edges=blade.edges + len(box),
+        np.concatenate([body, blade.vertices]),
+        np.concatenate([BOX_FACES, blade.triangles + 8]),
+        edges=blade.edges + 8,
     )
     assert (both.n_tooth, both.edge_tooth.tolist()) == (2, [1])
-    sim = sc.Simulation(
-        rectangle(6.0, 4.0, size=0.5),
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
-        tool=both.translated((-0.05, 0.0, 0.0)),
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-4),
-        law=sc.CohesiveLaw(),
-        fracture=sc.Fracture(path="free"),
-    )
+    tool = both.translated((-0.05, 0.0, 0.0))
+    sim = cut_by(tool, rectangle(6.0, 4.0, size=0.5), 6000.0, ramp=1e-4)
     sim.notch((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
     sim.run(until=5e-4)
     assert sim.state.crack_length > 1.0

@@ -86,11 +86,6 @@ PULLED = [
 RUNS = {
     "force": (cutting, END, {}),
     "stress": (cutting, END, {"fracture": Fracture(criterion="stress")}),
-    "layers": (cutting, END, {"material": LAYERED}),
-    "start": (
-        *(cutting, END),
-        {"fracture": Fracture(equilibrium_start=True), "damping_beta": 0.0},
-    ),
     "through quads": (
         *(cut_strip, 1.5e-4),
         {

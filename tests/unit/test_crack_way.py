@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 import shellcut as sc
 from curved_films import Roll
+from films import cut_by, pieces
 from free_strip import cut_strip
 from notched_strip import cutting
 from shellcut import Fracture, Recorder, StraightMotion, guillotine, opening_test
@@ -24,15 +23,9 @@ SIDES = [sc.Support.clamped("bottom"), sc.Support.clamped("top")]
 
 def by_hand(**options):
     """A blade before a strip whose rows do not care for it."""
-    return sc.Simulation(
-        rectangle(4.0, 2.4, n_x=5, n_y=3),
-        sc.ShellMaterial.homogeneous(),
-        supports=SIDES,
-        tool=straight_blade(length=4.0, height=3.0).translated((-0.05, 0.0, 0.0)),
-        motion=StraightMotion((1.0, 0.0, 0.0), 6000.0),
-        law=sc.CohesiveLaw(),
-        **options,
-    )
+    blade = straight_blade(length=4.0, height=3.0).translated((-0.05, 0.0, 0.0))
+    film = rectangle(4.0, 2.4, n_x=5, n_y=3)
+    return cut_by(blade, film, 6000.0, **{"fracture": None} | options)
 
 
 # ---------------------------------------------------------------- what is asked for
@@ -308,11 +301,10 @@ def test_a_notch_that_ends_where_it_began_cuts_a_piece_out(corners):
         fracture=Fracture(path="free"),
     )
     sim.notch(*((x, y, 0.0) for x, y in [*corners, corners[0]]))
-    quads, n = sim.state.quads, sim.state.n_node
-    pairs = np.concatenate([quads[:, [k, (k + 1) % 4]] for k in range(4)])
-    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
-    _, piece = connected_components(graph, directed=False)
-    loose = sim.state.node.mass[:n][piece != piece[film.node_set("left")[0]]].sum()
+    quads = sim.state.quads
+    of_row = pieces(quads)
+    held = of_row[(quads == film.node_set("left")[0]).any(axis=1)][0]
+    loose = sim.state.node.mass[np.unique(quads[of_row != held])].sum()
     x, y = np.array(corners).T
     area = 0.5 * abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
     # Corners within quads are cut off.

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import pieces
 from naive.load import pressure_rows_of_part
 from shellcut.fracture.cuts import Cuts
 from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
@@ -147,13 +148,11 @@ def test_the_parts_of_a_strip_bear_pressure_times_their_area():
     sim.notch(start, end)
     s, n = sim.state, sim.state.node
     sim.loads.begin_forces(s)
-    left, todo = set(), {int(np.argmin(X @ [1.0, 1.0, 0.0]))}
-    while todo:  # all that hangs together with the lower left corner
-        left |= todo
-        todo = set(s.quads[np.isin(s.quads, list(todo)).any(axis=1)].ravel().tolist()) - left
-    rows = np.isin(s.quads[:, 0], list(left))
+    corner, of_row = int(np.argmin(X @ [1.0, 1.0, 0.0])), pieces(s.quads)
+    rows = of_row == of_row[(s.quads == corner).any(axis=1)][0]
+    left = np.unique(s.quads[rows])
     area = sim.shell.area[: s.n_quad] @ (s.quad.share[: s.n_quad] * rows)
-    along, across = n.force[list(left), 1].sum(), n.force[list(left), 2].sum()
+    along, across = n.force[left, 1].sum(), n.force[left, 2].sum()
     assert across == pytest.approx(0.2 * area, rel=1e-12)  # round-off
     # A cut is moved onto corners within a twentieth of an edge.
     assert area == pytest.approx(3.0 * 2.5, abs=3.0 * 0.025)

@@ -19,9 +19,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 
-MU = 0.3
 FAR = np.array([50.0, 0.0, 0.0])
-RUBS = Contact(film_edges=True, tool_points=False, friction=MU)
 
 
 def term(sim, name="edges"):
@@ -115,31 +113,6 @@ def test_forces_and_energy_are_those_of_a_plain_twin():
         np.testing.assert_allclose(found.stored, energy, atol=1e-12)
         pressed += energy > 0.0
     assert pressed > 25
-
-
-def test_forces_are_minus_the_gradient_on_film_and_tool():
-    rng = np.random.default_rng(5)
-    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
-    tried = 0
-    for corners in random_quads(rng, 40):
-        place(sim, corners)
-        force, _, (_, found) = evaluated(sim)
-        if found.stored == 0.0:
-            continue
-        tried += 1
-        # Film and tool push each other: no sum, and no moment.
-        scale = np.abs(force).max()
-        np.testing.assert_allclose(found.wrench[0, :3], -force.sum(axis=0), atol=1e-12 * scale)
-        moment = np.cross(corners - (-FAR), force).sum(axis=0)
-        np.testing.assert_allclose(found.wrench[0, 3:], -moment, atol=1e-10 * scale)
-        moved, eps = rng.normal(size=corners.shape), 1e-6
-        energy = []
-        for sign in (1.0, -1.0):
-            place(sim, corners + sign * eps * moved)
-            energy.append(evaluated(sim)[2][1].stored)
-        slope = (energy[0] - energy[1]) / (2.0 * eps)
-        assert -slope == pytest.approx((force * moved).sum(), rel=1e-4, abs=1e-5 * scale)
-    assert tried > 12
 
 
 def test_what_counts_in_the_step_bounds_the_tangent_of_nodes_and_edges():
@@ -339,29 +312,6 @@ def test_places_of_a_new_list_keep_their_memory_and_count_at_once():
     assert edges.n_search == searched + 1
     assert edges.tables.table.memory is not before
     assert edges.forces.stored == pytest.approx(stored, rel=0.2)
-
-
-def test_friction_on_places_holds_to_mu_times_the_pressure_and_closes():
-    sim = pushed(RUBS, direction=(0.6, 0.5, 0.62))
-    n, slipped = sim.state.node, 0
-    while sim.motion.coordinate(sim.state.time) < 0.25:
-        sim.step()
-        rubs, pressure = term(sim, "edge_friction"), term(sim).carriers.pressure
-        force = np.linalg.norm(rubs.springs.force[: pressure.size], axis=1)
-        assert (force <= MU * pressure * (1.0 + 1e-9)).all()
-        slipped += rubs.forces.n_slipping
-    wrench, springs = rubs.forces.wrench[0], rubs.springs
-    scale = max(np.abs(springs.force).max(), 1e-9)
-    np.testing.assert_allclose(springs.force.sum(axis=0), -wrench[:3], atol=1e-11 * scale)
-    at = np.einsum("ia,iac->ic", springs.weight, n.x[springs.node]) - sim.pose.translation
-    moment = np.cross(at, springs.force).sum(axis=0)
-    np.testing.assert_allclose(moment, -wrench[3:], atol=1e-10 * scale)
-    assert slipped > 50
-    book = sim.close_ledger()
-    assert book.friction_dissipated > 0.02 * book.tool_work
-    left = book.friction_work - book.friction_dissipated - book.friction_stored
-    assert abs(left) < 1e-9 * book.friction_work
-    assert abs(book.imbalance) < 1e-4 * book.tool_work
 
 
 def ends_by_place(state, outline):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from far_pose import FAR
 from met_cable import AREA, evaluated, met_cable
 from naive import cable
 from naive import edge as naive
@@ -149,17 +148,6 @@ def test_the_cable_takes_the_shortest_way_and_its_force_is_the_gradient(ends, ra
             slope = (ahead - behind) / 2e-6
             assert c.force[0, node] @ axis == pytest.approx(-AREA * stress * slope, abs=2e-8)
     np.testing.assert_allclose(result.wrench[0, :3], -c.force[0].sum(axis=0), atol=1e-15)
-
-
-@pytest.mark.parametrize("ends", PLACES)
-def test_forces_and_moments_balance_on_a_round_edge(ends):
-    cables, state = one_cable(0.1, pose=FAR)
-    result = evaluated(cables, state, *ends, FAR)
-    x, force = state.node.x[:2], state.cable.force[0]
-    moment = np.cross(x, force).sum(axis=0) + result.wrench[0, 3:]
-    moment += np.cross(FAR.translation, result.wrench[0, :3])
-    np.testing.assert_allclose(moment, 0.0, atol=1e-14)
-    assert not result.couple.any()
 
 
 def test_a_very_small_radius_is_a_sharp_edge():

@@ -1,4 +1,7 @@
-"""The loop over the force terms: wrench, work, stiffness, ledger, restart; a term of one's own."""
+"""The loop over the force terms: wrench, work, stiffness, ledger; a term of one's own.
+
+What each of them holds: test_every_term.py.
+"""
 
 import re
 from types import SimpleNamespace
@@ -82,22 +85,6 @@ def test_a_new_term_is_in_forces_wrench_work_and_ledger():
     assert abs(book.tool_work) > 1e-3 * abs(stored)
     vars(book).update(terms.stored(state))
     assert book.contact_stored == one.energy() + two.energy()  # of both: one entry
-
-
-def test_a_restart_goes_on_bit_for_bit():
-    def run(stop):
-        _, state = cases.set_up(cases.skewed_flat())
-        terms, book = ForceTerms([Spring(5, 7.0)], MOTION), Ledger()
-        drive(terms, state, book, stop)
-        return terms, state, book
-
-    whole, _, wanted = run(20)
-    terms, state, book = run(12)
-    again = ForceTerms([Spring(5, 7.0)], MOTION)
-    again.restore(state, MOTION.pose(state.time), terms.saved())
-    drive(again, state, book, 20, first=12)
-    assert book == wanted
-    np.testing.assert_array_equal(again.saved()["last"], whole.saved()["last"])
 
 
 def test_the_stiffness_of_a_term_shortens_the_step():
@@ -317,21 +304,6 @@ def test_a_cut_closes_with_springs_on_nodes_that_split_and_on_the_tool():
 
 def sum_of_others(sim, term):
     return sum(one.touch.wrench for one in sim.terms.on_tool if one is not term)
-
-
-def test_a_resumed_run_goes_on_bit_for_bit_with_a_term_that_keeps_nothing(tmp_path):
-    def built():
-        return cut_with(springs_on_tool(cutting().state))
-
-    whole, begun, again = built(), built(), built()
-    while begun.state.n_cable < 2:
-        begun.step()
-    save_checkpoint(begun, tmp_path / "c.h5")
-    load_checkpoint(again, tmp_path / "c.h5")
-    for sim in (whole, again):
-        while sim.state.step < begun.state.step + 20:
-            sim.step()
-    assert whole.close_ledger() == again.close_ledger()
 
 
 class Wrong(Plain):

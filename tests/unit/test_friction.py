@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from naive.booking import book
-from notched_strip import cutting
 from shellcut import Contact, ScrewMotion, ShellMaterial
 from shellcut.contact.coulomb_friction import TANGENTIAL, CoulombFriction
 from shellcut.contact.penalty_contact import PenaltyContact
@@ -133,30 +132,3 @@ def test_it_counts_in_the_step():
     largest = np.linalg.svd(coupled, compute_uv=False)[0] / STEEPEST
     assert (stiffness + more >= largest * stiffness).all()
     assert (more < 0.1 * stiffness).all()
-
-
-def run(n, **options):
-    sim = cutting(contact=Contact(friction=0.2), **options)
-    for _ in range(n):
-        sim.step()
-    return sim
-
-
-@pytest.fixture(scope="module")
-def whole():
-    return run(700)
-
-
-def test_the_ledger_closes_and_friction_takes_its_part(whole):
-    ledger = whole.close_ledger()
-    assert ledger.friction_dissipated > 0.01 * abs(ledger.tool_work)
-    together = ledger.friction_stored + ledger.friction_dissipated
-    # Two independent sums; the forces of split nodes are shared anew: measured below 1e-9.
-    assert ledger.friction_work == pytest.approx(together, rel=1e-6)
-    assert abs(ledger.imbalance) < 5e-3 * ledger.put_in
-    names = [term.name for term in whole.terms]
-    assert names == ["contact", "friction", "points", "point_friction", "joints"]
-    assert len(whole.state.split_log) > 2
-    on_nodes = whole.state.node.friction_force[: whole.state.n_node].sum(axis=0)
-    on_tool = list(whole.terms)[1].forces.wrench[:, :3].sum(axis=0)
-    np.testing.assert_allclose(on_nodes, -on_tool, atol=1e-12 * np.abs(on_nodes).max())

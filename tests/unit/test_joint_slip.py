@@ -5,6 +5,7 @@ import pytest
 import scipy.optimize
 
 import shellcut as sc
+from blunt_tools import prism
 from far_pose import FAR
 from met_cable import AREA, evaluated, met_cable
 from naive import cable as naive
@@ -197,11 +198,8 @@ def test_neighbours_along_the_edges():
     expected[0][0] = expected[n - 1][1] = expected[n][0] = expected[-1][1] = -1
     assert neighbours(ring).tolist() == expected
     # A square plate with all four upper edges cutting is a closed chain.
-    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    sides = [(k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)]
-    quads = [*sides, (3, 2, 1, 0), (4, 5, 6, 7)]
-    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-    box = sc.Tool.from_triangles(corners, triangles, edges=[(4, 5), (5, 6), (6, 7), (7, 4)])
+    square = prism([(0, 0), (1, 0), (1, 1), (0, 1)], 0, 1)
+    box = sc.Tool.from_triangles(*square, edges=[(4, 5), (5, 6), (6, 7), (7, 4)])
     assert neighbours(box).tolist() == [[3, 1], [0, 2], [1, 3], [2, 0]]
 
 

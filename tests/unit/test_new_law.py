@@ -12,6 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from damaging_film import Damaging
+from gone_on import check_goes_on
 from naive import cases
 from naive import shell as naive
 from notched_strip import cutting
@@ -25,7 +26,6 @@ from shellcut import (
     Support,
     load_checkpoint,
     read,
-    save_checkpoint,
 )
 from shellcut.material import LAWS, Material, PointLaw, register
 from shellcut.mesh.structured import rectangle
@@ -274,23 +274,16 @@ def test_the_ledger_closes_with_what_the_law_has_dissipated(film):
 
 
 def test_a_resumed_run_is_the_same_bit_for_bit(tmp_path):
-    whole, first, second = (pulled_strip(threads=n) for n in (1, 2, 1))
-    whole.run(END)
-    first.run(0.4 * END)
-    assert first.ledger.material_dissipated > 0.0
-    save_checkpoint(first, tmp_path / "c.h5")
-    load_checkpoint(second, tmp_path / "c.h5")
-    second.run(END)
-    n = whole.mesh.n_node
-    np.testing.assert_array_equal(second.state.history, whole.state.history)
-    np.testing.assert_array_equal(second.state.node.x[:n], whole.state.node.x[:n])
-    assert second.ledger == whole.ledger
+    def flowing(sim):
+        return sim.state.time > 0.4 * END and sim.ledger.material_dissipated > 0.0
+
+    check_goes_on(pulled_strip, flowing, tmp_path / "c.h5", 150)
     other = pulled_strip(ShellMaterial([Layer(Damaging(onset=0.003), 0.074)]))
     with pytest.raises(ValueError, match=r"onset: 0.002 in the checkpoint, 0.003"):
         load_checkpoint(other, tmp_path / "c.h5")
 
 
-def test_a_cut_writes_dissipation_and_damage_and_goes_on_from_its_checkpoint(tmp_path):
+def test_a_cut_writes_dissipation_and_damage(tmp_path):
     weak = ShellMaterial([Layer(Damaging(onset=5e-4), 0.074)])
     case = Case("cut", cutting(material=weak), 4e-5)
     case.run(tmp_path, n_row=20, n_frame=4, n_snapshot=0, curves=False, progress=False)
@@ -314,26 +307,6 @@ def test_a_cut_writes_dissipation_and_damage_and_goes_on_from_its_checkpoint(tmp
         np.testing.assert_allclose(again.quad_history[name], wanted, rtol=2.0**-12, atol=1e-30)
     with pytest.raises(ValueError, match="quad_history 'damage' must have shape"):
         replace(frame, quad_history={"damage": np.zeros(1)})
-
-
-def test_a_frame_that_is_finished_during_the_run_takes_nothing_away_from_it():
-    # In another thread it would: forces at the positions of the frame, stresses of later quads.
-    sim = cutting(material=ShellMaterial([Layer(Damaging(onset=5e-4), 0.074)]))
-    while sim.state.n_cable < 1:
-        sim.step()
-    exposure = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
-    at_once, n_split = exposure.frame(), len(sim.state.split_log)
-    while len(sim.state.split_log) == n_split:
-        sim.step()
-    corner = sim.shell.blocks.corner.copy()
-    later = exposure.frame()
-
-    np.testing.assert_array_equal(sim.shell.blocks.corner, corner)
-    assert (at_once.quads != sim.state.quads).any()
-    for name in ("quads", "quad_stress", "quad_stress_top", "quad_principal", "quad_thickness"):
-        np.testing.assert_array_equal(getattr(later, name), getattr(at_once, name))
-    for name, numbers in at_once.quad_history.items():
-        np.testing.assert_array_equal(later.quad_history[name], numbers)
 
 
 # ---------------------------------------------------------------- time step

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from films import three_quads_a_triangle
 from shellcut import CohesiveLaw, Fracture, ShellMaterial, Simulation, StraightMotion, Support
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
@@ -30,18 +31,6 @@ def height(x):
     return ((x % CELL) - 0.5 * CELL) ** 2 / 20.0
 
 
-def quads_of(nodes, triangles):
-    """Return nodes and quads: of each triangle three, which meet in its middle."""
-    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    ends, of_side = np.unique(sides, axis=0, return_inverse=True)
-    ab, bc, ca = len(nodes) + of_side.reshape(-1, 3).T
-    a, b, c = triangles.T
-    middle = len(nodes) + len(ends) + np.arange(len(triangles))
-    rings = [(a, ab, middle, ca), (b, bc, middle, ab), (c, ca, middle, bc)]
-    every = np.vstack([nodes, nodes[ends].mean(axis=1), nodes[triangles].mean(axis=1)])
-    return every, np.vstack([np.column_stack(ring) for ring in rings])
-
-
 def film_of(kind):
     """Return films of squares, of squares with moved nodes, of split triangles, or curved."""
     mesh = rectangle(SIZE, SIZE, size=1.0)
@@ -52,7 +41,8 @@ def film_of(kind):
         shift = np.random.default_rng(3).uniform(-0.12, 0.12, (inner.sum(), 2))
         nodes[inner, :2] += shift
     if kind == "triangles":
-        nodes, quads = quads_of(nodes, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+        halves = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        nodes, quads, _ = three_quads_a_triangle(nodes, halves)
     if kind == "curved":
         nodes[:, 2] = height(nodes[:, 0])
     return Mesh.from_arrays(nodes, quads)
@@ -95,12 +85,12 @@ def pierced(angle, path, line, kind="squares"):
     [
         ("free", 0.0, "squares"),
         ("free", 30.0, "squares"),
-        ("free", 45.0, "squares"),
+        pytest.param("free", 45.0, "squares", marks=pytest.mark.slow),
         ("free", 105.0, "squares"),
         ("edges", 30.0, "squares"),
         ("free", 20.0, "skewed"),
         pytest.param("free", 70.0, "triangles", marks=pytest.mark.slow),
-        ("free", 30.0, "curved"),
+        pytest.param("free", 30.0, "curved", marks=pytest.mark.slow),
         ("free", 90.0, "curved"),
     ],
 )

@@ -5,9 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
+from blunt_tools import ball, box, needle
 from naive.booking import book
 from naive.contact import smoothed
-from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, Tool, opening_test
+from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, opening_test
 from shellcut.contact.contact_points import contact_points
 from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import ToolWires
@@ -16,17 +17,6 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 GAP = 0.01
-
-
-def needle(radius=0.5, height=2.0, n=12):
-    """A cone with its tip, at the origin, down."""
-    angle = 2.0 * np.pi * np.arange(n) / n
-    rim = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(n, height)])
-    vertices = np.vstack([[0.0, 0.0, 0.0], rim, [0.0, 0.0, height]])
-    after = (np.arange(n) + 1) % n
-    sides = [(0, 1 + j, 1 + k) for k, j in enumerate(after)]
-    top = [(n + 1, 1 + k, 1 + j) for k, j in enumerate(after)]
-    return Tool.from_triangles(vertices, sides + top, edges=np.zeros((0, 2), int))
 
 
 def pricked(
@@ -94,11 +84,7 @@ def stiffness_of(sim, points, row):
 
 
 def test_a_box_pushes_with_corners_and_edges():
-    v = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], float)
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
-    box = Tool.from_triangles(v, triangles, edges=np.zeros((0, 2), int))
-    points = contact_points(box, 0.5)
+    points = contact_points(box((0, 0, 0), (1, 1, 1)), 0.5)
     # Eight corners, three points on each of twelve edges; none on the diagonals of the faces.
     assert len(points.place) == 8 + 12 * 3
     on_edge = (np.isclose(points.place, 0) | np.isclose(points.place, 1)).sum(axis=1)
@@ -133,8 +119,7 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
 
 
 def test_points_are_spread_and_share_their_stiffness():
-    ball = ball_of(2.0)
-    points = contact_points(ball, 0.8)
+    points = contact_points(ball(2.0, 3), 0.8)
     gaps = np.linalg.norm(points.place[:, None] - points.place[None], axis=2)
     np.fill_diagonal(gaps, np.inf)
     assert gaps.min() >= 0.4 * 0.8
@@ -144,26 +129,6 @@ def test_points_are_spread_and_share_their_stiffness():
     alone = contact_points(needle(), 0.8)
     tip = np.linalg.norm(alone.place, axis=1).argmin()
     assert alone.share[tip] > 0.9
-
-
-def ball_of(radius, n=3):
-    """An octahedron halved n times, on a sphere."""
-    v = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
-    t = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
-    v, t = np.array(v, float), np.array(t)
-    for _ in range(n):
-        a, b, c = v[t[:, 0]], v[t[:, 1]], v[t[:, 2]]
-        corners = [a, b, c, a + b, b + c, c + a]
-        k = len(v) + np.arange(6 * len(t)).reshape(6, -1)
-        v = np.vstack([v, *corners])
-        v /= np.linalg.norm(v, axis=1, keepdims=True)
-        t = np.vstack(
-            [
-                np.column_stack([k[i], k[j], k[m]])
-                for i, j, m in ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
-            ]
-        )
-    return Tool.from_triangles(radius * v, t, edges=np.zeros((0, 2), int))
 
 
 # ---------------------------------------------------------------- which pairs
@@ -267,24 +232,6 @@ def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
     assert weights.sum() == pytest.approx(1.0, rel=1e-14)
     # The pull of the film on the point is along its normal there.
     assert push[2] < -0.9 * size
-
-
-def test_forces_are_the_gradient_of_the_stored_energy():
-    sim, points, s, k = pressing()
-    h = 1e-6
-    for node in points.carriers.node[k].copy():
-        press(sim, 0.02)
-        f = s.node.force[node].copy()
-        slope = np.zeros(3)
-        for c in range(3):
-            energy = []
-            for sign in (1, -1):
-                s.node.x[node, c] += sign * h
-                energy.append(press(sim, 0.02).stored)
-                s.node.x[node, c] -= sign * h
-            slope[c] = (energy[0] - energy[1]) / (2.0 * h)
-        # Central differences of a smooth energy: (h / depth)² of it.
-        np.testing.assert_allclose(-slope, f, rtol=1e-4, atol=1e-4 * np.abs(f).max())
 
 
 def test_a_point_that_slides_over_the_mesh_is_felt_throughout():

@@ -284,6 +284,8 @@ def test_only_neighbouring_strips_share_nodes(mesh):
     # Even shares, or the second thread would wait.
     size = np.diff(blocks.full_start)
     assert size.max() <= size.min() + 1
+    small = build_blocks(mesh.nodes, mesh.quads[:19_999], flat[:19_999])
+    assert small.n_strip == 1  # at least 5000 quads each
 
 
 def test_quads_that_more_strips_do_not_part_stay_in_two():

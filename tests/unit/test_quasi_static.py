@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from blunt_tools import spike
 from gone_on import check_goes_on
 from shellcut import Support as S
 from shellcut.mesh.structured import disc, rectangle
@@ -11,11 +12,6 @@ from shellcut.models import guillotine
 from shellcut.results.verdict import verdict
 from shellcut.simulation.pace import Pace
 
-SPIKE = sc.Tool.from_triangles(
-    [[0.0, 0.0, 0.0], [0.5, 0.0, 2.0], [-0.3, 0.4, 2.0], [-0.3, -0.4, 2.0]],
-    [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
-    edges="none",
-)
 DISC, FILM = disc(5.0, n_side=6, n_layer=2), sc.ShellMaterial.homogeneous()
 CENTRE, CLAMPED = DISC.node_set("centre"), [S.clamped("rim")]
 
@@ -130,7 +126,7 @@ def test_a_film_that_its_supports_carry_to_the_tool_is_pressed_as_one_at_rest():
             film,
             FILM,
             supports=[S(film.boundary_nodes(), rotation="", velocity=comes)],
-            tool=SPIKE.translated((2.37, 0.21, 0.001)),
+            tool=spike().translated((2.37, 0.21, 0.001)),
             motion=sc.StraightMotion((0.0, 0.0, -1.0), 2000.0 * (1.0 - of_film) or 1e-9),
             quasi_static=0.004,
             damping_alpha=0.0,

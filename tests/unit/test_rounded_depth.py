@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from blunt_tools import box
 from naive.contact import rounded_depth as naive_depth
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.contact.settings import STEEPEST
@@ -13,7 +14,6 @@ from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.shapes import round_bar, straight_blade, tooth_ring
 from shellcut.tool.signed_distance import TriangleGrid, signed_distance
 from shellcut.tool.surface import Surface
-from shellcut.tool.tool import Tool
 
 R = 0.037  # mm
 G_M = 0.5 * R
@@ -176,21 +176,14 @@ def test_it_is_that_of_the_opened_solid(side):
 
 
 def test_a_lip_of_a_corner_is_lost_as_the_closed_form_says():
-    box = box_of(1.0)
+    cube = box((-0.5,) * 3, (0.5,) * 3)
     # Along the diagonal of an edge, and of a corner: r (1/cos 45 deg - 1), r (sqrt 3 - 1).
     for n, lip in ((2, np.sqrt(2.0) - 1.0), (3, np.sqrt(3.0) - 1.0)):
         way = np.array([1.0] * n + [0.0] * (3 - n)) / np.sqrt(n)
         start = np.array([0.5] * n + [0.1] * (3 - n))
-        depth, out, _ = depths(box, np.array([start - (lip * R + 0.01) * way]), 0)
+        depth, out, _ = depths(cube, np.array([start - (lip * R + 0.01) * way]), 0)
         assert depth[0] == pytest.approx(0.01, abs=1e-12)
         np.testing.assert_allclose(out[0], way, atol=1e-12)
-
-
-def box_of(size):
-    v = size * (np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)]) - 0.5)
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
-    return Tool.from_triangles(v, triangles, edges=np.zeros((0, 2), int))
 
 
 @pytest.mark.parametrize("depth", [0.004, 0.02, R, 0.2])

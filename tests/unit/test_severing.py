@@ -30,26 +30,27 @@ def test_a_cut_that_severs_goes_on_from_a_checkpoint(tmp_path):
     check_goes_on(sharp_cut, lambda sim: sim.cables.n_broken > 0, tmp_path / "half.h5", n_step=300)
 
 
-def test_beyond_its_blunt_radius_an_edge_leaves_every_bit():
-    blunt = replace(SHORT, cutting_energy=1.0, severing_pressure=200.0)
-    assert blunt.blunt_radius < 0.01
-    runs = [sharp_cut(law) for law in (SHORT, blunt)]
+def torn(law):
+    return trouser(1.0, length=10.0, notch=3.0, travel=1.5, law=law).simulation
+
+
+NO_BLADE = replace(TEAR_LAW, onset=0.01)
+LEFT_ALONE = {
+    "beyond its blunt radius": (sharp_cut, SHORT, 200.0, 600),
+    "a tear without a blade": (torn, NO_BLADE, 100.0, 1500),
+}
+
+
+@pytest.mark.parametrize(
+    ("build", "law", "pressure", "n_step"), LEFT_ALONE.values(), ids=LEFT_ALONE
+)
+def test_what_no_edge_severs_keeps_every_bit(build, law, pressure, n_step):
+    severing = replace(law, cutting_energy=1.0, severing_pressure=pressure)
+    assert build is torn or severing.blunt_radius < 0.01
+    runs = [build(one) for one in (law, severing)]
     for sim in runs:
-        for _ in range(600):
+        for _ in range(n_step):
             sim.step()
-    whole, cut = (sim.state for sim in runs)
-    assert whole.cable.count > 0
-    np.testing.assert_array_equal(whole.node.x[: whole.n_node], cut.node.x[: cut.n_node])
-    assert runs[0].ledger == runs[1].ledger
-
-
-def test_a_tear_without_a_blade_leaves_every_bit():
-    runs, film = [], replace(TEAR_LAW, onset=0.01)
-    for law in (film, replace(film, cutting_energy=1.0, severing_pressure=100.0)):
-        sim = trouser(1.0, length=10.0, notch=3.0, travel=1.5, law=law).simulation
-        for _ in range(1500):
-            sim.step()
-        runs.append(sim)
     whole, cut = (sim.state for sim in runs)
     assert whole.cable.count > 0
     np.testing.assert_array_equal(whole.node.x[: whole.n_node], cut.node.x[: cut.n_node])

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from films import cut_by
 from naive import cases
-from shellcut import CohesiveLaw, Fracture, Pressure, Simulation, StraightMotion, Support
+from shellcut import CohesiveLaw, Fracture, Pressure
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.cut_film import CutFilm
@@ -143,15 +144,7 @@ def test_moving_supports_hold_the_film_together(criterion):
 def test_a_rim_entered_beside_an_edge_of_the_mesh_is_cut_along_it_at_once(path, beside):
     film = rectangle(4.0, 4.0, size=0.8)
     blade = straight_blade(length=4.0, height=3.0).translated((-0.05, 0.4 + beside * 0.8, 0.0))
-    sim = Simulation(
-        film,
-        cases.FILM,
-        supports=[Support.clamped("top"), Support.clamped("bottom")],
-        tool=blade,
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=5e-5),
-        law=CohesiveLaw(),
-        fracture=Fracture(path=path),
-    )
+    sim = cut_by(blade, film, 6000.0, ramp=5e-5, fracture=Fracture(path=path))
     while not sim.state.split_log:
         sim.step()
         past = sim.motion.coordinate(sim.state.time) - 0.05

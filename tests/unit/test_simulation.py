@@ -13,26 +13,13 @@ import shellcut as sc
 from shellcut.mesh.structured import rectangle
 from shellcut.numerics.trigger import Trigger
 from shellcut.simulation.instability import UnstableStep
-from shellcut.tool.shapes import straight_blade
 
 FILM = sc.ShellMaterial.homogeneous()
 
 
 def cutting(**options):
     """A blade that starts in front of a notch and cuts quads on its way: all parts at work."""
-    mesh = rectangle(3.2, 1.6, n_x=8, n_y=4)
-    mesh = mesh.cut([18, 19])
-    mesh = mesh.with_sets(node_sets={"sides": [*mesh.node_set("bottom"), *mesh.node_set("top")]})
-    options.setdefault("law", sc.CohesiveLaw(opening_a=0.05, opening_p=0.2, opening_u=0.3))
-    options.setdefault("motion", sc.StraightMotion((1, 0, 0), 2e4, ramp=5e-6))
-    return sc.Simulation(
-        mesh,
-        FILM,
-        supports=[sc.Support.clamped("sides")],
-        loads=[sc.Pressure(1e-3)],
-        tool=straight_blade(half_thickness=0.1, length=2.0, height=2.0),
-        **options,
-    )
+    return notched_strip.cutting(pulled=False, **options)
 
 
 class ColumnMotion(sc.StraightMotion):
@@ -121,7 +108,7 @@ def test_classical_cables_never_meet_the_blade_and_without_a_law_nothing_splits(
     sim.run(END)
     assert sim.cables.n_joint_made == 0
     assert sim.state.n_cable > 0
-    sim = cutting(law=None)
+    sim = cutting(law=None, fracture=None)
     sim.run(2e-5)
     assert sim.state.revision == 0
     assert sim.cracks is None

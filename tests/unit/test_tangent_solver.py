@@ -7,7 +7,8 @@ import pytest
 
 from dense_statics import dense
 from page_tables import table
-from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
+from patches import mapped_patch, pinched_hemisphere, sphere
+from shellcut import ShellMaterial, Statics
 from shellcut.mesh.structured import rectangle
 from shellcut.statics.freedoms import Freedoms
 from shellcut.statics.tangent_solver import NoConvergence, TangentSolver
@@ -15,31 +16,8 @@ from shellcut.statics.tangent_solver import NoConvergence, TangentSolver
 
 def hemisphere(slenderness, n=16):
     """A pinched quarter of a hemisphere with a hole, its force in proportion to its bending."""
-    u, v = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij")
-    azimuth, height = 0.5 * np.pi * u, np.radians(72.0) * v
-    radial = [np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)]
-    directors = np.stack(radial, axis=-1).reshape(-1, 3)
-    ids = np.arange(u.size).reshape(u.shape)
-    quads = np.stack([ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]], axis=-1)
-    on_x, on_y = int(ids[0, 0]), int(ids[-1, 0])
-    mesh = Mesh.from_arrays(
-        10.0 * directors,
-        quads.reshape(-1, 4),
-        directors=directors,
-        node_sets={"xz": ids[0], "yz": ids[-1]},
-    )
-    material = ShellMaterial.homogeneous(young=6.825e7, thickness=10.0 / slenderness)
     force = (250.0 / slenderness) ** 3
-    model = Statics(
-        mesh,
-        material,
-        supports=[
-            Support.symmetry("xz", "y"),
-            Support.symmetry("yz", "x"),
-            Support([on_x], "z", ""),
-        ],
-        loads=[NodalForce([on_x], (force, 0, 0)), NodalForce([on_y], (0, -force, 0))],
-    )
+    model, on_x, _ = pinched_hemisphere(mapped_patch(n, n, sphere), 10.0 / slenderness, force)
     return model, on_x
 
 

@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import shellcut as sc
+from films import from_zero, shaken
 from naive import cases
 from naive.shell import shape
 from page_tables import numbers_of, row, shown_as, table
@@ -17,12 +18,7 @@ from shellcut.fracture.tip_force import TipForce
 from shellcut.material import Elastic, Layer, Linear, Orthotropic, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.element import N_STRAIN
-from shellcut.mitc4.section import (
-    axes_in_frame,
-    frame_components,
-    full_stiffness,
-    gauss_geometry,
-)
+from shellcut.mitc4.section import axes_in_frame, frame_components, full_stiffness, gauss_geometry
 from shellcut.mitc4.sliding_points import SlidingPoints
 from shellcut.mitc4.tangent import quad_products
 from shellcut.state import JOINTED
@@ -102,11 +98,7 @@ def test_an_even_state_has_no_tip(load):
 
 def uneven_mesh():
     """A sheet of quads whose inner nodes are moved at random."""
-    mesh = rectangle(6.0, 6.0, size=0.5)
-    X, rng = mesh.nodes.copy(), np.random.default_rng(1)
-    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
-    X[inside, :2] += 0.1 * rng.uniform(-1.0, 1.0, (inside.size, 2))
-    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+    return shaken(rectangle(6.0, 6.0, size=0.5), 1.0, size=0.1)
 
 
 def drawn(state, stretch):
@@ -188,10 +180,8 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
 
 def notched(length, notch, beside=0.0, film=FILM, loads=()):
     """A strip 4 mm high with clamped long sides, notched ``beside`` its middle line."""
-    mesh = rectangle(length, 4.0, size=0.25)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
+        from_zero(rectangle(length, 4.0, size=0.25)),
         film,
         supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
         loads=loads,
@@ -364,16 +354,12 @@ def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
 
 def plane_strip(slit=10.0, **more):
     """A strip in its plane, held on the right, slit from the left 4 mm above its lower rim."""
-    mesh = rectangle(24.0, 14.0, size=1.0)
-    X = mesh.nodes - mesh.nodes.min(axis=0) - [0.0, 4.0, 0.0]
-    sets = {**mesh.node_sets, "all": np.arange(mesh.n_node)}
+    mesh = from_zero(rectangle(24.0, 14.0, size=1.0), 0.0, -4.0)
+    flat = sc.Support(np.arange(mesh.n_node), translation="z", rotation="xyz")
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads, node_sets=sets),
+        mesh,
         FILM,
-        supports=[
-            sc.Support.clamped("right"),
-            sc.Support("all", translation="z", rotation="xyz"),
-        ],
+        supports=[sc.Support.clamped("right"), flat],
         law=sc.CohesiveLaw(strength=1e5),
         fracture=sc.Fracture(path="free", fibres=0),
         **more,
@@ -389,9 +375,8 @@ def released_in(sim, reaches):
 
 def parted(slit):
     """Two forces of 0.1 N part the flanks 5 mm from the rim, 1 mm from the slit."""
-    X = rectangle(24.0, 14.0, size=1.0).nodes
-    at = X.min(axis=0) + np.array([5.0, 4.0, 0.0])
-    ids = [int(np.linalg.norm(X - at - [0.0, y, 0.0], axis=1).argmin()) for y in (1.0, -1.0)]
+    X = from_zero(rectangle(24.0, 14.0, size=1.0), 0.0, -4.0).nodes
+    ids = [int(np.linalg.norm(X - [5.0, y, 0.0], axis=1).argmin()) for y in (1.0, -1.0)]
     pull = [sc.NodalForce(ids[:1], (0.0, 0.1, 0.0)), sc.NodalForce(ids[1:], (0.0, -0.1, 0.0))]
     sim = plane_strip(slit, loads=pull)
     sim.relax()

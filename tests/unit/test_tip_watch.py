@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import shaken
 from free_strip import cut_strip, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
 from shellcut.fracture.blade_drive import BladeDrive
@@ -19,7 +20,6 @@ from shellcut.fracture.rows_ahead import table_of
 from shellcut.fracture.tip import Tip
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut, TrialSums
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.pose import Pose
@@ -81,11 +81,7 @@ class Rules:
 
 
 def jittered(seed):
-    mesh = rectangle(6.0, 3.2, n_x=15, n_y=8)
-    X = mesh.nodes.copy()
-    inside = ~np.isin(np.arange(mesh.n_node), mesh.boundary_nodes())
-    X[inside, :2] += np.random.default_rng(seed).uniform(-0.1, 0.1, (inside.sum(), 2))
-    return Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+    return shaken(rectangle(6.0, 3.2, n_x=15, n_y=8), 0.1, seed)
 
 
 @pytest.mark.parametrize(

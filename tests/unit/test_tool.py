@@ -4,38 +4,19 @@ import numba as nb
 import numpy as np
 import pytest
 
-from shellcut.tool.cutting_edge import (
-    CUT_DEPTH,
-    CuttingEdges,
-    edge_point,
-    strip_coordinates,
-)
+from blunt_tools import prism
+from shellcut.tool.cutting_edge import CUT_DEPTH, CuttingEdges, edge_point, strip_coordinates
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import Tool, ToolError
 
 HALF_ANGLE = np.radians(8.0)  # the base of the wedge turns by 98°, below sharp_angle_deg
 
 
-def prism(section, height=2.0, at=(0.0, 0.0, 0.0)):
-    """A convex section (n, 2), counter-clockwise, from z = 0 to the height."""
-    section = np.asarray(section, dtype=float)
-    n = len(section)
-    vertices = np.zeros((2 * n, 3))
-    vertices[:, :2] = np.tile(section, (2, 1))
-    vertices[n:, 2] = height
-    triangles = []
-    for i in range(n):
-        j = (i + 1) % n
-        triangles += [(i, j, n + j), (i, n + j, n + i)]
-    for i in range(1, n - 1):
-        triangles += [(0, i + 1, i), (n, n + i, n + i + 1)]
-    return vertices + at, np.array(triangles)
-
-
 def wedge(half_angle=HALF_ANGLE, at=(0.0, 0.0, 0.0)):
     """Edge on the z axis, solid towards -x: vertices 0 (low) and 3 (high) bound the edge."""
     y = np.tan(half_angle)
-    return prism([(0.0, 0.0), (-1.0, y), (-1.0, -y)], at=at)
+    vertices, triangles = prism([(0.0, 0.0), (-1.0, y), (-1.0, -y)], 0.0, 2.0)
+    return vertices + at, triangles
 
 
 def joined(*parts):
@@ -76,7 +57,7 @@ class TestCuttingEdge:
 
     def test_mid_plane_bisects_an_uneven_wedge(self):
         section = [(0.0, 0.0), (-1.0, 0.5), (-1.0, 0.1)]
-        tool = Tool.from_triangles(*prism(section), sharp_angle_deg=150.0)
+        tool = Tool.from_triangles(*prism(section, 0.0, 2.0), sharp_angle_deg=150.0)
         plus, minus = tool.edge_flank_plus[0], tool.edge_flank_minus[0]
         normals, b, back = tool.triangle_normals, tool.edge_normal[0], tool.edge_back[0]
         assert normals[plus] @ b == pytest.approx(-(normals[minus] @ b), rel=1e-12)
@@ -109,7 +90,7 @@ class TestCuttingEdge:
         np.testing.assert_array_equal(tool.flank, np.repeat([1, -1], n))
 
     def test_both_edges_of_a_dagger_agree_on_the_plus_side(self):
-        dagger = prism([(1.0, 0.0), (0.0, 0.2), (-1.0, 0.0), (0.0, -0.2)])
+        dagger = prism([(1.0, 0.0), (0.0, 0.2), (-1.0, 0.0), (0.0, -0.2)], 0.0, 2.0)
         tool = Tool.from_triangles(*dagger)
         assert tool.n_chain == 2
         assert tool.edge_normal[0] @ tool.edge_normal[1] > 0.99
@@ -117,8 +98,8 @@ class TestCuttingEdge:
         np.testing.assert_array_equal(tool.flank, np.where(abs(side) > 0.5, side, 0.0))
 
     def test_a_tooth_is_a_cutting_edge_with_its_surface_or_a_blunt_body(self):
-        dagger = prism([(1.0, 0.0), (0.0, 0.2), (-1.0, 0.0), (0.0, -0.2)])
-        block = prism([(9.0, 1.0), (8.0, 1.0), (8.0, 0.0), (9.0, 0.0)])
+        dagger = prism([(1.0, 0.0), (0.0, 0.2), (-1.0, 0.0), (0.0, -0.2)], 0.0, 2.0)
+        block = prism([(9.0, 1.0), (8.0, 1.0), (8.0, 0.0), (9.0, 0.0)], 0.0, 2.0)
         tool = Tool.from_triangles(*joined(block, dagger))
         assert (tool.n_body, tool.n_tooth) == (2, 3)
         assert set(tool.triangle_tooth[tool.triangle_body == 0]) == {0}
@@ -144,15 +125,15 @@ class TestFlanks:
         y = 0.2
         section = [(0.0, 0.0), (-y / np.tan(HALF_ANGLE), y), (-3.0, y), (-3.0, -y)]
         section.append((-y / np.tan(HALF_ANGLE), -y))
-        wide = Tool.from_triangles(*prism(section), flank_angle_deg=9.0)
-        narrow = Tool.from_triangles(*prism(section), flank_angle_deg=7.0)
+        wide = Tool.from_triangles(*prism(section, 0.0, 2.0), flank_angle_deg=9.0)
+        narrow = Tool.from_triangles(*prism(section, 0.0, 2.0), flank_angle_deg=7.0)
         assert np.bincount(wide.flank + 1).tolist() == [4, 8, 4]
         assert np.bincount(narrow.flank + 1).tolist() == [2, 12, 2]
 
     def test_round_back_is_shared_by_the_nearer_edge_side(self):
         angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 16)
         section = np.concatenate([[(3.0, 0.0)], np.column_stack([np.cos(angle), np.sin(angle)])])
-        tool = Tool.from_triangles(*prism(section), edges=[(17, 0)])
+        tool = Tool.from_triangles(*prism(section, 0.0, 2.0), edges=[(17, 0)])
         centre = tool.vertices[tool.triangles].mean(axis=1)
         beside = np.abs(tool.triangle_normals[:, 2]) < 0.5
         clear = beside & (np.abs(centre[:, 1]) > 0.2)
@@ -246,7 +227,7 @@ class TestRefusals:
         assert "1 given cutting edge flat or concave" in refusal(
             vertices, triangles, edges=[(0, 4)]
         )
-        cube = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+        cube = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], 0.0, 2.0)
         message = refusal(*cube)
         assert "none turns by sharp_angle_deg = 100 or more, the sharpest turns by 90.0" in message
         assert 'lower sharp_angle_deg, or choose edges = "none" for a blunt tool' in message

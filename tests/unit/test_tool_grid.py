@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from naive.contact import distances, winding_number
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.signed_distance import (
@@ -10,34 +11,6 @@ from shellcut.tool.signed_distance import (
     closest_of_side,
     closest_on_triangle,
 )
-
-
-def distances(points, tool):
-    """Distances (n_point, n_triangle) by projection on the plane, else on the three edges."""
-    a, b, c = (tool.vertices[tool.triangles[:, k]] for k in range(3))
-    p = points[:, None, :]
-    squared = np.full((len(points), tool.n_triangle), np.inf)
-    for u, v in ((a, b), (b, c), (c, a)):
-        along = v - u
-        s = np.clip(((p - u) * along).sum(-1) / (along * along).sum(-1), 0.0, 1.0)
-        squared = np.minimum(squared, ((p - u - s[..., None] * along) ** 2).sum(-1))
-    normal = tool.triangle_normals
-    height = ((p - a) * normal).sum(-1)
-    foot = p - height[..., None] * normal
-    over = np.ones_like(squared, dtype=bool)
-    for u, v in ((a, b), (b, c), (c, a)):
-        over &= ((foot - u) * np.cross(normal, v - u)).sum(-1) >= 0.0
-    return np.where(over, np.abs(height), np.sqrt(squared))
-
-
-def winding_number(points, tool):
-    """1 inside, 0 outside: the solid angle of the surface over 4 pi (van Oosterom & Strackee)."""
-    a, b, c = (tool.vertices[tool.triangles[:, k]] - points[:, None, :] for k in range(3))
-    la, lb, lc = (np.linalg.norm(r, axis=-1) for r in (a, b, c))
-    volume = (a * np.cross(b, c)).sum(-1)
-    below = la * lb * lc
-    below += (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
-    return np.arctan2(volume, below).sum(axis=1) / (2.0 * np.pi)
 
 
 def random_points(tool, seed, n=500):

@@ -2,7 +2,8 @@
 
 A case is one file in ``cases/``: a docstring (problem, source, what it measures), ``ID``,
 ``TITLE``, ``FAST`` (whether pytest runs it too) and a function ``checks()`` that computes and
-returns :class:`Check` rows. It uses public functions of the library only.
+returns :class:`Check` rows. Cases of one kind stand in one file, each a function with such a
+docstring under :func:`case`. They use public functions of the library only.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import json
 import math
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -77,28 +79,52 @@ class Result:
         return all(check.passed for check in self.checks if check.gate)
 
 
-def load_cases(only: str | None = None, *, fast_only: bool = False) -> list[ModuleType]:
+@dataclass
+class Case:
+    """A case beside others in its file, with the names that a file of its own has."""
+
+    ID: str
+    TITLE: str
+    checks: Callable[[], list[Check]]
+    FAST: bool
+    AXES: tuple[str, str] | None
+    CURVES: dict[str, dict[str, list[float]]] = field(default_factory=dict)
+
+
+def case(
+    name: str, title: str, *, fast: bool = True, axes: tuple[str, str] | None = None
+) -> Callable[[Callable[[], list[Check]]], Case]:
+    """Make a case of a function that returns its rows."""
+    return lambda checks: Case(name, title, checks, fast, axes)
+
+
+def _cases_in(module: ModuleType) -> list[ModuleType | Case]:
+    cases = [one for one in vars(module).values() if isinstance(one, Case)]
+    return [one for one in cases if one.checks.__module__ == module.__name__] or [module]
+
+
+def load_cases(only: str | None = None, *, fast_only: bool = False) -> list[ModuleType | Case]:
     """Import the cases, all or one, in the order of their ids."""
-    if str(CASES.parent) not in sys.path:
-        sys.path.insert(0, str(CASES.parent))
-    modules = [
-        importlib.import_module(f"cases.{path.stem}")
-        for path in sorted(CASES.glob("[a-z][0-9]*.py"))
-    ]
-    chosen = [m for m in modules if (only is None or only == m.ID) and (m.FAST or not fast_only)]
+    for folder in CASES.parents[:2]:  # of the cases, and of what all tests share
+        if str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
+    modules = [importlib.import_module(f"cases.{path.stem}") for path in CASES.glob("[a-z]*.py")]
+    cases = [one for module in modules for one in _cases_in(module) if hasattr(one, "ID")]
+    cases.sort(key=lambda one: one.ID)
+    chosen = [c for c in cases if (only is None or only == c.ID) and (c.FAST or not fast_only)]
     if not chosen:
-        raise SystemExit(f"no case {only!r}; there are {', '.join(m.ID for m in modules)}")
+        raise SystemExit(f"no case {only!r}; there are {', '.join(c.ID for c in cases)}")
     return chosen
 
 
-def run_case(module: ModuleType) -> Result:
+def run_case(one: ModuleType | Case) -> Result:
     """Run one case."""
     began = time.process_time()
-    checks = module.checks()
-    curves = getattr(module, "CURVES", {})
+    checks = one.checks()
+    curves = getattr(one, "CURVES", {})
     seconds = time.process_time() - began
-    axes = module.AXES if curves else None
-    return Result(module.ID, module.TITLE, seconds, checks, dict(curves), axes)
+    axes = one.AXES if curves else None
+    return Result(one.ID, one.TITLE, seconds, checks, dict(curves), axes)
 
 
 def as_json(results: list[Result]) -> str:

@@ -62,8 +62,7 @@ def shares(sim: Simulation, depths: Depths) -> SimpleNamespace:
 
 @pytest.mark.parametrize("thickness", [0.02, 0.074, 0.3, 0.6, 1.0])
 def test_a_short_blade_through_a_strip_of_any_thickness(thickness: float) -> None:
-    # The nodes of the flanks come off the back end of the blade one by one. Before, of 0.6 mm:
-    # 0.21 mm deep, 2 % of the work from nowhere; of 1 mm 0.20 mm and 2 %.
+    # The nodes of the flanks come off the back end of the blade one by one.
     blade = straight_blade(length=1.2, height=2.0, half_thickness=0.35, wedge_half_angle_deg=20.0)
     film = ShellMaterial.homogeneous(thickness=thickness)
     case = guillotine(0.8, length=9.6, width=4.8, notch=1.6, travel=6.0, tool=blade, material=film)
@@ -91,8 +90,6 @@ def test_a_short_blade_through_a_strip_of_any_thickness(thickness: float) -> Non
     ],
 )
 def test_the_opening_of_any_film(thickness: float, young: float) -> None:
-    # Before, of 1678 MPa: 18 % of the work from nowhere at 5 µm, 4.7 % at 0.3 mm, 2.7 % at 0.6 mm;
-    # 0.33 to 0.37 mm deep into teeth of 0.35 mm from 0.3 mm on, and steps of a third at 5 µm.
     film = ShellMaterial.homogeneous(thickness=thickness, young=young)
     case = opening_test("quick", material=film)
     sim = case.simulation
@@ -104,8 +101,7 @@ def test_the_opening_of_any_film(thickness: float, young: float) -> None:
     # runs of 74 µm of 200 MPa 0.07 to 0.13, while the whole depth is 0.08 to 0.74 by chance.
     assert found.pressed < 0.25
     assert found.aside < MOST_SET_ASIDE
-    # Nothing is given beside round-off of the steps: -0.01 % of the work at most, where edges that
-    # swing on a tooth gave 0.5 to 11 %, and 8 % to 74 µm of 20 GPa. Up to 0.8 % are taken in 0.6
-    # and 1 mm, as by the blade above.
+    # Nothing is given beside round-off of the steps: -0.01 % of the work at most. Up to 0.8 % are
+    # taken in 0.6 and 1 mm, as by the blade above.
     assert -1e-3 < found.held < (6e-3 if thickness < 0.5 else 2e-2)
     assert abs(found.imbalance) < 6e-3

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import from_zero
 from page_tables import row, shown_as
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cut_film import CutFilm
@@ -46,16 +47,15 @@ def pulled_up(
     quasi_static=None,
 ):
     """A flap of some breadth in a sheet; its end goes straight up, and along as it likes."""
-    mesh = rectangle(length, breadth + 2.0 * margin, size=size)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
-    x, y = X[:, 0], np.abs(X[:, 1])
+    mesh = from_zero(rectangle(length, breadth + 2.0 * margin, size=size))
+    x, y = mesh.nodes[:, 0], np.abs(mesh.nodes[:, 1])
     at_start, flap = x < 1e-9, y < 0.5 * breadth - 1e-6
     rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
     rise = RISE * SPEED / speed
     rate = {"z": lambda time: speed * min(1.0, time / rise)}
     end = np.flatnonzero(at_start & flap).tolist()
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads),
+        mesh,
         film(thickness),
         supports=[
             sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz"),
@@ -114,14 +114,13 @@ def test_two_tears_that_converge_pinch_the_strip_off():
 def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0):
     """Return a flap that hangs upright by F = 2 G h, its energy less the load's, and F."""
     load = 2.0 * SHORT.fracture_energy * THICKNESS
-    mesh = rectangle(length, width, size=size)
-    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
-    x, y = X[:, 0], np.abs(X[:, 1])
+    mesh = from_zero(rectangle(length, width, size=size))
+    x, y = mesh.nodes[:, 0], np.abs(mesh.nodes[:, 1])
     at_start = x < 1e-9
     rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
     end = np.flatnonzero(at_start & (y < 0.5 * breadth - 0.5 * size)).tolist()
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads),
+        mesh,
         film(THICKNESS),
         supports=[sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz")],
         loads=[sc.NodalForce(end, (0.0, 0.0, load / len(end)))],

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import course, growth, worst
 from curved_films import Roll, moved, revolved, strip_with_hole
 from page_tables import row
 from shellcut.mesh.structured import cylinder, rectangle
@@ -54,18 +55,12 @@ def guillotine(strip, angle, clamped=("bottom", "top")):
 
 def courses(sim, way, per=1.0):
     """Run until the tool has gone a way [mm]; return way, its work, the cables' and imbalance."""
-    rows = []
-    while (x := per * sim.motion.coordinate(sim.state.time)) < way:
-        sim.step()
-        if sim.state.step % 100 == 0:
-            book = sim.close_ledger()
-            rows.append((x, book.tool_work, book.cohesive_work, book.imbalance))
-    return np.array(rows).T
 
+    def gone(one):
+        return per * one.motion.coordinate(one.state.time) >= way
 
-def worst(tool, imbalance):
-    """Return the largest imbalance after the first tenth of the tool's work, relative to that."""
-    return np.abs(imbalance[tool > 0.1 * tool.max()]).max() / tool.max()
+    x, *works = course(sim, gone, "tool_work", "cohesive_work", "imbalance")
+    return per * x, *works
 
 
 @pytest.mark.parametrize(
@@ -83,10 +78,8 @@ def test_force_on_a_cylinder_is_the_tearing_energy(angle, kind, amount, on_the_p
     way, tool, cables, imbalance = courses(sim, 20.0, per)
     last, steady = way[-1], NOTCH + WIDTH + 0.5 * LAW.opening_u
     first = last - SIZE * int((last - steady) / SIZE)
-    unit = LAW.fracture_energy * sim.material.thickness * (last - first)
-    by_tool, by_cables = (
-        np.diff(np.interp([first, last], way, w))[0] / unit for w in (tool, cables)
-    )
+    unit = LAW.fracture_energy * sim.material.thickness
+    by_tool, by_cables = (growth(way, work, first, last) / unit for work in (tool, cables))
     _, *told = row("docs/verification.md", on_the_page)
     # By chance in the run, and for the digits shown.
     assert [by_tool, by_cables] == pytest.approx([float(cell) for cell in told], abs=1.5e-3)

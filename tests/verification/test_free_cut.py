@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import course, growth, largest_share
 from curved_films import moved
+from films import cut_by
 from page_tables import in_range, row
 from shellcut.mesh.structured import rectangle
 from shellcut.models.free_cut import free_cut
@@ -36,15 +38,8 @@ def placed(mesh, place):
     ahead = place(np.eye(3)[0]) - place(np.zeros(3))
     motion = sc.StraightMotion(ahead.tolist(), speed=6000.0, ramp=1e-4)
     blade = sc.Tool.from_triangles(place(blade.vertices), blade.triangles, edges=blade.edges)
-    sim = sc.Simulation(
-        sc.Mesh.from_arrays(place(mesh.nodes), mesh.quads, node_sets=mesh.node_sets),
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
-        tool=blade,
-        motion=motion,
-        law=law,
-        fracture=THROUGH,
-    )
+    film = sc.Mesh.from_arrays(place(mesh.nodes), mesh.quads, node_sets=mesh.node_sets)
+    sim = cut_by(blade, film, 6000.0, motion=motion, law=law)
     start = mesh.nodes[:, 0].min()
     # A hair off the line of nodes where there is one: the notch must not care.
     y = 1e-7
@@ -54,22 +49,12 @@ def placed(mesh, place):
 
 def forces(sim, duration, size):
     """Run; return F / (G h) from the tool's work and the cables', and the largest imbalance."""
-    rows = []
-    while sim.state.time < duration:
-        sim.step()
-        if sim.state.step % 100 == 0:
-            book = sim.close_ledger()
-            x = sim.motion.coordinate(sim.state.time)
-            rows.append((x, book.tool_work, book.cohesive_work, book.relative(book.imbalance)))
-    way, tool, cables, imbalance = np.array(rows).T
+    way, tool, cables, imbalance = course(sim, duration, "tool_work", "cohesive_work", "imbalance")
     last = way[-1]
     first = last - size * int((last - 8.8) / size)
-    unit = sim.law.fracture_energy * sim.material.thickness * (last - first)
-    return (
-        (np.interp(last, way, tool) - np.interp(first, way, tool)) / unit,
-        (np.interp(last, way, cables) - np.interp(first, way, cables)) / unit,
-        np.abs(imbalance[tool > 0.1 * tool[-1]]).max(),
-    )
+    unit = sim.law.fracture_energy * sim.material.thickness
+    by_tool, by_cables = (growth(way, work, first, last) / unit for work in (tool, cables))
+    return by_tool, by_cables, largest_share(imbalance, tool, 0.1 * tool[-1])
 
 
 def check(case, size=SIZE):
@@ -163,12 +148,7 @@ def test_neither_place_nor_turn_nor_numbers_of_the_model_matter():
 
 def ripple(sim, duration):
     """Run; return the mean and the scatter of the tool's force over bins of some 0.2 mm [N]."""
-    rows = []
-    while sim.state.time < duration:
-        sim.step()
-        if sim.state.step % 20 == 0:
-            rows.append((sim.motion.coordinate(sim.state.time), sim.close_ledger().tool_work))
-    way, work = np.array(rows).T
+    way, work = course(sim, duration, "tool_work", every=20)
     last = way[-1]
     bins = np.linspace(last - SIZE * int((last - 8.8) / SIZE), last, 33)
     force = np.diff(np.interp(bins, way, work)) / np.diff(bins)

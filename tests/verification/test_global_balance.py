@@ -1,37 +1,16 @@
-"""Forces and moments on nodes and tool sum to zero while a blade cuts, part by part and in all.
+"""Momentum is what tool and supports gave, and the torque of the tool is against its turn.
 
-Shells, contact and cables each act between the nodes, or between nodes and tool: they can neither
-push nor turn the whole. The moment of the shells has the directors' part t x g; the cables keep a
-named couple, because a straight cable's force is along w + delta_0 m, not along w. Supports act
-from outside: with them the balance is that of momentum.
+That each force term by itself can neither push nor turn the whole: tests/unit/test_every_term.py.
 """
-
-import copy
 
 import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.state import BROKEN, JOINTED, STRAIGHT
 from shellcut.tool.shapes import straight_blade
 
 # Round-off: some thousand terms are summed; relative to the sum of their sizes. Measured 6e-16.
 ROUND_OFF = 1e-13
-
-
-def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False) -> sc.Simulation:
-    return sc.guillotine(
-        0.8,
-        length=8.0,
-        speed=12000.0,
-        tool=straight_blade(edge_angle_deg=edge_angle_deg, length=4.0, height=3.0),
-        fracture=sc.Fracture(path="edges", equilibrium_start=equilibrium_start),
-        damping_alpha=0.0,
-    ).simulation
-
-
-def _turned(x: np.ndarray, force: np.ndarray) -> np.ndarray:
-    return np.cross(x, force).sum(axis=0)
 
 
 def _about_origin(sim: sc.Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -40,95 +19,15 @@ def _about_origin(sim: sc.Simulation, wrench: np.ndarray) -> tuple[np.ndarray, n
     return force, moment + np.cross(sim.pose.translation, force)
 
 
-def _check_shell(sim: sc.Simulation) -> None:
-    s = copy.deepcopy(sim.state)  # the evaluation writes the strains of the last one
-    s.node.force[:] = s.node.director_force[:] = 0.0
-    sim.shell.add_forces(s)
-    n = s.n_node
-    x, f = s.node.x[:n], s.node.force[:n]
-    directors = np.cross(s.node.t[:n], s.node.director_force[:n])
-    assert np.abs(f.sum(axis=0)).max() <= ROUND_OFF * np.abs(f).sum()
-    moments = np.abs(np.cross(x, f)).sum()
-    assert np.abs(_turned(x, f) + directors.sum(axis=0)).max() <= ROUND_OFF * moments
-
-
-def _check_contact(sim: sc.Simulation) -> None:
-    n = sim.state.n_node
-    x, f = sim.state.node.x[:n], sim.state.node.contact_force[:n]
-    force, moment = _about_origin(sim, sim.contact.forces.wrench)
-    assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
-    scale = np.abs(np.cross(x, f)).sum()
-    assert np.abs(_turned(x, f) + moment).max() <= ROUND_OFF * scale
-
-
-def _check_cables(sim: sc.Simulation) -> None:
-    c = sim.state.cable
-    live = c.status[: c.count] != BROKEN
-    x = c.at_ends(sim.state.node.x)[live].reshape(-1, 3)
-    f = c.force[: c.count][live].reshape(-1, 3)
-    force, moment = _about_origin(sim, sim.cables.forces.wrench)
-    assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
-    rest = _turned(x, f) + moment - sim.cables.forces.couple
-    assert np.abs(rest).max() <= ROUND_OFF * (np.abs(np.cross(x, f)).sum() + 1e-3)
-    # The couple is what the module says it is at most: sigma_F A delta_0 of each straight cable.
-    assert sim.law is not None
-    straight = c.area[: c.count][c.status[: c.count] == STRAIGHT].sum()
-    most = sim.law.strength * straight * sim.law.onset
-    assert np.linalg.norm(sim.cables.forces.couple) <= most + 1e-12
-
-
-def _check_all(sim: sc.Simulation) -> None:
-    s, n = sim.state, sim.state.n_node
-    x, f = s.node.x[:n], s.node.force[:n]
-    directors = np.cross(s.node.t[:n], s.node.director_force[:n]).sum(axis=0)
-    force, moment = _about_origin(sim, sim.tooth_wrenches)
-    assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
-    rest = _turned(x, f) + directors + moment - sim.cables.forces.couple
-    assert np.abs(rest).max() <= ROUND_OFF * np.abs(np.cross(x, f)).sum()
-
-
-def test_forces_and_moments_of_a_guillotine_sum_to_zero() -> None:
-    sim = _guillotine()
-    checked = 0
-    while sim.motion.coordinate(sim.state.time) < 5.0:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            checked += 1
-            _check_shell(sim)
-            _check_contact(sim)
-            _check_all(sim)
-            if sim.state.n_cable:
-                _check_cables(sim)
-    # The run has come by all that acts: contact, straight, bent and broken cables.
-    status = sim.state.cable.status[: sim.state.n_cable]
-    assert checked > 50
-    assert sim.cables.n_joint_made > 2
-    assert {STRAIGHT, JOINTED, BROKEN} == set(status.tolist())
-    assert sim.contact.forces.n_touching > 0
-    assert sim.ledger.strain > 0.1
-
-
-def test_they_do_with_a_slanting_blade_and_the_equilibrium_start() -> None:
-    # Forces out of the plane, and the start forces of the cables with their couple.
-    sim = _guillotine(edge_angle_deg=50.0, equilibrium_start=True)
-    while sim.motion.coordinate(sim.state.time) < 4.0:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            _check_shell(sim)
-            _check_contact(sim)
-            _check_all(sim)
-    assert sim.cables.n_joint_made > 0
-    assert np.abs(sim.state.node.force[: sim.state.n_node, 2]).max() > 1e-2
-    cable, n = sim.state.cable, sim.state.n_cable
-    assert np.abs(cable.start_force[:n]).max() > 1e-2
-    # The work of these is in the ledger, by itself.
-    assert sim.ledger.cohesive_start_work == pytest.approx(cable.start_work[:n].sum(), rel=1e-9)
-    assert sim.ledger.cohesive_work == pytest.approx(cable.work[:n].sum(), rel=1e-9)
-    assert np.abs(cable.start_work[:n]).max() > 1e-6
-
-
 def test_momentum_is_what_tool_and_supports_gave() -> None:
-    sim = _guillotine()
+    sim = sc.guillotine(
+        0.8,
+        length=8.0,
+        speed=12000.0,
+        tool=straight_blade(length=4.0, height=3.0),
+        fracture=sc.Fracture(path="edges"),
+        damping_alpha=0.0,
+    ).simulation
     node = sim.state.node
 
     def momentum() -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from blunt_tools import spike
 from shellcut import Contact, Fracture, StraightMotion
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
@@ -59,15 +60,12 @@ def deepest_unfelt(sim, n_step):
 
 @pytest.mark.parametrize("felt", [True, False])
 def test_a_spike_between_nodes_is_deep_within_a_quad_where_nothing_feels_it(felt):
-    spike = [[0.0, 0.0, 0.0], [0.5, 0.0, 2.0], [-0.3, 0.4, 2.0], [-0.3, -0.4, 2.0]]
-    faces = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]
-    tool = sc.Tool.from_triangles(spike, faces, edges=np.zeros((0, 2), int))
     film = rectangle(4.0, 4.0, n_x=4, n_y=4)
     sim = sc.Simulation(
         film,
         sc.ShellMaterial.homogeneous(),
         supports=[sc.Support.clamped(film.boundary_nodes())],
-        tool=tool.translated((2.37, 0.21, 0.01)),
+        tool=spike().translated((2.37, 0.21, 0.01)),
         motion=StraightMotion((0.0, 0.0, -1.0), 2000.0, ramp=2e-5),
         contact=Contact(tool_points=felt),
     )

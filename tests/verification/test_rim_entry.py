@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import cut_by
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
 
@@ -34,15 +35,7 @@ def test_the_force_over_the_rim_is_that_of_the_drawn_cables(size, tolerance, bes
     blade = straight_blade(half_thickness=0.05, length=4.0, height=3.0).translated(
         (mesh.nodes[:, 0].min() - AHEAD, middle[1] + beside * size, 0.0)
     )
-    sim = sc.Simulation(
-        mesh,
-        film,
-        supports=[sc.Support.clamped("top"), sc.Support.clamped("bottom")],
-        tool=blade,
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=5e-5),
-        law=LAW,
-        fracture=sc.Fracture(path="free"),
-    )
+    sim = cut_by(blade, mesh, 6000.0, ramp=5e-5, law=LAW)
     rows = []
     while not rows or rows[-1][0] < 1.85:
         sim.step()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import shaken, three_quads_a_triangle
 from shellcut.mesh.structured import rectangle
 from shellcut.state import BROKEN
 
@@ -48,14 +49,10 @@ def _moving(
 
 
 def _strip(criterion: str, jitter: float) -> sc.Simulation:
-    mesh = rectangle(LENGTH, WIDTH, size=0.5)
-    nodes = mesh.nodes.copy()
-    inner = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
-    nodes[inner, :2] += np.random.default_rng(0).uniform(-jitter, jitter, (inner.size, 2))
-    notch = [
-        n for n in mesh.nodes_where(lambda x, y, z: np.abs(y) < 1e-9) if nodes[n, 0] < NOTCH + 0.2
-    ]
-    mesh = sc.Mesh.from_arrays(nodes, mesh.quads, node_sets=dict(mesh.node_sets)).cut(notch)
+    flat = rectangle(LENGTH, WIDTH, size=0.5)
+    mesh = shaken(flat, jitter, seed=0)
+    middle = flat.nodes_where(lambda x, y, z: np.abs(y) < 1e-9)
+    mesh = mesh.cut([n for n in middle if mesh.nodes[n, 0] < NOTCH + 0.2])
     rim = np.concatenate([mesh.node_set("bottom"), mesh.node_set("top")])
     gradient = np.zeros((3, 3))
     gradient[1, 1] = 2.0 * SPEED / WIDTH
@@ -141,31 +138,14 @@ def _eight_ways(jitter: float) -> sc.Mesh:
     shake[:, [0, -1], 0] = 0.0
     shake[[0, -1], :, 1] = 0.0
     j, i = np.mgrid[: n + 1, : n + 1]
-    corners = SIDE / n * np.stack([i, j], axis=2) + shake
-    nodes = list(corners.reshape(-1, 2))
-    quads: list[list[int]] = []
-    middle: dict[tuple[int, int], int] = {}
-
-    def between(a: int, b: int) -> int:
-        key = (min(a, b), max(a, b))
-        if key not in middle:
-            middle[key] = len(nodes)
-            nodes.append(0.5 * (nodes[a] + nodes[b]))
-        return middle[key]
-
-    for row in range(n):
-        for column in range(n):
-            first = row * (n + 1) + column
-            square = [first, first + 1, first + n + 2, first + n + 1]
-            centre = len(nodes)
-            nodes.append(np.mean([nodes[k] for k in square], axis=0))
-            for k in range(4):
-                a, b = square[k], square[(k + 1) % 4]
-                ab, bc, ca = between(a, b), between(b, centre), between(centre, a)
-                inside = len(nodes)
-                nodes.append((nodes[a] + nodes[b] + nodes[centre]) / 3.0)
-                quads += [[a, ab, inside, ca], [b, bc, inside, ab], [centre, ca, inside, bc]]
-    return sc.Mesh.from_arrays(np.array(nodes), quads)
+    corners = (SIDE / n * np.stack([i, j], axis=2) + shake).reshape(-1, 2)
+    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    squares = first[:, None] + [0, 1, n + 2, n + 1]
+    centre = len(corners) + np.arange(n * n)
+    sides = [np.column_stack([squares[:, [k, (k + 1) % 4]], centre]) for k in range(4)]
+    points = np.vstack([corners, corners[squares].mean(axis=1)])
+    nodes, quads, _ = three_quads_a_triangle(points, np.vstack(sides))
+    return sc.Mesh.from_arrays(nodes, quads)
 
 
 @cache

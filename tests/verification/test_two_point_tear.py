@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from films import from_zero, shaken
 from shellcut.mesh.structured import rectangle
 
 LAW = sc.CohesiveLaw(
@@ -44,20 +45,18 @@ class Sheet(NamedTuple):
 
 def pulled(sheet):
     """Return a simulation and its two nodes that move up and down."""
-    mesh = rectangle(sheet.length, sheet.high - sheet.low, size=sheet.size)
-    X = mesh.nodes.copy()
-    X[:, 0] -= X[:, 0].min()
-    X[:, 1] += 0.5 * (sheet.low + sheet.high)
-    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
-    shift = np.random.default_rng(1).uniform(-1.0, 1.0, (inside.size, 2))
-    X[inside, :2] += sheet.moved * sheet.size * shift
+    mesh = from_zero(
+        rectangle(sheet.length, sheet.high - sheet.low, size=sheet.size), 0.0, sheet.low
+    )
+    mesh = shaken(mesh, 1.0, size=sheet.moved * sheet.size)
+    X = mesh.nodes
     ends = [int(np.argmin(np.hypot(X[:, 0], X[:, 1] - y))) for y in (sheet.a, sheet.b)]
     supports = []
     for end, way in zip(ends, (1.0, -1.0), strict=True):
         rate = {"z": lambda time, v=way * sheet.speed: v * min(1.0, time / RISE)}
         supports.append(sc.Support([end], rotation="", velocity=rate))
     sim = sc.Simulation(
-        sc.Mesh.from_arrays(X, mesh.quads),
+        mesh,
         sc.ShellMaterial.homogeneous(thickness=sheet.thickness),
         supports=supports,
         law=LAW,
@@ -133,7 +132,7 @@ UNEVEN = Sheet(6.0, -18.0, length=25.0, low=-20.0, high=8.0, size=1.0, speed=300
     "sheet",
     [
         pytest.param(UNEVEN, id="hyperbola"),
-        pytest.param(EVEN._replace(film=MD_AT_45), id="anisotropic"),
+        pytest.param(EVEN._replace(film=MD_AT_45), id="anisotropic", marks=pytest.mark.slow),
         pytest.param(EVEN._replace(film=MD_AT_45, moved=0.2), id="anisotropic, moved"),
     ],
 )

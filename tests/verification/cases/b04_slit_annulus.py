@@ -9,9 +9,9 @@ Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 3 (Abaq
 
 import numpy as np
 
-from cases.patches import mapped_patch
-from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
+from cases.paths import ONE_PERCENT, path_checks, rows_of
 from harness import Check
+from patches import mapped_patch
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B04", "Slit annular plate, lifted lip", False
@@ -40,9 +40,9 @@ def slit_annulus(n_radial: int, n_around: int) -> Mesh:
     return mapped_patch(n_radial, n_around, place)
 
 
-def deflections(n_radial: int, n_around: int) -> np.ndarray:
+def deflections(n_radial: int) -> np.ndarray:
     """Return the lifts of A and B at the load factors of the table."""
-    mesh = slit_annulus(n_radial, n_around)
+    mesh = slit_annulus(n_radial, 8 * n_radial)
     material = ShellMaterial.homogeneous(young=21e6, poisson=0.0, density=1e-9, thickness=0.03)
     plate = Statics(
         mesh,
@@ -56,11 +56,10 @@ def deflections(n_radial: int, n_around: int) -> np.ndarray:
 
 
 def checks() -> list[Check]:
+    meshes = {10: (False, COARSE), 20: (True, ONE_PERCENT)}
+    names = ("W at A", "W at B")
     rows = []
-    for n, gate, reason in ((10, False, COARSE), (20, True, ONE_PERCENT)):
-        ours = deflections(n, 8 * n)
-        names = (f"W at A, {n} x {8 * n}", f"W at B, {n} x {8 * n}")
-        rows += table_checks(names, ours, TABLE, gate=gate, reason=reason)
-        for k, name in enumerate(names):
-            CURVES[name] = curve(ours[:, k], TABLE[:, 0], TABLE[:, k + 1], TABLE[:, 0])
+    for n, why in meshes.items():
+        label = f"{{0}} x {8 * n}"
+        rows += path_checks(CURVES, names, TABLE, deflections, {n: why}, label)
     return rows

@@ -12,9 +12,9 @@ are; the deformed quads are warped, and on 16 x 16 their membrane locks by 5 % a
 
 import numpy as np
 
-from cases.patches import mapped_patch
-from cases.paths import ONE_PERCENT, curve, rows_of, table_checks
+from cases.paths import ONE_PERCENT, path_checks, rows_of, table_checks
 from harness import Check
+from patches import mapped_patch
 from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B05", "Pinched hemisphere with hole, large displacement", False
@@ -62,18 +62,8 @@ def deflections(n: int, *, exact: bool = True) -> np.ndarray:
 
 
 def checks() -> list[Check]:
-    rows = []
-    for n, gate, reason in (
-        (16, False, COARSE),
-        (32, True, ONE_PERCENT),
-        (64, True, ONE_PERCENT),
-    ):
-        ours = deflections(n)
-        names = (f"outward at A, {n} x {n}", f"inward at B, {n} x {n}")
-        rows += table_checks(names, ours, TABLE, gate=gate, reason=reason)
-        for k, name in enumerate(names):
-            CURVES[name] = curve(ours[:, k], TABLE[:, 0], TABLE[:, k + 1], TABLE[:, 0])
+    meshes = {16: (False, COARSE), 32: (True, ONE_PERCENT), 64: (True, ONE_PERCENT)}
+    rows = path_checks(CURVES, ("outward at A", "inward at B"), TABLE, deflections, meshes)
     mesh = "32 x 32, directors left to the mesh"
     names = (f"outward at A, {mesh}", f"inward at B, {mesh}")
-    rows += table_checks(names, deflections(32, exact=False), TABLE)
-    return rows
+    return rows + table_checks(names, deflections(32, exact=False), TABLE)

@@ -21,9 +21,9 @@ load on A differs by the same 1.2 of length, a dimple, while B agrees.
 
 import numpy as np
 
-from cases.patches import cylinder_patch
 from cases.paths import at_factors, curve, distance_to_curve, rows_of, table_checks
 from harness import Check
+from patches import cylinder_patch
 from shellcut import NodalForce, ShellMaterial, Statics, Support
 
 ID, TITLE, FAST = "B07", "Pinched cylinder, large displacement", False

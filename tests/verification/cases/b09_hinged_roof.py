@@ -12,10 +12,9 @@ gives its arc-length points, not the limit points themselves.
 
 import numpy as np
 
-from cases.patches import cylinder_patch
 from cases.paths import curve, distance_to_curve, rows_of, spline
 from harness import Check
-from shellcut import NodalForce, ShellMaterial, Statics, Support
+from patches import hinged_roof
 
 ID, TITLE, FAST = "B09", "Hinged cylindrical roof, snap-through", True
 ONE_PERCENT = "1 % of the largest deflection"
@@ -37,19 +36,7 @@ TABLE = rows_of(
 
 def snap_path(n: int, *, exact: bool = True) -> np.ndarray:
     """Return load factor and deflection of the centre along the path, from no load."""
-    mesh = cylinder_patch(2540.0, 254.0, np.degrees(0.1), n, n, exact=exact)
-    material = ShellMaterial.homogeneous(young=3102.75, poisson=0.3, density=1e-9, thickness=12.7)
-    centre = int(mesh.node_set("u0")[0])
-    roof = Statics(
-        mesh,
-        material,
-        supports=[
-            Support.symmetry("u0", "x"),
-            Support.symmetry("v0", "y"),
-            Support("u1", translation="xyz", rotation="xz"),
-        ],
-        loads=[NodalForce([centre], (0.0, 0.0, -750.0))],
-    )
+    roof, centre = hinged_roof(n, 12.7, exact=exact)
     path = roof.arc_length(0.1, until=lambda e: e.factor > 1.1, n_wanted=4)
     points = [[e.factor, -e.displacement[centre, 2]] for e in path]
     return np.array([[0.0, 0.0], *points])

@@ -12,9 +12,9 @@ at the end y = 0 of a half model whose plane of symmetry is x = 0.
 import numpy as np
 
 from cases.c13_spherical_cap import INCH, POUND, PSI
-from cases.patches import cylinder_patch
 from cases.paths import curve
 from harness import Check
+from patches import cylinder_patch
 from shellcut import ShellMaterial, Simulation, Support
 
 ID, TITLE, FAST = "C15", "Impulsively loaded panel, elastic", True

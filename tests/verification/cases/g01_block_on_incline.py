@@ -13,6 +13,7 @@ are read from the root of the speed, which is linear in time.
 
 import numpy as np
 
+from blunt_tools import BOX_FACES, blunt, box_corners
 from harness import Check
 from shellcut import Contact, Gravity, Mesh, ShellMaterial, Simulation, StraightMotion, Tool
 from shellcut.mesh.structured import rectangle
@@ -31,10 +32,8 @@ FRAME = np.array(
 
 def incline() -> Tool:
     """A box whose upper face goes through the origin, tilted."""
-    v = np.array([[x, y, z] for x in (-20.0, 20.0) for y in (-5.0, 5.0) for z in (-5.0, 0.0)])
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
-    return Tool.from_triangles(v @ FRAME.T, triangles, edges=np.zeros((0, 2), int))
+    corners = box_corners((-20.0, -5.0, -5.0), (20.0, 5.0, 0.0))
+    return blunt(corners @ FRAME.T, BOX_FACES)
 
 
 def checks() -> list[Check]:

@@ -19,6 +19,7 @@ what is stored: within 1 % of the force over whole edges in the mean.
 
 import numpy as np
 
+from courses import course
 from harness import Check
 from shellcut import CohesiveLaw, Contact, Fracture, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import rectangle
@@ -56,16 +57,12 @@ def force(angle_deg: float, friction: float) -> tuple[float, float, float]:
         directional=False,
         damping_alpha=20.0,
     )
-    rows = []
-    while sim.motion.coordinate(sim.state.time) < travel:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            b = sim.ledger
-            path = sim.motion.coordinate(sim.state.time)
-            rows.append(
-                (path, b.tool_work, b.friction_work, b.cohesive_work, b.damping, b.imbalance)
-            )
-    path, *works = np.array(rows).T
+
+    def gone(one: Simulation) -> bool:
+        return one.motion.coordinate(one.state.time) >= travel
+
+    names = "tool_work", "friction_work", "cohesive_work", "damping", "imbalance"
+    path, *works = course(sim, gone, *names, every=50)
     steady = path > 0.5 * travel
     # The slope by least squares: the force is a sawtooth of the nodes.
     slopes = [np.polyfit(path[steady], work[steady], 1)[0] for work in works]

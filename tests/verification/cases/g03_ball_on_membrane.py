@@ -16,8 +16,9 @@ Bands: mesh. The mean slope of 0.05 raises the tension by 1 %; the ball's facets
 
 import numpy as np
 
+from blunt_tools import ball
 from harness import Check
-from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, Tool
+from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support
 from shellcut.mesh.structured import disc
 
 ID, TITLE, FAST = "G03", "Ball on a membrane", True
@@ -28,21 +29,6 @@ YOUNG, POISSON, THICKNESS = 1678.0, 0.3, 0.02
 GAP = 0.002
 
 
-def ball(halvings: int) -> Tool:
-    """An octahedron with its triangles halved, on a sphere about the origin."""
-    v = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
-    t = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
-    vertices, triangles = np.array(v, float), np.array(t)
-    for _ in range(halvings):
-        a, b, c = (vertices[triangles[:, k]] for k in range(3))
-        k = len(vertices) + np.arange(6 * len(triangles)).reshape(6, -1)
-        vertices = np.vstack([vertices, a, b, c, a + b, b + c, c + a])
-        vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
-        four = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
-        triangles = np.vstack([np.column_stack([k[i] for i in one]) for one in four])
-    return Tool.from_triangles(BALL * vertices, triangles, edges=np.zeros((0, 2), int))
-
-
 def pressed(n_side: int, n_layer: int, depth: float) -> tuple[float, float]:
     """Return the force at a depth, and the imbalance over the work."""
     mesh = disc(RIM / STRETCH, n_side=n_side, n_layer=n_layer)
@@ -50,7 +36,7 @@ def pressed(n_side: int, n_layer: int, depth: float) -> tuple[float, float]:
         mesh,
         ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, thickness=THICKNESS),
         supports=[Support.clamped("rim")],
-        tool=ball(5).translated((ASIDE[0], ASIDE[1], BALL + GAP)),
+        tool=ball(BALL, 5).translated((ASIDE[0], ASIDE[1], BALL + GAP)),
         motion=StraightMotion((0.0, 0.0, -1.0), speed=100.0, ramp=2e-4),
         contact=Contact(),
         damping_alpha=3000.0,

@@ -1,5 +1,7 @@
 """Load-deflection paths beside published tables: worst point, distance to the curve, plots."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -41,6 +43,28 @@ def table_checks(
                 absolute=True,
             )
         )
+    return rows
+
+
+def path_checks(
+    curves: dict[str, dict[str, list[float]]],
+    names: tuple[str, ...],
+    table: np.ndarray,
+    deflections: Callable[[int], np.ndarray],
+    meshes: dict[int, tuple[bool, str]],
+    label: str = "{0} x {0}",
+) -> list[Check]:
+    """Return the rows of a table on meshes, each a gate or not and why; fill the curves of a plot.
+
+    ``deflections(n)`` are those at the table's load factors.
+    """
+    rows = []
+    for n, (gate, reason) in meshes.items():
+        ours = deflections(n)
+        said = tuple(f"{name}, {label.format(n)}" for name in names)
+        rows += table_checks(said, ours, table, gate=gate, reason=reason)
+        for k, name in enumerate(said):
+            curves[name] = curve(ours[:, k], table[:, 0], table[:, k + 1], table[:, 0])
     return rows
 
 

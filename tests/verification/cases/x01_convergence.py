@@ -14,10 +14,10 @@ coarsest meshes still differ from it.
 
 import numpy as np
 
-from cases.a08_square_plate import EDGES, POISSON, SYMMETRY, YOUNG, flat, stiffness
-from cases.patches import mapped_patch
+from cases.a08_plates import EDGES, POISSON, SYMMETRY, YOUNG, flat, stiffness
 from cases.paths import order_curve
 from harness import Check
+from patches import mapped_patch
 from shellcut import EdgeTraction, Mesh, NodalForce, Pressure, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import disc
 

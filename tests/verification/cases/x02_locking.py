@@ -20,12 +20,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cases import a05_hemisphere, a06_twisted_beam
-from cases.a08_square_plate import EXACT_THIN, POISSON, YOUNG, deflection, flat, stiffness
-from cases.patches import Place, mapped_patch
+from cases import a03_curved_shells as shells
+from cases.a08_plates import EXACT_THIN, POISSON, YOUNG, deflection, flat, stiffness
 from cases.paths import curve
 from cases.x01_convergence import arch_deflection
 from harness import Check
+from patches import Place, mapped_patch, sphere
 
 ID, TITLE, FAST = "X02", "Locking", True
 
@@ -106,17 +106,16 @@ def limit_rows() -> list[Check]:
     for thickness, force in HEMISPHERE.items():
         for mesh_name in ("regular", "skewed"):
             for n in (8, 16, 32):
-                sphere = a05_hemisphere.sphere
                 place = skewed(sphere, n, n) if mesh_name == "skewed" else sphere
-                ours = a05_hemisphere.pinch(mapped_patch(n, n, place), thickness, force)
+                ours = shells.pinch(mapped_patch(n, n, place), thickness, force)
                 name = f"hemisphere, R/t = {10 / thickness:g}, {mesh_name}, N = {n}"
                 rows.append(Check(name, 1.0, ours / 0.093, 0.05, "limit of MITC4", gate=False))
     for load, reference in THIN_TWISTED.items():
         for mesh_name in ("regular", "skewed"):
             for n in (4, 8, 16):
-                strip = a06_twisted_beam.strip
+                strip = shells.strip
                 place = skewed(strip, 6 * n, n) if mesh_name == "skewed" else strip
-                ours = 1e-6 * a06_twisted_beam.deflection(load, n, thickness=0.0032, place=place)
+                ours = 1e-6 * shells.of_strip(load, n, thickness=0.0032, place=place)
                 name = f"twisted, {load}, L/t = 3750, {mesh_name}, N = {n}"
                 rows.append(Check(name, 1.0, ours / reference, 0.05, "limit of MITC4", gate=False))
     return rows

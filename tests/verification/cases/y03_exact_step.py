@@ -15,6 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from films import shaken
 from harness import Check
 from shellcut import Mesh, ShellMaterial, Simulation, Statics, Stepping
 from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
@@ -27,14 +28,6 @@ UNEVEN = ("opening disc", "distorted")
 KICK, CALM, GROWN = 1e-2, 10.0, 1e4
 
 
-def distorted() -> Mesh:
-    mesh = rectangle(3.0, 2.0, n_x=6, n_y=4)
-    nodes = mesh.nodes.copy()
-    inner = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
-    nodes[inner, :2] += np.random.default_rng(1).uniform(-0.12, 0.12, (inner.size, 2))
-    return Mesh.from_arrays(nodes, mesh.quads)
-
-
 MESHES: dict[str, Callable[[], Mesh]] = {
     "squares": lambda: rectangle(3.0, 2.0, n_x=6, n_y=4),
     "slender": lambda: rectangle(3.0, 2.0, n_x=3, n_y=10),
@@ -42,7 +35,7 @@ MESHES: dict[str, Callable[[], Mesh]] = {
     "strip": lambda: rectangle(6.0, 0.5, n_x=12, n_y=1),
     "ring": lambda: annulus(2.0, 4.0, n_around=24, n_radial=5),
     "opening disc": lambda: opening_disc("quick"),
-    "distorted": distorted,
+    "distorted": lambda: shaken(rectangle(3.0, 2.0, n_x=6, n_y=4), 0.12),
 }
 
 
