@@ -72,12 +72,12 @@ def film(*layers, **options):
 
 def tape(angle):
     """A unidirectional composite, 25 times stiffer along."""
-    return Orthotropic(25e3, 1e3, 0.25, 500.0, 1.5e-9, 500.0, 0.25, angle, 200.0)
+    return Orthotropic(25e3, 1e3, 0.25, 500.0, 1.5e-9, 500.0, angle, 200.0)
 
 
 def drawn(angle):
     """A film drawn across."""
-    return Orthotropic(2e3, 4e3, 0.25, 900.0, 0.9e-9, 600.0, 0.25, angle, 400.0)
+    return Orthotropic(2e3, 4e3, 0.25, 900.0, 0.9e-9, 600.0, angle, 400.0)
 
 
 SANDWICH = film((ALUMINIUM, 0.009), (LDPE, 0.056), (ALUMINIUM, 0.009))
