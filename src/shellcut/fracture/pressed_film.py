@@ -95,14 +95,14 @@ class PressedFilm(Kept):
         for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             of_edge = float(force[pressing[chain == edge]].sum())
             begun = self._begun(state, pose, tips, i, of_edge, loads.get(i, 0.0))
-            if begun is not None and begun.pierced is not None and begun.pierced.measure >= 1.0:
+            if begun is not None:
                 found.append(begun)
         return found
 
     def _begun(
         self, state: State, pose: Pose, tips: Floats, i: int, of_edge: float, on_tip: float
     ) -> Begun | None:
-        """Return where carrier i presses on whole film away from the tips, and how much.
+        """Return where carrier i goes through whole film away from the tips, if it does.
 
         of_edge : force on the whole edge [N].  on_tip : all that presses there, of a tip [N].
         """
@@ -125,6 +125,8 @@ class PressedFilm(Kept):
             across = self._across(state, pose, row, segment) / self._limits.strength
             if across > measure:
                 measure, delay, impact = across, 0.0, 0.0
+        if measure < 1.0:
+            return None
         _, w1, w2, w3 = weights.tolist()
         place = 2.0 * (w1 + w2) - 1.0, 2.0 * (w2 + w3) - 1.0
         depth = self._film.depth_at(state, row, place)
