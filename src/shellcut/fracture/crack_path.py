@@ -12,6 +12,7 @@ lie behind.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ class CrackPath:
     def __init__(self, film: CutFilm) -> None:
         self.film = film
         self._leave, self._known = BoundOnce(leave), KnownTopology()
-        self._tables: dict[tuple[Tip, ...], RowsAhead | None] = {}
+        self._held: dict[tuple[Tip, ...], Any] = {}  # rows ahead, laid out for the kernel
         self._hold, self._aimed = Holder(), Aimed.of(1)
         self._held_aimed = Holder()(self._aimed)
 
@@ -57,15 +58,17 @@ class CrackPath:
         join.
         """
         if not self._known.is_of(state):
-            self._tables.clear()
+            self._held.clear()
             self._known.take(state)
         of = tip, *others
-        if of not in self._tables:
+        if of not in self._held:
             ahead = self.film.rows_ahead(tip)
             ends = [self.film.oncoming(row, entry, tip.heading, others) for row, entry in ahead]
-            self._tables[of] = table_of(state, self.film, ahead, ends) if ahead else None
-        table = self._tables[of]
-        return None if table is None else self._segment(state, table, direction, lean)
+            self._held[of] = None
+            if ahead:
+                self._held[of] = self._hold(table_of(state, self.film, ahead, ends))
+        held = self._held[of]
+        return None if held is None else self._segment(state, held, direction, lean)
 
     def segment(
         self,
@@ -81,18 +84,22 @@ class CrackPath:
         lean : as of :meth:`segment_from`.  ends : of cracks in the row that it may join.
         """
         table = table_of(state, self.film, [(row, entry)], [ends])
-        return self._segment(state, table, direction, lean)
+        return self._segment(state, self._hold(table), direction, lean)
 
     def _segment(
         self,
         state: State,
-        table: RowsAhead,
+        held: Any,
         direction: Floats,
         lean: Floats | None,
     ) -> Segment | None:
-        """Return the segment through the first row of a table into which a direction leads."""
+        """Return the segment through the first row of a table into which a direction leads.
+
+        held : the rows ahead, laid out for the kernel.
+        """
+        table: RowsAhead = held.table
         self._leave(
-            self._hold(table),
+            held,
             np.array([0, len(table.row)]),
             np.ascontiguousarray(direction).reshape(1, 1, 3),
             _STRAIGHT_UP if lean is None else np.ascontiguousarray(lean).reshape(1, 3),
