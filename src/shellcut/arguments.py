@@ -222,13 +222,22 @@ def _checked_call(function: Any, annotated: Any) -> Any:
         except TypeError:
             _refuse_unknown(named, signature)
             return function(*arguments, **named)  # Python says what is missing or twice
-        known, problems = kinds(), []
+        wrong, beyond, nan = [], [], []
         for name, value in given.items():
-            if name in known and (problem := _problem(value, *known[name])):
-                problems.append(f"{name} {problem}")
-        if problems:
-            raise ArgumentError(problems)
-        return function(*arguments, **named)
+            kind, option = kinds().get(name, (_ANYTHING, None))
+            if not kind.fits(value):
+                wrong.append(f"{name} must be {_wanted(kind, option)}, got {_shown(value)}")
+            elif option is not None and is_number(value):
+                if problem := option.problem(value):
+                    beyond.append(f"{name} {problem}")
+            elif isinstance(value, float) and math.isnan(value):
+                nan.append(f"{name} must be a number, got nan")
+        if wrong or beyond:
+            raise ArgumentError([*wrong, *beyond])
+        result = function(*arguments, **named)
+        if nan:  # and the function has not said better what they must be
+            raise ArgumentError(nan)
+        return result
 
     return call
 
@@ -303,18 +312,11 @@ def fits(value: Any, kind: Any) -> bool:
     return _kind(kind).fits(value)
 
 
-def _problem(value: Any, kind: _Kind, option: Option | None) -> str:
-    """Return why a value cannot be an argument, "must be ..., got ..."; "" if it can."""
-    if not kind.fits(value):
-        wanted = " or ".join(kind.words)
-        if option is not None and option.form.endswith("numbers"):
-            wanted = option.form  # says how many
-        return f"must be {wanted}, got {_shown(value)}"
-    if option is not None and is_number(value):
-        return option.problem(value)
-    if "a number" in kind.words and isinstance(value, float) and math.isnan(value):
-        return "must be a number, got nan"
-    return ""
+def _wanted(kind: _Kind, option: Option | None) -> str:
+    """Return what an argument must be, in words."""
+    if option is not None and option.form.endswith("numbers"):
+        return option.form  # says how many
+    return " or ".join(kind.words)
 
 
 class _Kind(NamedTuple):
@@ -324,10 +326,13 @@ class _Kind(NamedTuple):
     fits: Callable[[Any], bool]
 
 
+_ANYTHING = _Kind(("anything",), lambda value: True)
+
+
 def _kind(annotation: Any) -> _Kind:
     origin, parts = get_origin(annotation), get_args(annotation)
     if annotation is Any:
-        return _Kind(("anything",), lambda value: True)
+        return _ANYTHING
     if annotation in (None, types.NoneType):
         return _Kind(("None",), lambda value: value is None)
     if _is_array_kind(annotation):

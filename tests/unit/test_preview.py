@@ -116,7 +116,7 @@ def test_a_film_without_a_tool_is_drawn_once(tmp_path):
 @pytest.mark.parametrize("time", [-1.0, float("nan"), float("inf")])
 def test_impossible_times_are_refused(tmp_path, time):
     sim = opening_test("quick").simulation
-    with pytest.raises(ValueError, match=r"time must be (finite and not neg|a number, got nan)"):
+    with pytest.raises(ValueError, match="time must be finite and not negative"):
         preview(sim, tmp_path / "never.png", time=time)
     assert not (tmp_path / "never.png").exists()
 
