@@ -37,9 +37,10 @@ CPU_SECONDS = 1200  # what runs longer is in an endless loop
 ROOMS = {
     "mitc4": "quad_forces shell section centre_stress quad_frequency small_matrices tip_force "
     "yielding_film statics integrator time_step cut_loads start_check freedoms",
-    "cables": "cable cohesive_law joint_slip segment_cables severing time_step edge_radius hold",
+    "cables": "cable cohesive_law joint_slip segment_cables severing time_step edge_radius hold "
+    "every_term",
     "contact": "contact edge_contact point_contact friction self_contact self_friction near_nodes "
-    "rounded_depth start_check blunt_tool time_step",
+    "rounded_depth start_check blunt_tool time_step every_term",
     "fracture": "crack_meets tip_watch segment_cables tip_force cut_topology cut_state topology "
     "crack_way curved_ways side_tears puncture drawn_film anisotropy options blade_reach cut_loads "
     "every_term severing",

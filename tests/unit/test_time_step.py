@@ -31,15 +31,6 @@ def settled(step, state):
     return dt
 
 
-def mass_of(shell):
-    """The mass of every freedom of single quads, shape (n_quad, 20)."""
-    share = [
-        np.repeat(shell.mass, 3, axis=1),
-        np.repeat(shell.quad_inertia(np.arange(shell.area.size)), 2, axis=1),
-    ]
-    return np.concatenate(share, axis=1)
-
-
 def damped_limit(omega2, beta):
     omega = np.sqrt(omega2)
     xi = 0.5 * beta * omega
@@ -57,16 +48,10 @@ def test_bound_is_below_the_exact_limit_and_close_to_it(case, deformed):
     K = freedoms.stiffness(shell).toarray()
     mass = freedoms.diagonal(state.node.mass[:n], state.node.inertia[:n])
     exact = 2.0 / np.sqrt(np.linalg.eigvalsh(K / np.sqrt(np.outer(mass, mass)))[-1])
-    step = stepper(shell, safety=1.0)
-    got = step.next(state)
-    # A bound by theory; 25 % is what irregular quads may cost, 12 % is measured on squares.
+    got = stepper(shell, safety=1.0).next(state)
+    # A bound by theory, for which those of the quads are taken, within 0.1 % (test_quad_frequency).
+    # 25 % is what irregular quads may cost, 12 % is measured on squares.
     assert 0.75 * exact < got <= exact * (1 + 1e-9)
-    # What evaluating every quad by LAPACK would give: bounds of quads may cost 2 %.
-    quads = np.arange(mesh.n_quad)
-    scale = mass_of(shell) ** -0.5
-    whole = np.linalg.eigvalsh(shell.tangents(state, quads) * scale[:, :, None] * scale[:, None])
-    best = 2.0 / np.sqrt(whole[:, -1].max())
-    assert 0.98 * best < got <= best
     assert stepper(shell, safety=0.9).next(state) == pytest.approx(0.9 * got, rel=1e-12)
 
 
