@@ -142,6 +142,8 @@ def caps(folder):
 
 def a_case(folder):
     shutil.copytree(ROOT / "tests" / "verification", folder / "tests" / "verification")
+    for shared in (ROOT / "tests").glob("*.py"):  # what cases share with other tests
+        shutil.copy(shared, folder / "tests")
     file = folder / "tests" / "verification" / "cases" / "z01_cantilever.py"
     file.write_text(blocks("docs/howto/add-a-case.md", "python")[0][1])
 

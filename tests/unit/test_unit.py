@@ -246,7 +246,7 @@ INCH = r"[\d.]+ in"
         ),
         (
             ["preview", "guillotine", "-o", "OUT/../model.png", *SHORT[:8]],
-            [r"quads, 0\.0\d+ in², "],
+            [r"quads with sides of [\d.]+ to [\d.]+ in, 0\.0\d+ in², "],
         ),
         (
             ["compare", "OUT", "OUT/../measured.csv"],

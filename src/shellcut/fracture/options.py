@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, TypeAlias, get_args
+from typing import Annotated, Literal, TypeAlias
 
 from shellcut.arguments import Option, checked
 
@@ -121,9 +121,7 @@ class Fracture:
     def _contradictions(self) -> Iterator[str]:
         """Yield what does not go with the path, or with another option."""
         of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
-        if str(self.path) == "imprint":
-            yield f"path must be one of {get_args(Path)}, got 'imprint'; {NO_IMPRINT}"
-        elif self.path == "free":
+        if self.path == "free":
             for name in of_edges:
                 needed = type(self).__dataclass_fields__[name].default
                 yield (
