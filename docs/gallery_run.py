@@ -28,7 +28,7 @@ QUICK = {
         "--pitches",
         "12,20",
         "--angle",
-        "56",
+        "64",
         "--jobs=1",
     ],
     "response_surface": ["--runs", "8", "--jobs=1"],
