@@ -86,7 +86,7 @@ def main_job(user: User) -> str:
     expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
     # What a user sees: the model, the step, what is compiled, an account every 5 %.
     for pattern in (
-        r"film +612 quads with sides of .* 0\.074 mm thick",
+        r"film +649 nodes, 612 quads with sides of .* 0\.074 mm thick",
         r"step +\S+ s at first, so about [\d,]+ steps .* about .* on a free core",
         r"compiling \(first run only",
         r"compiled in \d+ s",
