@@ -1,6 +1,7 @@
 """The VTKHDF file as VTK's own reader sees it, also after a kill -9 and after a restart."""
 
 import dataclasses
+import gc
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import pytest
 import shellcut
 from damaged.mutations import mutated
 from opening_frame import opening_frame
+from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 from shellcut.results import vtkhdf
 from shellcut.results.frame_grid import (
@@ -479,3 +481,23 @@ def test_vtk_does_not_show_a_flipped_bit(sound, tmp_path, capfd):
     points = reading.reader.GetOutput().GetPoints()
     assert points is None or points.GetNumberOfPoints() == 0
     assert "ERR" in capfd.readouterr().err
+
+
+def test_ctrl_c_while_hdf5_writes_is_answered_when_it_has_written(tmp_path, monkeypatch):
+    write = HdfTarget.write
+
+    def interrupted(target, data):
+        signal.raise_signal(signal.SIGINT)
+        return write(target, data)
+
+    monkeypatch.setattr(HdfTarget, "write", interrupted)
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            VtkHdfWriter(tmp_path / "run.vtkhdf")
+    finally:
+        signal.signal(signal.SIGINT, former)
+    monkeypatch.undo()
+    gc.collect()
+    with h5py.File(tmp_path / "run.vtkhdf") as file:
+        assert file["VTKHDF"].attrs["Type"] == b"UnstructuredGrid"

@@ -99,8 +99,13 @@ class VtkHdfWriter:
 
     def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
         self.path = Path(path)
-        with HeldBack():
-            self._open(until)
+        try:
+            with HeldBack():
+                self._open(until)
+        except BaseException:
+            if hasattr(self, "_is_sound"):  # the file is open
+                self.close()
+            raise
 
     def _open(self, until: float | None) -> None:
         how: Literal["r+", "w"] = "w" if until is None else "r+"
@@ -117,16 +122,12 @@ class VtkHdfWriter:
         self.n_frame = 0
         """Number of frames in the file."""
         self._is_sound = False
-        try:
-            if until is None:
-                self._create_new()
-            else:
-                self._open_old()
-                self._drop_after(until)
-            self._is_sound = True
-        except BaseException:
-            self.close()
-            raise
+        if until is None:
+            self._create_new()
+        else:
+            self._open_old()
+            self._drop_after(until)
+        self._is_sound = True
 
     def __enter__(self) -> VtkHdfWriter:
         return self
