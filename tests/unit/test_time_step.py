@@ -8,7 +8,8 @@ from shellcut import CohesiveLaw, Contact, ShellMaterial, Stepping
 from shellcut.cables.directional_cable import CableSet
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST
-from shellcut.simulation.stable_step import StableStep, safe_steps, stiffest_nodes
+from shellcut.simulation.stable_step import StableStep
+from shellcut.simulation.step_bound import safe_steps, stiffest_nodes
 from shellcut.state import BROKEN, STRAIGHT
 from shellcut.statics.freedoms import Freedoms
 from shellcut.tool.pose import Pose

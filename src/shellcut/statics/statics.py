@@ -253,7 +253,7 @@ class Statics:
         """Return the largest angular frequency of the explicit driver's model [rad/s].
 
         2 / this is the exact undamped critical step; the safe bound is in
-        :mod:`shellcut.simulation.stable_step`.
+        :mod:`shellcut.simulation.step_bound`.
         """
         self._path.begin()
         mass = self._mass(true_inertia=False)
