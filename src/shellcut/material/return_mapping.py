@@ -95,6 +95,23 @@ class Flow(NamedTuple):
     """Dissipated energy density [N/mm²]."""
 
 
+class _Turn(NamedTuple):
+    """What a turn of Newton's method found at p + Δp."""
+
+    yielding: tuple[Number, Number]
+    """σ_y and its slope over Δp."""
+    isotropic: tuple[Number, Number]
+    """R and its slope over Δp."""
+    inverse: tuple[Number, ...]
+    """1/(σ_y + μ_i Δp) of each mode [1/MPa]."""
+    rates: tuple[Number, ...]
+    """Slope of σ_y + μ_i Δp over Δp, times its inverse."""
+    G: Number
+    """Of the equation G(Δp) = 1."""
+    change: Number
+    """Correction of Δp by this turn."""
+
+
 @always_inline
 def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     """Return by how much the trial is beyond the yield surface, σ_eq² - start² [MPa²].
@@ -285,11 +302,11 @@ def _make_turn(rise: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
 
     @always_inline
     def turn(p, at, part, q, mu, beyond, eq, dp, dt):
-        """Return how far Δp is off, and what :func:`end` needs."""
+        """Return how far Δp is off, and the turn."""
         yielding, isotropic = yield_stress(p, at, part, eq, dp, dt)
         G, inverse, rates, B = one_turn(yielding, q, mu, dp)
         off, change = newton(G, B, dp, mu[0] * inverse[0], beyond)
-        return off, (yielding, isotropic, inverse, rates, change, G)
+        return off, _Turn(yielding, isotropic, inverse, rates, G, change)
 
     return turn
 
@@ -299,18 +316,17 @@ def _make_end(has_rate: bool, n_mode: int) -> Any:
 
     @always_inline
     def end(p, at, beyond, state, dp, found):
-        """Return the flow after the last correction, to the first order."""
-        yielding, isotropic, inverse, rates, change, _ = found
+        """Return the flow after the last correction, to the first order; see :class:`_Turn`."""
+        (sigma, sigma_slope), (R, R_slope), change = found.yielding, found.isotropic, found.change
         eq, R_old = state
         none = zero_like(eq)
         start = p[at] + R_old
-        dp, sigma = dp + change, yielding[0] + yielding[1] * change
-        R = isotropic[0] + isotropic[1] * change
+        dp, sigma, R = dp + change, sigma + sigma_slope * change, R + R_slope * change
         mean = 0.5 * (start + sigma)
         if has_rate:
             mean = 0.5 * sigma * (1.0 + start / (p[at] + R))
         return Flow(
-            flow_of_modes(beyond, dp, inverse, rates, change, none),
+            flow_of_modes(beyond, dp, found.inverse, found.rates, change, none),
             where_above(beyond, 0.0, eq + dp, eq),
             where_above(beyond, 0.0, R, R_old),
             where_above(beyond, 0.0, mean * dp, none),
@@ -346,17 +362,19 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
                 # σ_eq <= σ_eq^trial/(1 + Δλ μ_min) has come down to the first yield by here.
                 high = (square_root(total) - (p[at] + R_old)) / softest
                 closed = 64.0 * _ROUND_OFF * high
-            G, change = found[5], found[4]
-            low = where_above(G, 1.0, dp, low)
-            high = where_above(G, 1.0, high, dp)
+            # G falls over Δp: the root lies above where G > 1, below elsewhere.
+            low = where_above(found.G, 1.0, dp, low)
+            high = where_above(found.G, 1.0, high, dp)
             off = where_above(high - low, closed, off, none)
             count += 1
             if count == _TURNS or not any_above(off, _ENOUGH):
                 break
-            new, middle = dp + change, 0.5 * (low + high)
+            new, middle = dp + found.change, 0.5 * (low + high)
+            # A turn that would leave the bracket halves it.
             new = where_above(new, low, new, middle)
             new = where_above(high, new, new, middle)
             dp = where_above(beyond, 0.0, where_above(off, _ENOUGH, new, dp), none)
+        # A lane that is not solved gets nan, which stops the run by name.
         dp = where_above(off, _ENOUGH, np.nan * dp, dp)
         return end(p, at, beyond, state, dp, found)
 
