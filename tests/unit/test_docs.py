@@ -286,6 +286,18 @@ def test_scripts_import_what_there_is():
     assert missing == []
 
 
+def test_the_short_form_for_other_versions_names_tests_that_there_are():
+    script = (ROOT / ".ci/versions").read_text(encoding="utf-8")
+    listed = re.search(r"^short=\(\n(.*?)^\)", script, re.MULTILINE | re.DOTALL)[1]
+    files = [
+        before + name + after
+        for before, names, after in re.findall(r"(tests\S*?)\{(.*?)\}(\S*)", listed)
+        for name in names.split(",")
+    ]
+    assert len(files) > 20
+    assert [file for file in files if not (ROOT / file).is_file()] == []
+
+
 def test_rooms_picture_table_and_folders_are_the_contract():
     sys.path.insert(0, str(ROOT / "docs"))
     import rooms_picture

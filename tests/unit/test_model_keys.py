@@ -416,7 +416,7 @@ def test_every_option_of_a_simulation_and_output_is_in_some_section():
     taken = {"mesh", "material", "supports", "loads", "tool", "motion", "law"}
     taken |= {"contact", "fracture", "stepping"}  # sections
     taken |= {"directional", "quasi_static", "imperfection", "threads"}  # at the top
-    taken |= {"damping_alpha", "damping_beta"}  # [damping]
+    taken |= {"damping_alpha", "damping_beta", "damping_share"}  # [damping]
     assert set(inspect.signature(Simulation).parameters) - taken == set(NOT_IN_FILES)
     assert set(OUTPUT().arguments()) <= set(inspect.signature(RunOptions).parameters)
 

@@ -4,10 +4,20 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut import CohesiveLaw, Contact, ShellMaterial, Stepping
+from shellcut import (
+    CohesiveLaw,
+    Contact,
+    ShellMaterial,
+    Simulation,
+    Stepping,
+    guillotine,
+    opening_test,
+)
 from shellcut.cables.directional_cable import CableSet
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.shell import DAMPING_SHARE, MITC4Shell
 from shellcut.simulation.stable_step import StableStep
 from shellcut.simulation.step_bound import safe_steps, stiffest_nodes
 from shellcut.state import BROKEN, STRAIGHT
@@ -61,6 +71,34 @@ def test_stiffness_damping_shortens_the_step_as_the_formula_says(beta):
     shell, state = cases.set_up(cases.warped(), damping_beta=beta)
     got = stepper(shell, safety=1.0).next(state)
     assert got == pytest.approx(damped_limit(shell.frequencies.squared.max(), beta), rel=1e-12)
+
+
+@pytest.mark.parametrize("thickness", [0.01, 1.0])
+def test_a_share_of_critical_damping_costs_any_film_the_same_part_of_the_step(thickness):
+    film = ShellMaterial.homogeneous(thickness=thickness)
+    for size in (0.05, 2.0):
+        mesh = rectangle(8.0 * size, 4.0 * size, size=size)
+        free, damped = (
+            Simulation(mesh, film, damping_share=share, stepping=Stepping(safety=1.0)).dt
+            for share in (0.0, 0.3)
+        )
+        # sqrt(1 + xi²) - xi, of the bounds from which the damping comes
+        assert damped == pytest.approx((np.sqrt(1.09) - 0.3) * free, rel=1e-9)
+
+
+def test_films_are_damped_by_a_share_and_the_papers_meshes_by_its_time():
+    mesh = rectangle(4.0, 4.0, size=1.0)
+    film = ShellMaterial.homogeneous()
+    frequency = np.sqrt(MITC4Shell(mesh, film).frequencies.squared.max())
+    by_default = Simulation(mesh, film).shell.damping_beta
+    assert by_default == pytest.approx(2 * DAMPING_SHARE / frequency, rel=1e-12)
+    assert opening_test("quick").simulation.shell.damping_beta == 5e-8
+    assert guillotine(1.0).simulation.shell.damping_beta == 5e-8
+    shared = guillotine(1.0, damping_share=0.2).simulation
+    at_rest = MITC4Shell(shared.mesh, shared.material).frequencies.squared
+    assert shared.shell.damping_beta == pytest.approx(0.4 / np.sqrt(at_rest.max()), rel=1e-12)
+    with pytest.raises(ValueError, match="not both: got 1e-08 s and 0"):
+        Simulation(mesh, film, damping_beta=1e-8, damping_share=0.2)
 
 
 def test_contact_of_nodes_that_the_tool_comes_to_counts_at_once():

@@ -84,7 +84,7 @@ class MeshQuality:
 
 
 def mesh_quality(
-    mesh: Mesh, material: ShellMaterial | None = None, *, damping_beta: float = 5e-8
+    mesh: Mesh, material: ShellMaterial | None = None, *, damping_beta: float | None = None
 ) -> MeshQuality:
     """Return the shape and the stable step of every quad.
 
@@ -96,7 +96,7 @@ def mesh_quality(
     mesh : Mesh
     material : ShellMaterial, optional
         The film of the paper by default.
-    damping_beta : float
+    damping_beta : float, optional
         Stiffness-proportional damping [s], as of :class:`Simulation`.
 
     Returns
@@ -112,7 +112,7 @@ def mesh_quality(
     """
     shell = MITC4Shell(mesh, material or ShellMaterial.homogeneous(), damping_beta=damping_beta)
     omega2 = shell.frequencies.squared
-    damped = damping_beta * omega2
+    damped = shell.damping_beta * omega2
     step = (np.sqrt(damped**2 + 4.0 * omega2) - damped) / omega2
     lengths, order = mesh.edge_lengths(), np.argsort(step, kind="stable")
     return MeshQuality(

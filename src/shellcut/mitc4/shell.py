@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,11 @@ from .work import Work, linear_work
 # limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
 
+DAMPING_SHARE = 0.15
+"""Share of critical damping at the highest frequency by default: it shortens the step by 14 %. The
+paper's 5e-8 s is 0.14 on the mesh ``quick``, 0.56 on M2 and more on finer ones, where it sets the
+step."""
+
 
 class MITC4Shell:
     """Internal forces of all quads.
@@ -53,8 +59,11 @@ class MITC4Shell:
         Reference surface.
     material : ShellMaterial
         Layers.
-    damping_beta : float
-        Stiffness-proportional damping [s].
+    damping_beta : float, optional
+        Stiffness-proportional damping [s]; by default that of ``damping_share``.
+    damping_share : float
+        Share of critical damping at the highest frequency omega of the reference film: beta is
+        2 share / omega.
     workers : Workers, optional
         Threads; one by default.
     """
@@ -64,11 +73,11 @@ class MITC4Shell:
         mesh: Mesh,
         material: ShellMaterial,
         *,
-        damping_beta: float,
+        damping_beta: float | None = None,
+        damping_share: float = DAMPING_SHARE,
         workers: Workers | None = None,
     ) -> None:
         self.material = material
-        self.damping_beta = damping_beta
         self._workers = workers or Workers(mesh.n_quad)
         flat, mass, area = reference_quads(mesh, material, BLOCKS_AT_A_TIME * WIDTH)
         self.mass = mass
@@ -105,11 +114,16 @@ class MITC4Shell:
         self._tangents = FilmTangents(self._places, material.is_linear)
         self._history = self._history_at_rest()
         # On the film of a linear law the tangent without its pre-stress is what is damped.
-        damped = self._damped_stiffness if self.has_points and damping_beta > 0.0 else None
+        is_damped = damping_share > 0.0 if damping_beta is None else damping_beta > 0.0
+        damped = self._damped_stiffness if self.has_points and is_damped else None
         self.frequencies = QuadFrequencies(
             mesh, material, self.corner_shares, self._tangent_bounds, damped
         )
         """Bounds of the largest frequency of each quad."""
+        if damping_beta is None:
+            damping_beta = 2.0 * damping_share / math.sqrt(self.frequencies.squared.max())
+        self.damping_beta = damping_beta
+        """Stiffness-proportional damping [s]."""
 
     @property
     def blocks(self) -> QuadBlocks:

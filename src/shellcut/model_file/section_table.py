@@ -20,6 +20,7 @@ from shellcut.mesh.film_file import read_film
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
+from shellcut.models.case import PAPER_DAMPING
 from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
 from shellcut.models.oscillating import (
     BAR_CONTACT,
@@ -225,13 +226,20 @@ CONTACT = Kind(
 )
 FRACTURE = Kind("How cracks start and run.", keys_of(Fracture), Fracture)
 TIME = Kind("Choice of the time step.", keys_of(Stepping), Stepping)
+_DAMPED = ("alpha", "beta", "share")
 DAMPING = Kind(
     "Rayleigh damping.",
-    keys_of(
-        Simulation, "alpha", "beta", renamed={"damping_alpha": "alpha", "damping_beta": "beta"}
-    ),
+    keys_of(Simulation, *_DAMPED, renamed={f"damping_{name}": name for name in _DAMPED}),
     spread=True,
 )
+
+
+def _damped_by(beta: str, **defaults: Any) -> Kind:
+    """Return the section of a model with a stiffness damping of its own by default."""
+    unset = optional(DAMPING.keys["beta"], f"{beta}, else that of the share")
+    return DAMPING.with_keys({"beta": unset}, **defaults)
+
+
 _COUNTS = {"n_row": "rows", "n_frame": "frames", "n_snapshot": "snapshots"}
 OUTPUT = Kind(
     "Output of a run; see also the flags of ``shellcut run``.",
@@ -329,6 +337,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (OPENING_SCREW,),
         (TEETH, TOOL_FILE),
         contact=CONTACT.with_keys(film_edges=True),
+        damping=_damped_by(f"{PAPER_DAMPING:g} s on the package's discs"),
     ),
     "guillotine": _layout(
         (STRIP, FILM_FILE.with_keys(keys_of(guillotine, "clamp", "notch"))),
@@ -338,6 +347,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
             ("speed", "slice_ratio", "travel"),
         ),
         (STRIP_BLADE, TOOL_FILE),
+        damping=_damped_by(f"{PAPER_DAMPING:g} s on the package's strips"),
     ),
     "free": _layout(
         (
@@ -367,7 +377,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         law=_law(TEAR_LAW),
         contact=None,
         fracture=_unsteered(TEAR_FRACTURE),
-        damping=DAMPING.with_keys(alpha=MASS_DAMPING),
+        damping=_damped_by(f"{PAPER_DAMPING:g} s", alpha=MASS_DAMPING),
     ),
     "oscillating": _layout(
         (
@@ -390,7 +400,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         law=_law(BAR_LAW),
         contact=CONTACT.with_keys(penalty=BAR_CONTACT.penalty),
         fracture=_unsteered(BAR_FRACTURE, "fibres"),
-        damping=DAMPING.with_keys(beta=STIFFNESS_DAMPING),
+        damping=_damped_by(f"{STIFFNESS_DAMPING:g} s"),
     ),
 }
 """By model: the sections that occur once."""

@@ -40,6 +40,16 @@ def time_of_way(way: float, speed: float, ramp: float) -> float:
     return way / speed + 0.5 * ramp
 
 
+PAPER_DAMPING = 5e-8
+"""Stiffness damping of [Frangi2010] 5.2 [s], for the paper's meshes and strips like them."""
+
+
+def damped_by(beta: float, options: dict[str, Any]) -> dict[str, Any]:
+    """Return options of a simulation with a stiffness damping [s], unless they have one."""
+    given = (options.get(name) for name in ("damping_beta", "damping_share"))
+    return options if any(one is not None for one in given) else {**options, "damping_beta": beta}
+
+
 @dataclass(frozen=True)
 class Case:
     """A simulation that is ready to run.

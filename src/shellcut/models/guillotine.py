@@ -27,7 +27,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp, Notch, time_of_way
+from .case import PAPER_DAMPING, Case, Clamp, Notch, damped_by, time_of_way
 from .free_cut import free_cut, with_path
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
@@ -114,7 +114,10 @@ def guillotine(
     >>> case.simulation.mesh.n_quad
     24
     """
-    strip = strip_of(length, width, size) if mesh is None else mesh
+    if mesh is None:
+        options, strip = damped_by(PAPER_DAMPING, options), strip_of(length, width, size)
+    else:
+        strip = mesh
     cables = law or CohesiveLaw()
     blade, motion, duration = blade_before(
         strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables

@@ -20,7 +20,7 @@ from shellcut.tool.motion import Pitch, ScrewMotion
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp
+from .case import PAPER_DAMPING, Case, Clamp, damped_by
 from .free_cut import free_cut
 
 
@@ -62,7 +62,10 @@ def opening_test(
     >>> case.simulation.mesh.n_quad
     612
     """
-    film = opening_disc(mesh) if isinstance(mesh, str) else mesh
+    if isinstance(mesh, str):
+        options, film = damped_by(PAPER_DAMPING, options), opening_disc(mesh)
+    else:
+        film = mesh
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
     contact = options.pop("contact", None) or Contact()

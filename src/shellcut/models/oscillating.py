@@ -26,7 +26,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
-from .case import Case, time_of_way
+from .case import Case, damped_by, time_of_way
 
 BAR_LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
@@ -172,8 +172,7 @@ def oscillating(
     chosen = {
         "contact": BAR_CONTACT,
         "fracture": BAR_FRACTURE,
-        "damping_beta": STIFFNESS_DAMPING,
-        **options,
+        **damped_by(STIFFNESS_DAMPING, options),
     }
     if chosen["fracture"].needed_path not in (None, "free"):
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")

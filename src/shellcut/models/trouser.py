@@ -19,7 +19,7 @@ from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
-from .case import Case, time_of_way
+from .case import PAPER_DAMPING, Case, damped_by, time_of_way
 
 TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
@@ -115,7 +115,11 @@ def trouser(
         material or ShellMaterial.homogeneous(thickness=THICKNESS),
         supports=[Support.clamped("tail"), *legs],
         law=law or TEAR_LAW,
-        **{"fracture": TEAR_FRACTURE, "damping_alpha": MASS_DAMPING, **options},
+        **{
+            "fracture": TEAR_FRACTURE,
+            "damping_alpha": MASS_DAMPING,
+            **damped_by(PAPER_DAMPING, options),
+        },
     )
     if simulation.fracture.path != "free":
         raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")

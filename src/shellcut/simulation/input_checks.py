@@ -34,6 +34,14 @@ def check_parts(
         raise ValueError("; ".join(problems))
 
 
+def check_damping(beta: float | None, share: float | None) -> None:
+    """Raise ValueError if the stiffness damping is given twice."""
+    if beta is not None and share is not None:
+        raise ValueError(
+            f"damping_beta or damping_share must be given, not both: got {beta:g} s and {share:g}"
+        )
+
+
 def _without_partner(
     tool: Tool | None,
     motion: Motion | None,

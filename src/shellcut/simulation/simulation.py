@@ -29,7 +29,7 @@ from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import director_spins, initial_state
-from shellcut.mitc4.shell import MITC4Shell
+from shellcut.mitc4.shell import DAMPING_SHARE, MITC4Shell
 from shellcut.numerics.threads import Threads, Workers
 from shellcut.results.verdict import verdict
 from shellcut.state import State
@@ -43,7 +43,7 @@ from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .force_terms import ForceTerms
 from .hooks import Hook, serve
 from .imperfection import Imperfection, ImperfectionNumber
-from .input_checks import check_parts, check_quasi_static, points_of_notch
+from .input_checks import check_damping, check_parts, check_quasi_static, points_of_notch
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .pace import KineticShare, Pace
@@ -52,6 +52,7 @@ from .stable_step import StableStep, Stepping
 
 _OF_MASS = "mass-proportional Rayleigh damping"
 _OF_STIFFNESS = "stiffness-proportional Rayleigh damping"
+_OF_CRITICAL = "stiffness-proportional damping, share of critical at the film's highest frequency"
 
 
 class Simulation:
@@ -73,7 +74,7 @@ class Simulation:
         Without one nothing splits.
     contact, fracture, stepping : Contact, Fracture, Stepping
         Parameters of contact, of the cracks and of the time step.
-    directional, damping_alpha, damping_beta, quasi_static, imperfection, threads
+    directional, damping_alpha, damping_beta, damping_share, quasi_static, imperfection, threads
         See their annotations; damping by [Frangi2010] 5.2, :mod:`.pace`, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s]; the directors turn with the film.
@@ -118,7 +119,12 @@ class Simulation:
             Option("", "whether cables meet the blade; false: classical cohesive elements"),
         ] = True,
         damping_alpha: Annotated[float, Option("1/s", _OF_MASS, least=0)] = 0.1,
-        damping_beta: Annotated[float, Option("s", _OF_STIFFNESS, least=0)] = 5e-8,
+        damping_beta: Annotated[
+            float | None, Option("s", _OF_STIFFNESS, least=0, unset="that of the share")
+        ] = None,
+        damping_share: Annotated[
+            float | None, Option("", _OF_CRITICAL, least=0, unset=f"{DAMPING_SHARE:g}")
+        ] = None,
         velocity: Floats | None = None,
         terms: Sequence[ForceTerm] = (),
         quasi_static: KineticShare = None,
@@ -126,11 +132,18 @@ class Simulation:
         threads: Threads = None,
     ) -> None:
         check_parts(tool, motion, law, contact, fracture)
+        check_damping(damping_beta, damping_share)
         if quasi_static is not None:
             check_quasi_static(material, velocity)
         if imperfection is None:
             imperfection = int(tool is not None and law is not None)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
+        self.mesh = put_directors_into_planes(mesh, supports)
+        workers = Workers(mesh.n_quad, threads)
+        share = DAMPING_SHARE if damping_share is None else damping_share
+        self.shell = MITC4Shell(
+            self.mesh, material, damping_beta=damping_beta, damping_share=share, workers=workers
+        )
         self.inputs = {
             "mesh": mesh,
             "material": material,
@@ -143,7 +156,7 @@ class Simulation:
             "fracture": fracture,
             "directional": directional,
             "damping_alpha": damping_alpha,
-            "damping_beta": damping_beta,
+            "damping_beta": self.shell.damping_beta,
             "velocity": None if velocity is None else np.asarray(velocity, float),
             "terms": tuple(terms),
             "quasi_static": quasi_static,
@@ -151,11 +164,8 @@ class Simulation:
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
-        self.mesh = put_directors_into_planes(mesh, supports)
         self.material, self.tool, self.motion = material, tool, motion
         self.law, self.fracture = law, fracture
-        workers = Workers(mesh.n_quad, threads)
-        self.shell = MITC4Shell(self.mesh, material, damping_beta=damping_beta, workers=workers)
         self.supports = SupportSet(self.mesh, supports)
         self.loads = LoadSet(self.mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
