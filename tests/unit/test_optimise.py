@@ -52,17 +52,52 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
     assert not [line for line in lines if line.startswith("[")]
 
 
-def test_the_command_confirms_on_another_mesh(tmp_path, capsys):
+def test_a_search_ends_with_the_best_on_another_mesh(tmp_path, capsys):
     asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
     asked += [*in_words(SETTINGS), "--set", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
     asked += ["--allow-doubts"]
     assert main([*asked, "--confirm", "size=1"]) == 0
     said = capsys.readouterr().out
     assert "force, peak: " in said
-    assert "confirmed: force, peak: " in said
-    assert "confirmed: distrust at best: The motion is too fast" in said
-    kept = json.loads((tmp_path / OPTIMUM).read_text())["confirmed"]
-    assert [sc.read(one["folder"]).frame(0).quads.shape[0] for one in kept] == [24, 24]
+    assert "with size = 1: force, peak: " in said
+    assert "with size = 1: distrust at best: The motion is too fast" in said
+
+    def quads_of_runs_again():
+        kept = json.loads((tmp_path / OPTIMUM).read_text())["confirmed"]
+        return [sc.read(one["folder"]).frame(0).quads.shape[0] for one in kept]
+
+    assert quads_of_runs_again() == [24, 24, 24]  # as given, the best, and the second best
+    assert main(asked) == 0
+    said = capsys.readouterr().out
+    assert "on a finer film: force, peak: " in said
+    assert quads_of_runs_again() == [18 * 12] * 3  # 1.5 times as many rows of 12 x 8
+    assert main([*asked, "--confirm", "none"]) == 0
+    assert "on a finer film" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("figures", "half_width", "told"),
+    [
+        ((4.0, 3.0, 3.5), None, True),
+        ((4.0, 3.0, 2.9), None, False),  # the finer film ranks them otherwise
+        ((4.0, 3.0, 3.3), 0.1, True),
+        ((4.0, 3.0, 3.1), 0.1, False),  # less than the ± of both
+    ],
+)
+def test_the_best_is_better_only_if_a_finer_film_says_so(figures, half_width, told):
+    trials = [Trial({"k": n} if n else {}, str(n), 4.0 - 0.5 * n) for n in (0, 2, 1)]
+    again = [
+        Trial({"size": 1, **one.values}, f"finer {one.folder}", figure, half_width=half_width)
+        for one, figure in zip(trials, figures, strict=True)
+    ]
+    found = Optimum(
+        "force_peak_N", 1, (), tuple(trials), confirmed=tuple(again), where="on a finer film"
+    )
+    assert (found.best.values, found.second.values) == ({"k": 2}, {"k": 1})
+    said = str(found)
+    assert f"{figures[2]:.3g}" in said.splitlines()[-2 if told else -3]
+    assert ("no difference can be told from the one second best" in said) is not told
+    assert "told from the one as given" not in said
 
 
 def test_of_runs_that_fail_or_miss_the_limits_none_is_best():

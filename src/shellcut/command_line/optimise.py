@@ -43,8 +43,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--confirm",
         metavar="KEY=VALUE",
         action="append",
-        default=[],
-        help="run the model as given and the best values again with this key, as mesh=M1",
+        help="run the model as given, the best values and the second best again with this key, as "
+        "mesh=M1, instead of on a finer film; none: do not",
     )
     parser.add_argument(
         "--max-runs", metavar="N", type=int, default=60, help="runs to take at most [60]"
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
             maximise=arguments.maximise,
             subject_to=arguments.subject_to,
             settings=settings_of(arguments, str),  # texts: lists and ranges are read later
-            confirm=keys_with_values("--confirm", arguments.confirm),
+            confirm=_confirming(arguments.confirm),
             max_runs=arguments.max_runs,
             allow_doubts=arguments.allow_doubts,
             executor=executor,
@@ -78,3 +78,10 @@ def run(arguments: argparse.Namespace) -> int:
         f"in {arguments.out}: {OPTIMUM}",
         lambda found: found.best is not None,
     )
+
+
+def _confirming(given: list[str] | None) -> dict[str, object] | None:
+    """Return the keys that confirm; None for those of a finer film."""
+    if given is None:
+        return None
+    return {} if given == ["none"] else keys_with_values("--confirm", given)

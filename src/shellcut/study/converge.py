@@ -49,6 +49,10 @@ _TURN = 1.8
 Settings = Mapping[str, object]
 
 
+class NoFinerFilm(ValueError):
+    """A model has no other mesh; the message says why."""
+
+
 def converge(
     model: str | os.PathLike[str],
     out: str | os.PathLike[str],
@@ -144,8 +148,8 @@ def companions_of(
     missing: dict[str, list[str]] = {}
     try:
         runs |= _meshes(model, finer)
-    except ValueError as reason:
-        missing[MESH] = [str(reason)]
+    except NoFinerFilm as why:
+        missing[MESH] = [f"left out, because {why}"]
     if moved := _moved(model):
         runs[Run("nodes moved", CHANCE, 1.0)] = moved
     else:
@@ -180,9 +184,17 @@ def _meshes(model: Model, finer: float) -> dict[Run, Settings]:
         why = "shellcut cannot remesh a file; run your own coarser and finer file"
         if film.kind != "file":
             why = "the mesher chose the size; give membrane.size"
-        raise ValueError(f"left out, because {why}")
+        raise NoFinerFilm(why)
     found = {"coarser mesh": _mesh(model, 1.0 / _RATIO), "finer mesh": _mesh(model, finer)}
     return {Run(name, MESH, h): keys for name, (h, keys) in found.items() if h != 1.0}
+
+
+def finer_film(model: Model) -> Settings:
+    """Return the keys of a model on a finer film; :class:`NoFinerFilm` says why there is none."""
+    finer = [keys for run, keys in _meshes(model, _RATIO).items() if run.size < 1.0]
+    if not finer:
+        raise NoFinerFilm(f"there is none finer than {model.sections['membrane'].mesh}")
+    return finer[0]
 
 
 def _mesh(model: Model, factor: float) -> tuple[float, Settings]:

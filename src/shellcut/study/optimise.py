@@ -21,6 +21,7 @@ import numpy as np
 
 from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
+from shellcut.model_file import Model
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import half_width_of
@@ -35,6 +36,7 @@ from shellcut.results.summary_figures import (
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .common_window import NOT_COMMON, CommonWindow
+from .converge import NoFinerFilm, finer_film
 from .engines import AnyExecutor, Say, engine_of
 from .factors import Factor
 from .one_run import Outcome, outcome_in
@@ -94,11 +96,22 @@ class Optimum:
     trials: tuple[Trial, ...]
     """In the order in which they were proposed, the model as given first."""
     confirmed: tuple[Trial, ...] = field(default=())
-    """The first and the best again, with the settings that confirm them."""
+    """The first, the best and the second best again, on a finer film or with other settings."""
+    where: str = ""
+    """On what these ran."""
+    unconfirmed: str = ""
+    """Why none was run again."""
     allow_doubts: bool = False
     """Whether a run that its verdict distrusts may be the best."""
     compared: tuple[Trial, ...] = field(default=())
     """If the figure is a mean: the first and the best over their common steady window, if any."""
+
+    @property
+    def second(self) -> Trial | None:
+        """The best of those with other values than :attr:`best`; None if there is none."""
+        best = self.best
+        others = [one for one in self.trials if best and one.values != best.values]
+        return min((one for one in others if not self.state(one)), key=self._rank, default=None)
 
     @property
     def best(self) -> Trial | None:
@@ -107,12 +120,12 @@ class Optimum:
         It is the model as given if that is as good but for the ± of the means.
         """
         first = self.trials[0]
-        best = min(
-            (one for one in self.trials if not self.state(one)),
-            key=lambda one: self.sign * (one.figure or 0.0),
-            default=None,
-        )
+        can_be = (one for one in self.trials if not self.state(one))
+        best = min(can_be, key=self._rank, default=None)
         return first if best and not self.state(first) and self._alike(first, best) else best
+
+    def _rank(self, one: Trial) -> float:
+        return self.sign * (one.figure or 0.0)
 
     def _alike(self, one: Trial, other: Trial) -> bool:
         """Whether two means differ by less than their ± together."""
@@ -138,9 +151,15 @@ class Optimum:
             return "\n".join([f"no run is the best: {n_run}", *self._why_none(states)])
         lines = [f"{key} = {value}" for key, value in best.values.items()]
         lines = lines or ["the model as given is the best"]
-        lines += self._against(*(self.compared or (self.trials[0], best)))
-        if len(self.confirmed) == 2:
-            lines += [f"confirmed: {line}" for line in self._against(*self.confirmed)]
+        first, found = self.compared or (self.trials[0], best)
+        lines += self._against(first, found)
+        if self.confirmed:
+            first, again, *second = self.confirmed
+            names = ["as given", *("second best" for _ in second)]
+            for name, other in zip(names, (first, *second), strict=True):
+                lines += [f"{self.where}: {line}" for line in self._against(other, again, name)]
+        elif self.unconfirmed:
+            lines.append(f"not run on a finer film: {self.unconfirmed}")
         return "\n".join([*lines, n_run])
 
     def _why_none(self, states: Sequence[str]) -> Iterator[str]:
@@ -159,7 +178,7 @@ class Optimum:
             yield from (f"distrust: {doubt}" for doubt in first.doubts)
             yield "to let a distrusted run be the best: allow_doubts, or --allow-doubts"
 
-    def _against(self, start: Trial, best: Trial) -> Iterator[str]:
+    def _against(self, start: Trial, best: Trial, who: str = "as given") -> Iterator[str]:
         name = label_of(self.figure)
         if start.figure is None or best.figure is None:
             yield f"{name}: {start.reason or best.reason}"
@@ -169,8 +188,10 @@ class Optimum:
         given, found = self._said(start), self._said(best)
         alike = best.folder != start.folder and self._alike(start, best)
         less = ", less than the ± of both" if alike else ""
-        yield f"{name}: {given} as given, {found} at best ({change:+.1f} %{less}){beyond}"
-        for which, one in {"as given": start, "at best": best}.items():
+        yield f"{name}: {given} {who}, {found} at best ({change:+.1f} %{less}){beyond}"
+        if best.values != start.values and (alike or self._rank(best) >= self._rank(start)):
+            yield f"no difference can be told from the one {who}"
+        for which, one in {who: start, "at best": best}.items():
             yield from (f"distrust {which}: {doubt}" for doubt in one.doubts)
 
     def _said(self, one: Trial) -> str:
@@ -235,8 +256,9 @@ def optimise(
         By key: one value for all runs; or what is sought, a range, as ``"40:80"``, or values to
         choose from, as the factors of :func:`shellcut.sweep`. At least one key must be sought.
     confirm : mapping, optional
-        Keys with another value in two further runs, of the model as given and of the best values,
-        as on a finer mesh.
+        Keys with another value in further runs of the model as given, of the best values and of the
+        second best: by default those of a finer film (:func:`shellcut.converge`), as a coarse one
+        may rank them otherwise. If it is empty, there are no further runs.
     max_runs : int
         Runs to take at most.
     allow_doubts : bool
@@ -279,8 +301,7 @@ def optimise(
     sign, wanted = (1 if minimise else -1), known_figure(minimise or maximise, UNITS)
     limits = [_limit(text) for text in subject_to]
     factors, variants = sought(model, settings)
-    confirm = confirm or {}
-    variants.read(confirm, try_out=False)  # what is wrong with it shows before the search
+    variants.read(confirm or {}, try_out=False)  # what is wrong with it shows before the search
     engine, folder = engine_of(executor), folder_named(out)
     study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=0))
     trials = list[Trial]()
@@ -308,10 +329,17 @@ def optimise(
         kept = tuple(subject_to)
         found = Optimum(wanted, sign, kept, tuple(trials), allow_doubts=allow_doubts)
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
-            found = replace(found, compared=_in_common(trials[0], found.best, wanted))
-        if confirm and found.best:
-            again = run([confirm, {**found.best.values, **confirm}])
-            found = replace(found, confirmed=tuple(again))
+            found = replace(found, compared=_in_common([trials[0], found.best], wanted))
+        if found.best and confirm != {}:
+            several = [one.values for one in (trials[0], found.best, found.second) if one]
+            try:
+                again: Sequence[Trial] = run(
+                    [{**v, **_further(confirm, variants.read(v))} for v in several]
+                )
+                again = _in_common(again, wanted) or again
+                found = replace(found, confirmed=tuple(again), where=_where(confirm))
+            except NoFinerFilm as why:
+                found = replace(found, unconfirmed=str(why))
         found.write(folder)
     return found
 
@@ -382,16 +410,28 @@ def _trial(
     return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
 
 
-def _in_common(first: Trial, best: Trial, figure: str) -> tuple[Trial, ...]:
-    """Return both with their means over the steady window that they have in common, if any."""
-    both = first, best
-    outcomes = {k: outcome_in(Path(one.folder)) or Outcome("stopped") for k, one in enumerate(both)}
-    found = CommonWindow(lambda k: Path(both[k].folder))(outcomes)
+def _further(confirm: Mapping[str, object] | None, model: Model) -> Mapping[str, object]:
+    """Return the keys that confirm a model: those given, or those of a finer film."""
+    return finer_film(model) if confirm is None else confirm
+
+
+def _where(confirm: Mapping[str, object] | None) -> str:
+    """Return on what the runs that confirm a search run."""
+    if confirm is None:
+        return "on a finer film"
+    return "with " + ", ".join(f"{key} = {value}" for key, value in confirm.items())
+
+
+def _in_common(trials: Sequence[Trial], figure: str) -> tuple[Trial, ...]:
+    """Return trials with their means over the steady window that they have in common, if any."""
+    folders = [Path(one.folder) for one in trials]
+    outcomes = {k: outcome_in(one) or Outcome("stopped") for k, one in enumerate(folders)}
+    found = CommonWindow(folders.__getitem__)(outcomes)
     names = figure, half_width_of(figure)
     means = [[one.figures.get(name) for name in names] for one in found.values()]
     if any(NOT_COMMON in one.figures or figure not in one.figures for one in found.values()):
         return ()
     return tuple(
         replace(one, figure=mean, half_width=spread)
-        for one, (mean, spread) in zip(both, means, strict=True)
+        for one, (mean, spread) in zip(trials, means, strict=True)
     )
