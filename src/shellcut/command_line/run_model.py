@@ -32,11 +32,10 @@ _BETWEEN_LINES = 3.0
 """Shortest time between two lines on compilation [s]."""
 
 _FIGURES = (
-    *("n_step", "wall_s", "torque_plateau_Nmm", "torque_peak_Nmm", "axial_force_plateau_N"),
-    *("force_plateau_N", "force_peak_N", "crack_length_mm"),
-    *("n_cable_created", "n_cable_jointed", "n_cable_broken", "imbalance_rel", "kinetic_rel"),
+    *("n_step", "wall_s", "crack_length_mm", "n_cable_created", "n_cable_jointed"),
+    *("n_cable_broken", "imbalance_rel", "kinetic_rel"),
 )
-"""Figures of ``summary.json`` that are printed at the end."""
+"""Figures of ``summary.json`` that are printed at the end, after the answers."""
 
 
 def run_model(
@@ -177,9 +176,12 @@ def _remedy(problem: Exception, folder: Path) -> str:
 
 def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.file_list import FileList
+    from shellcut.results.answers import answers
     from shellcut.results.run_results import summary_in
 
     summary = summary_in(folder)
+    for asked, answer in answers(summary):
+        log.say(f"{asked:<16} {answer}")
     for label, value in key_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>14}")
     for words, energy, share in chain(*account(summary)):

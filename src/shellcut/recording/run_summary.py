@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _COMMON = 1e-6  # edge lengths by which ends of cuts that go on from each other may lie apart
 
+_DECIMALS = 9  # of a centre in mm: further ones are round-off
+
 OFF_PATH = 0.2
 """In edge lengths: a row of nodes under the path lies within 0.03, including chord error."""
 
@@ -61,7 +63,7 @@ def run_summary(
         figures["self_contact_deepest_mm"] = sim.self_contact.deepest
         figures["n_self_contact_looked"] = sim.self_contact.n_looked
     if sim.cracks is not None:
-        figures["n_loose"] = Pieces.of(s).n_loose
+        figures |= _loose_pieces(sim)
     figures |= {
         "added_inertia_factor": sim.shell.added_inertia_factor,
         "n_imperfection": sim.imperfection.number,
@@ -85,6 +87,23 @@ def run_summary(
     if sim.between_steps:
         finite["digest"] = _run_digest(sim.saved(), history)
     return finite | {"resistance": r.meaning, "options": _options(sim)}
+
+
+def _loose_pieces(sim: Simulation) -> dict[str, float]:
+    """Return their number; of the largest one area and centre in the reference, if there is one."""
+    s, pieces = sim.state, Pieces.of(sim.state)
+    parent = s.quad.parent[: s.n_quad]
+    area = sim.mesh.quad_areas()[parent] * s.quad.share[: s.n_quad]
+    of_piece = np.bincount(pieces.of_row, area, len(pieces.loose))
+    found: dict[str, float] = {"n_loose": pieces.n_loose}
+    if pieces.n_loose:
+        largest = int(np.argmax(np.where(pieces.loose, of_piece, -1.0)))
+        mine = pieces.of_row == largest
+        centres = sim.mesh.nodes[sim.mesh.quads[parent[mine]]].mean(axis=1)
+        centre = np.average(centres, axis=0, weights=area[mine]).round(_DECIMALS) + 0.0
+        found["loose_area_mm2"] = float(of_piece[largest])
+        found |= {f"loose_{axis}_mm": x for axis, x in zip("xyz", centre.tolist(), strict=True)}
+    return found
 
 
 def _run_digest(saved: Mapping[str, Any], history: Mapping[str, Floats]) -> str:

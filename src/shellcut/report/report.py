@@ -11,6 +11,7 @@ import numpy as np
 
 from shellcut.files.file_list import target
 from shellcut.frame import Frame
+from shellcut.results.answers import answers
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.cut_quality import LABELS, cut_quality
 from shellcut.results.cut_quality import UNITS as CUT_UNITS
@@ -101,6 +102,7 @@ def _sections(run: Gathered) -> dict[str, str]:
     resistance = run.resistance[0].capitalize() if run.results.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,
+        "Answers": lambda: table(rows) if (rows := answers(run.figures)) else "",
         resistance: lambda: pictures.resistance(run),
         "Measured curve": lambda: pictures.measured(run),
         "Where the work went": lambda: pictures.energy(run),

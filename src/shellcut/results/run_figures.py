@@ -40,6 +40,7 @@ def run_figures(
         **largest_shares(history, trusted_rows(history)),
         "crack_length_mm": end["crack_length"],
         **_peak(history, coordinate, resistance),
+        **_peak(history, coordinate, ("axial_force", "N")),
         **_piercing(splits),
     }
     counts = {
@@ -73,8 +74,13 @@ def _piercing(splits: Iterable[SplitRecord]) -> dict[str, float]:
 def _peak(
     history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
 ) -> dict[str, float]:
-    """Return the value of largest magnitude, with its sign, and where it occurred."""
+    """Return the value of largest magnitude, with its sign, and where it occurred.
+
+    Nothing if the history has no such column.
+    """
     name, unit = resistance
+    if name not in history:
+        return {}
     values = history[name]
     finite = np.flatnonzero(np.isfinite(values))
     if not finite.size:

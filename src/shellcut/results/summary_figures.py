@@ -18,7 +18,7 @@ from .verdict import distrusted_figures
 
 # The end of a name gives the unit; longer ones first.
 _UNITS = {"ns_per_quad_step": "ns", "_N_per_mm": "N/mm", "_Nmm": "N·mm", "_deg": "°"}
-_UNITS |= {"_mm": "mm", "_N": "N", "_s": "s"}
+_UNITS |= {"_mm2": "mm^2", "_mm": "mm", "_N": "N", "_s": "s"}
 
 _STEADY = " over {window}"
 """Placeholder for the steady window in a label."""
@@ -29,6 +29,8 @@ LABELS = {
     "torque_peak_Nmm": "torque, peak",
     "torque_peak_at_deg": "torque, peak at",
     "axial_force_plateau_N": f"axial force, mean{_STEADY}",
+    "axial_force_peak_N": "axial force, peak",
+    "axial_force_peak_at_deg": "axial force, peak at",
     "force_plateau_N": f"force, mean{_STEADY}",
     "force_peak_N": "force, peak",
     "force_peak_at_mm": "force, peak at",
@@ -49,6 +51,7 @@ LABELS = {
     "dWcoh_ds_N": f"cables' work per mm{_STEADY}",
     "dW_ds_N": f"work put in per mm{_STEADY}",
     "n_loose": "loose pieces at the end",
+    "loose_area_mm2": "largest loose piece, area",
     "n_cable_created": "cables made",
     "n_tear": "tears, cuts that no cutting edge drives",
     "tear_off_path_mm": "tears, off the path of the cutting edges at most",
@@ -92,6 +95,7 @@ _ELSEWHERE |= {"overshoot_rel", "n_split_off_path", "off_path_mm"}
 _ELSEWHERE |= {growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)}
 _ELSEWHERE |= {"piercing_delay_rel", "crack_lead_mm", "share_done", "options"}
 _ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"}
+_ELSEWHERE |= {f"loose_{axis}_mm" for axis in "xyz"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 
 _OF_TEETH = tuple(f"piercing_{one}" for one in ("force_1_N", "depth_1_mm", "work_1_Nmm"))

@@ -381,8 +381,8 @@ def distrusted_figures(figures: Figures) -> tuple[str, ...]:
     """
     side, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
     presses = side > bent and figures.get("options", {}).get("film_edges")
-    across = "axial_force_plateau_N"
-    return (across,) if presses and across in figures else ()
+    axial = ("axial_force_plateau_N", "axial_force_peak_N")
+    return tuple(one for one in axial if presses and one in figures)
 
 
 def _nothing_cut(figures: Figures) -> Iterator[Line]:

@@ -1,0 +1,120 @@
+"""What a run says to the questions of those who design a cap, a blade or a film.
+
+Each answer comes from ``summary.json``: a mean with its ±, a peak as the one sample that it is, or
+the reason why the run does not say. docs/howto/read-results.md lists them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from .summary_figures import said_of, window_of, with_unit
+from .verdict import distrusted_figures
+
+Summary = Mapping[str, Any]
+
+
+def answers(summary: Summary) -> list[tuple[str, str]]:
+    """Return what is asked, and the answer, of all questions that the run can say something to.
+
+    Examples
+    --------
+    >>> for asked, answer in answers({"force_peak_N": 3.2, "force_peak_at_mm": 4.0, "n_loose": 0}):
+    ...     print(f"{asked}: {answer}")
+    force to cut: at most 3.2 N, at 4 mm
+    loose pieces: none at the end of the run
+    """
+    return [
+        *_level(summary, "torque", "torque to cut"),
+        *_level(summary, "force", "force to cut"),
+        *_level(summary, "axial_force", "force to press"),
+        *_piercing(summary),
+        *_loose(summary),
+        *_flanks(summary),
+        *_sharpness(summary),
+    ]
+
+
+def _level(summary: Summary, name: str, asked: str) -> Iterator[tuple[str, str]]:
+    """Yield the mean of a torque or force over the steady window, and its peak."""
+    unit = "Nmm" if name == "torque" else "N"
+    mean, peak = f"{name}_plateau_{unit}", f"{name}_peak_{unit}"
+    said = []
+    if mean in summary:
+        said.append(f"{said_of(mean, summary)} on average over {window_of(summary)}")
+    if peak in summary:
+        places = (f"{name}_peak_at_{along}" for along in ("deg", "mm"))
+        at = next((f", at {with_unit(p, summary[p])}" for p in places if p in summary), "")
+        said.append(f"at most {with_unit(peak, summary[peak])}{at}")
+    if not said:
+        return
+    if why := summary.get("no_window"):
+        said.append(f"no mean: {why}")
+    doubt = " (distrust: it depends on the mesh)" if peak in distrusted_figures(summary) else ""
+    yield asked, "; ".join(said) + doubt
+
+
+def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield with what force, how deep and after what work cutting edges pierce whole film."""
+    edges = [key[:-2] for key in summary if re.fullmatch(r"piercing_force_\d+_N", key)]
+    if not edges:
+        return
+    numbers = [one.removeprefix("piercing_force_") for one in edges]
+    force, depth, work = (
+        _range(summary, [f"piercing_{what}_{number}_{unit}" for number in numbers])
+        for what, unit in (("force", "N"), ("depth", "mm"), ("work", "Nmm"))
+    )
+    who = f"cutting edge {numbers[0]}" if len(numbers) == 1 else f"{len(numbers)} cutting edges"
+    each = "" if len(numbers) == 1 else " each"
+    yield (
+        "piercing",
+        f"{who} pierced whole film with {force}{each}, {depth} deep, the tool's work being {work}",
+    )
+
+
+def _range(summary: Summary, keys: list[str]) -> str:
+    """Return the least and the largest of some figures."""
+    ascending = sorted(keys, key=lambda key: float(summary[key]))
+    low, high = (with_unit(key, summary[key]) for key in (ascending[0], ascending[-1]))
+    return low if low == high else f"{low} to {high}"
+
+
+def _loose(summary: Summary) -> Iterator[tuple[str, str]]:
+    if "n_loose" not in summary:
+        return
+    n = summary["n_loose"]
+    if n == 0:
+        yield "loose pieces", "none at the end of the run"
+        return
+    x, y, z = (summary[f"loose_{axis}_mm"] for axis in "xyz")
+    pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
+    area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
+    yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+
+
+def _flanks(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield how far cuts and tears lie beside the path of the cutting edges."""
+    if "off_path_mm" not in summary:
+        return
+    off = with_unit("off_path_mm", summary["off_path_mm"])
+    said = f"cuts lie within {off} of the path of the cutting edges"
+    if n := summary.get("n_tear", 0):
+        away = with_unit("tear_off_path_mm", summary["tear_off_path_mm"])
+        said += f"; {n} cuts are tears, up to {away} beside it"
+    yield "flanks", said
+
+
+def _sharpness(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield what the cutting edge's radius means for its cables, if the law tells it."""
+    if "blunt_radius_mm" not in summary:
+        return
+    radius, blunt, energy = (
+        with_unit(key, summary[key])
+        for key in ("edge_radius_mm", "blunt_radius_mm", "severing_energy_N_per_mm")
+    )
+    yield (
+        "sharpness",
+        f"an edge of radius {radius} severs cables at {energy}; from {blunt} on it severs none",
+    )
