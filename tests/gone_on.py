@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from shellcut.numerics.kernel_tables import HeldTable
+from shellcut.numerics.kernel_tables import TableAddress
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 
 
@@ -34,7 +34,7 @@ _CACHES = {"_tables", "_partings", "_table", "_nodes", "_held", "_pool"}
 def numbers_of(thing, path="sim", seen=None):
     """Return every array and number that can be reached from an object, by its path."""
     seen = set() if seen is None else seen
-    if isinstance(thing, HeldTable):
+    if isinstance(thing, TableAddress):
         thing = thing.table
     if isinstance(thing, (bool, int, float, str, np.ndarray)):
         return {path: np.array(thing)}

@@ -10,9 +10,9 @@ from numba.core.runtime import _nrt_python, rtsys
 
 from shellcut.arrays import Bools, Floats, Ints, Numbers
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
+from shellcut.numerics.table_address import TableWriter
 
 
 class Bars(NamedTuple):
@@ -129,7 +129,7 @@ def _frame() -> Frame:
 
 def test_kernels_read_and_write_through_a_held_table_which_keeps_its_arrays_alive():
     frame = _frame()
-    hold, call = Holder(), BoundOnce(_sum_up)
+    hold, call = TableWriter(), BoundOnce(_sum_up)
     held = hold(frame)
     assert call(held, 1.0) == 11.0 + 0.5 * (2.0 + 5.0 * 7)
     assert frame.rods.pull.tolist() == [3.0, 4.0, 6.0]
@@ -146,14 +146,14 @@ def test_kernels_read_and_write_through_a_held_table_which_keeps_its_arrays_aliv
 
 
 def test_other_types_are_refused():
-    hold = Holder()
+    hold = TableWriter()
     frame = _frame()
     hold(frame)
     single = frame.rods._replace(pull=frame.rods.pull.astype(np.float32))
     with pytest.raises(TypeError, match="other types"):
         hold(frame._replace(rods=single))
     with pytest.raises(TypeError, match=r"Rods\.free must be an array of bool"):
-        Holder()(frame._replace(rods=frame.rods._replace(free=frame.rods.pull)))
+        TableWriter()(frame._replace(rods=frame.rods._replace(free=frame.rods.pull)))
 
 
 @always_inline

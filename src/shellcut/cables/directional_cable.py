@@ -47,9 +47,9 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy, Vec3, product
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.kept import saved_of, take_over
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
@@ -144,11 +144,11 @@ class CableSet(ForceTerm):
         self._known = KnownTopology()
         self._pose: Pose | None = None
         self._tables: CableTables | None = None
-        self._hold = Holder()
+        self._hold = TableWriter()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
         self.touch = Touch.none(tool.n_tooth if tool is not None else 1, _N_SUM)
-        self._touch = Holder()(self.touch)
+        self._touch = TableWriter()(self.touch)
         self.n_joint_made = self.n_broken = 0
         """Joints made and cables broken so far."""
 

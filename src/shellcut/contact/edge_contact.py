@@ -1,9 +1,9 @@
 """Contact of the film's edges with the tool between their nodes.
 
-A rim, a notch or a flank that crosses the tool between its nodes is not felt there. So each edge of
-the film at which it ends (:mod:`.film_outline`) carries points, evenly spaced, that touch the tool
-as nodes do (:mod:`.press_kernel`): a place with the weights 1 - s and s on the ends, with a force
-of its own that these share.
+A border, a notch or a flank that crosses the tool between its nodes is not felt there. So each edge
+of the film at which it ends (:mod:`.film_outline`) carries points, evenly spaced, that touch the
+tool as nodes do (:mod:`.press_kernel`): a place with the weights 1 - s and s on the ends, with a
+force of its own that these share.
 
 *Stiffness.* With K of an edge from :class:`.film_outline.OpenEdges`, its m points have K / m each,
 and either end gives up K / 2. As a spring on a weighted mean is no stiffer than its parts at the
@@ -12,10 +12,11 @@ nodes, all of it together is no stiffer than the nodes alone were, and neither i
 *Spacing.* A corner of the tool that lies between two points catches between them if they are
 farther apart than the rounding of its edges lets them pass: ``SPACING`` times the radius at most.
 For the points the tool's edges are rounded by half the film's thickness, or half that of a thin
-tool, twice what it is for nodes: a stiff film goes as deep as that, and would catch. For a film so
-thin that there would be more than ``MOST`` points on a typical edge, they are rounded by more.
+tool, twice what it is for nodes: a stiff film penetrates as deep as that, and would catch. For a
+film so thin that there would be more than ``MOST`` points on a typical edge, they are rounded by
+more.
 
-*Sides.* A point takes the side of the blade that the ends have, and keeps it while it is inside,
+*Sides.* A point gets the side of the blade that the ends have, and keeps it while it is inside,
 unless an end gets the other one. Where the ends have different ones the blade goes through the
 edge, and through a point that is deeper below its side than half the blade's thickness and closer
 to the other: these do not press.
@@ -33,13 +34,13 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.pose import Pose
 
-from .contact_tables import Carriers, ContactNodes, ContactTables, Looks, Memory
+from .contact_tables import ContactNodes, ContactPoints, ContactTables, DistanceQueries, Memory
 from .film_outline import FilmEdges, OpenEdges
 from .penalty_contact import PenaltyContact
 from .press_kernel import add_press_forces
@@ -76,17 +77,17 @@ class EdgeContact(PressTerm):
         self._contact = contact
         nothing = np.zeros(0, np.int64)
         super().__init__(
-            "edges", contact.tool.n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), nothing
+            "edges", contact.tool.n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing
         )
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)
         self._rounding = max(contact.law.rounding, thin, self._spacing / SPACING)
         self._key, self._near = nothing, nothing
-        self._looks, self._memory = Looks.none_yet(0), Memory.blank(0)
+        self._looks, self._memory = DistanceQueries.none_yet(0), Memory.blank(0)
         self._of_contact: ContactTables | None = None
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
-        self._hold = Holder()
+        self._address_of = TableWriter()
         self._call, self._list = BoundOnce(add_press_forces), BoundOnce(_places_on)
 
     def add_forces(self, state: State, pose: Pose) -> None:
@@ -138,7 +139,7 @@ class EdgeContact(PressTerm):
         self._lay_out(state)
 
     def _renew(self, state: State) -> float:
-        """List the places anew; return the work of those that have gone [N·mm]."""
+        """List the places anew; return the work of those no longer listed [N·mm]."""
         edges = self._edges.of(state)
         near = edges.near(self._contact.near.ids)
         room = int((edges.length[near] / self._spacing + 2.0).sum())
@@ -151,20 +152,20 @@ class EdgeContact(PressTerm):
         same = was.take(at, mode="clip") == key if was.size else np.zeros(count, np.bool_)
         self.kept = np.where(same, at, -1)
         to, of = np.flatnonzero(same), at[same]
-        looks, memory = Looks.none_yet(count), Memory.blank(count)
-        looks.across[to] = self._looks.across[of]
+        queries, memory = DistanceQueries.none_yet(count), Memory.blank(count)
+        queries.across[to] = self._looks.across[of]
         kept: Any = zip(memory[1:], had[1:], strict=True)
         for new, old in kept:
             new[to] = old[of]
         pressed: Bools = np.asarray(had.force.any(axis=1))
         pressed[of] = False
-        gone = np.flatnonzero(pressed)
-        v = state.node.velocity_half[self.carriers.node[gone]]
-        moved = (self.carriers.weight[gone, :, None] * v).sum(axis=1)
-        power = float((had.force[gone] * moved).sum())
-        blank = Carriers.of(node[:count])
+        dropped = np.flatnonzero(pressed)
+        v = state.node.velocity_half[self.carriers.node[dropped]]
+        moved = (self.carriers.weight[dropped, :, None] * v).sum(axis=1)
+        power = float((had.force[dropped] * moved).sum())
+        blank = ContactPoints.of(node[:count])
         self.carriers = blank._replace(weight=weight[:count].copy(), stiffness=k[:count].copy())
-        self._key, self._looks, self._memory = key, looks, memory
+        self._key, self._looks, self._memory = key, queries, memory
         self.n_search += 1
         self._lay_out(state)
         return 0.5 * state.dt * power
@@ -172,15 +173,15 @@ class EdgeContact(PressTerm):
     def _lay_out(self, state: State) -> None:
         """Build the kernel's tables, valid until the list is made anew."""
         contact = self._contact
-        self.tables = self._hold(
+        self.tables = self._address_of(
             ContactTables(
                 on_edges=True,
                 rounding=self._rounding,
                 tool=contact.solid,
                 law=contact.law,
                 clock=contact.clock,
-                looks=self._looks,
-                carriers=self.carriers,
+                queries=self._looks,
+                contact_points=self.carriers,
                 memory=self._memory,
                 nodes=ContactNodes.of(state),
                 around=state.quads_at_nodes(),

@@ -1,11 +1,11 @@
 """Penetration that no contact feels: the tool in quads, edges in the tool.
 
-Nodes feel the faces of the tool, and quads its corners and edges, at points
-(:mod:`.contact_points`). What goes through a quad between these, or without them, is measured
-during a run and reported.
+Nodes feel the faces of the tool, and quads its corners and edges, at points (:mod:`.tool_points`).
+A tool part that passes through a quad between these, or without them, is measured during a run and
+reported.
 
-A rim or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places on
-the edges (:mod:`.edge_contact`), if these touch; what goes deeper than is felt is measured, too.
+A border or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places
+on the edges (:mod:`.edge_contact`), if these touch; depth beyond that is measured, too.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from .settings import PenaltyLaw
 _BUNDLE = 64
 
 _PARTS = 16
-"""Of an edge of the film; its depth is looked up where these meet."""
+"""Of an edge of the film; its depth is evaluated where these meet."""
 
 # Fraction of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
@@ -118,8 +118,8 @@ def missed_penetration(
     noticed = n.halved | (n.contact_depth > 0.0)
     if felt is not None:
         noticed[felt] = True
-    looked = state.quads if rows is None else state.quads[rows]
-    quads, depth = wires.crossed_quads(n.x, looked, noticed, pose)
+    searched = state.quads if rows is None else state.quads[rows]
+    quads, depth = wires.crossed_quads(n.x, searched, noticed, pose)
     return quads.size, float(depth.max(initial=0.0))
 
 
@@ -250,8 +250,8 @@ def _deepest_crossings(
                 end = (wires.ends[k, 1, 0], wires.ends[k, 1, 1], wires.ends[k, 1, 2])
                 apart = False
                 for c in range(3):
-                    one, two = start[c], end[c]
-                    apart = apart or max(one, two) < low[c] or min(one, two) > high[c]
+                    p, q = start[c], end[c]
+                    apart = apart or max(p, q) < low[c] or min(p, q) > high[c]
                 if apart:
                     continue
                 depth[e] = max(

@@ -27,8 +27,8 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, Vec3, product
 from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.tool.cutting_edge import (
     BACK,
@@ -108,7 +108,7 @@ class BladeDrive:
         self.edges, self._film = edges, film
         self._seen = motion if film is None else SeenFromFilm(film, motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
-        self._held_edges, self._hold = Holder()(edges), Holder()
+        self._held_edges, self._hold = TableWriter()(edges), TableWriter()
         self._allocate(0)
 
     def _allocate(self, n: int) -> None:

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, product, unit
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import KnownTopology, State
 
 from .cut_film import CutFilm, End
@@ -41,8 +41,8 @@ class CrackPath:
         self.film = film
         self._leave, self._known = BoundOnce(leave), KnownTopology()
         self._held: dict[tuple[Tip, ...], Any] = {}  # rows ahead, laid out for the kernel
-        self._hold, self._aimed = Holder(), Aimed.of(1)
-        self._held_aimed = Holder()(self._aimed)
+        self._hold, self._aimed = TableWriter(), Aimed.of(1)
+        self._held_aimed = TableWriter()(self._aimed)
 
     def segment_from(
         self,

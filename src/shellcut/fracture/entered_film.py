@@ -18,9 +18,9 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kept import Kept
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
@@ -92,7 +92,7 @@ class EnteredFilm(Kept):
         self._rows = self._first = np.zeros(0, np.int64)
         self._listed = -1  # search whose nodes the rows are of
         self._near = NearNodes(self._low, self._high, size)
-        self._held = Holder()(edges), Holder()(quad), Holder()(Aimed.of(2))
+        self._held = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
         self._find = BoundOnce(_entered)
 
     def entered_rows(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:

@@ -21,8 +21,8 @@ from shellcut.contact.film_outline import SLIVER, first_at_places
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add_scaled, load, store
 from shellcut.state import KnownTopology, State
 
@@ -45,7 +45,7 @@ class FlankPoints:
     def __init__(self) -> None:
         self._known = KnownTopology()
         self._tied: _Tied | None = None
-        self._hold = Holder()
+        self._hold = TableWriter()
         self._interpolate = BoundOnce(_interpolate)
         self._hand_on = BoundOnce(_hand_on)
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import combine, load, norm
 from shellcut.state import KnownTopology, State
 
@@ -59,7 +59,7 @@ class TipWatch:
         self._table: Tips
         self._ahead: RowsAhead
         self._held: tuple[Tips, RowsAhead, Aimed]
-        self._hold = Holder(), Holder(), Holder()
+        self._hold = TableWriter(), TableWriter(), TableWriter()
         self._director: Floats
         self._heading: Floats
         self._aimed: Aimed

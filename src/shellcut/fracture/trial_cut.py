@@ -36,8 +36,8 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
@@ -243,7 +243,7 @@ class TrialSums:
 
     def __init__(self, trial_cut: TrialCut) -> None:
         self._trial_cut = trial_cut
-        self._weigh, self._hold = BoundOnce(_weigh_trials), Holder()
+        self._weigh, self._hold = BoundOnce(_weigh_trials), TableWriter()
 
     def take(
         self, trials: Sequence[tuple[int, list[Pair]]], aimed: Aimed, weighed: Weighed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shellcut.arrays import Floats
-from shellcut.numerics.held_table import Holder
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import KnownTopology, State
 
 from .places import Places
@@ -23,7 +23,7 @@ class PresentQuads:
 
     def __init__(self, places: Places) -> None:
         self._places = places
-        self._hold = Holder()
+        self._hold = TableWriter()
         self.forget()
 
     def forget(self) -> None:

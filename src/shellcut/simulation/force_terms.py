@@ -16,8 +16,8 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
@@ -65,7 +65,7 @@ class ForceTerms:
         # a film that moves also that integral, and the work on the tool, as seen from the film.
         self._last = np.zeros((len(self._terms) + 2 + 2 * (self._seen is not None), 6))
         self._amounts = np.zeros(len(self._entries))
-        self._book = Holder()(
+        self._book = TableWriter()(
             WorkBook(
                 last=self._last,
                 works=np.zeros(len(self._terms)),
