@@ -237,5 +237,5 @@ def _first_edge(polygon, entry, off, ahead):
 def place_of(path, state, tip):
     """Return where a tip is, and in which direction it came, of any length."""
     (row, entry), *_ = path.film.rows_ahead(tip)
-    forward = path.film.carried_on(row, entry, tip.heading)
+    forward = path.film.heading_weights(row, entry, tip.heading)
     return path.film.place_in(state, row, entry), forward @ state.node.x[state.quads[row]]

@@ -57,9 +57,9 @@ def common_winding(cells: Ints, n_node: int) -> Winding:
     key = key[order]
     first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]]))
     pairs = first[np.diff(np.append(first, key.size)) == 2]
-    first, second = order[pairs], order[pairs + 1]
-    agree = start[first] != start[second]
-    a, b = first // n_corner, second // n_corner
+    earlier, later = order[pairs], order[pairs + 1]
+    agree = start[earlier] != start[later]
+    a, b = earlier // n_corner, later // n_corner
 
     # copy 2 c is cell c as it is, copy 2 c + 1 reversed
     rows = np.concatenate([2 * a, 2 * a + 1])
