@@ -28,7 +28,16 @@ def differing(a, b):
 
 
 # Follows from the state whenever it is asked for, at the latest at the next step.
-_CACHES = {"_tables", "_partings", "_table", "_nodes", "_held", "_pool"}
+_CACHES = {
+    "_tables",
+    "_partings",
+    "_table",
+    "_nodes",
+    "_pool",
+    "_address",
+    "_addresses",
+    "_driven_address",
+}
 
 
 def numbers_of(thing, path="sim", seen=None):

@@ -69,7 +69,7 @@ class TriangleSurface(NamedTuple):
 
 
 class TriangleGrid(NamedTuple):
-    """Tables for a look-up; built by :mod:`shellcut.tool.closest_triangles`."""
+    """Tables for a search; built by :mod:`shellcut.tool.closest_triangles`."""
 
     cells: GridCells
     lists: CellLists
@@ -113,7 +113,7 @@ def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
 def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
     """Return the height of p over the plane of a triangle, and how far it is inside its edges [mm].
 
-    No point of the triangle is closer than by the height and, where p is outside, that way.
+    No point of the triangle is closer than the height and, where p is outside, than that distance.
     """
     height = _above(p, t, 0, planes)
     within = min(_above(p, t, 1, planes), _above(p, t, 2, planes), _above(p, t, 3, planes))
