@@ -254,6 +254,7 @@ def _kick_supported(
     for c in range(3):
         v, w = before[c], after[c]
         if support[n, first + c] or in_plane:
+            # Reaction: mass x acceleration and damping, less the nodal force.
             r = m * (rate * (w - v) + 0.5 * alpha * (w + v)) - force[c]
             work += 0.5 * (reaction[n, first + c] + r) * v * dt_last
             reaction[n, first + c] = r

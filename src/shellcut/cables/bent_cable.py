@@ -99,6 +99,7 @@ def _branch_lengths(
     """Return the lengths of the branches to a joint at p [mm]; write the directions of the ends."""
     to_minus, to_plus = sub(p, minus), sub(p, plus)
     length_minus, length_plus = norm(to_minus), norm(to_plus)
+    # A shorter branch keeps its direction: the bound sigma A / ell on the stiffness stays finite.
     if length_minus >= short_branch:
         keep_direction(cables.branch, c, 0, scale(1.0 / length_minus, to_minus))
     if length_plus >= short_branch:

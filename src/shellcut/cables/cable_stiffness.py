@@ -87,8 +87,10 @@ def cable_stiffness(
             if jointed:
                 end = combine(1.0 - share, load(x, here), share, load(x, there))
                 branch = max(norm(sub(load(cables.joint, c), end)), within.short_branch)
+                # Across the branch pull over length, along it the unloading; friction adds to that.
                 k = max(pull / branch, slope) + pull * within.grip / within.stick
             else:
+                # Both nodes may move against each other: twice the stiffness on each.
                 k = 2.0 * max(pull / (max(cables.opening[c], 0.0) + within.sharpest), slope)
             # Where both flanks are at one node, at a tip, the cable acts on nothing.
             if share < 1.0 and cables.ends[c, 0] != cables.ends[c, 1]:

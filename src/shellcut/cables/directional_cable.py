@@ -347,6 +347,7 @@ def _add_cable_forces(
         v_minus = at_end(c, 0, nodes.velocity_half, cables)
         v_plus = at_end(c, 1, nodes.velocity_half, cables)
         was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
+        # Of the forces by the law alone: the gain by friction is taken out, its work follows below.
         mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
         mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
         done = -dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
@@ -393,6 +394,7 @@ def _add_cable_forces(
         for k in range(3):
             couple[k] += rest[k]
 
+        # The law is irreversible: past its end the cable never carries again.
         if envelope(opening_max[c], law) == 0.0:
             status[c] = BROKEN
             cables.end_time[c] = time

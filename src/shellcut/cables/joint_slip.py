@@ -28,7 +28,7 @@ direction between them.
 Otherwise it slips until this is an equality. The left side is -d(l^- + l^+)/ds and falls steadily
 with s, as a length to a line is convex; so the place is unique, lies between the old one and that
 without friction, and does not depend on the step or on a stiffness. Without friction it is the
-shortest way around the edge, s = (s^- rho^+ + s^+ rho^-)/(rho^- + rho^+). At a vertex of the edge
+shortest path around the edge, s = (s^- rho^+ + s^+ rho^-)/(rho^- + rho^+). At a vertex of the edge
 the joint continues to the next segment; at the open end of an edge it stays. The work T (sin
 theta^- + sin theta^+) ds of the slip is friction's.
 

@@ -19,7 +19,7 @@ from .settings import PenaltyLaw, SheetLaw
 class ContactPoints(NamedTuple):
     """Where a term presses film and tool on one another, row by row of its list; its kernel writes.
 
-    A contact point is a node, or the place of an edge or a quad: a mean of up to four nodes.
+    A contact point is a node, or a place of a border segment or a quad: a mean of up to four nodes.
     """
 
     node: Annotated[Ints, "(n_row, 4)"]
@@ -156,8 +156,8 @@ class ContactNodes(NamedTuple):
 class ContactTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
-    on_edges: bool
-    """Whether the contact points are on edges of the film, between two nodes; else they are
+    on_border: bool
+    """Whether the contact points are on the film's border, between two nodes; else they are
     nodes."""
     rounding: float
     """Radius by which convex edges of the tool are rounded [mm]."""
@@ -203,7 +203,7 @@ class Waits(NamedTuple):
     point: Annotated[Floats, "(n_point,)"]
     """Until when a point touches nothing [mm]."""
     pair: Annotated[Floats, "(n_pair,)"]
-    """Until when it does not come near the quad [mm]."""
+    """Until when it is not near the quad [mm]."""
 
 
 class Presses(NamedTuple):
@@ -217,7 +217,7 @@ class Presses(NamedTuple):
 
     @classmethod
     def with_room(cls, n_room: int, last: Presses | None = None) -> Presses:
-        """Return a table for so many points that press, with those of another one."""
+        """Return a table for so many points that press, with those of another table."""
         count = 0 if last is None else int(last.n[0])
         room = max(n_room, count)
         node, force = np.zeros((room, 5), np.int64), np.zeros((room, 5, 3))

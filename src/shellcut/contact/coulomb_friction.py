@@ -1,10 +1,11 @@
 """Coulomb friction of what touches, regularised by a spring.
 
 Where a term presses the film with the force N along the normal n, at a contact point (a node, a
-place of an edge, the foot of a point of the tool on a quad) against the tool, or at a node against
-a sheet of film, the film gets a tangential force besides. An elastic spring ties it to the *body*
-that it slides on; u is its elongation, the elastic slip, a vector in the frame of the body, which
-moves with the body. Over a step in which the film at the contact point moves by d against the body,
+place on the border, the foot of a point of the tool on a quad) against the tool, or at a node
+against a sheet of film, the film gets a tangential force besides. An elastic spring ties it to the
+*body* that it slides on; u is its elongation, the elastic slip, a vector in the frame of the body,
+which moves with the body. Over a step in which the film at the contact point moves by d against the
+body,
 
     u* = P (u + d),   P = 1 - n n^T                                     (trial: it sticks)
     u' = u* min(1, mu N / (k_t |u*|)),   force f' = -k_t u'             (else it slips)
@@ -41,17 +42,17 @@ is dissipated.
 *History.* The spring of a node is kept in the state, and a split leaves its new node that of the
 node it was split from. The spring of a point of the tool follows the point from quad to quad, as
 does that of a node on a sheet, where it is read again in the frame of the quad at its last foot.
-That of a place on an edge stays with the place. A spring whose point leaves the list of the
+That of a place on the border stays with the place. A spring whose point leaves the list of the
 pressing term is released.
 
 *Stiffness.* k_t is ``TANGENTIAL`` times the k of the penalty: what is pressed slips by mu N / k_t =
 2 mu f(g) from rest, less than its own depth for mu up to ½. The spring acts across the normal, the
 penalty along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the
 penalty, the largest singular value of the two together is at most k sqrt(a² (1 + mu²) +
-TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so
-2 % of the step at most. Places on edges share the k of their nodes, and so its springs. The couple
-of film on film, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to a
-thickness of 1.5 edges.
+TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so 2
+% of the step at most. Places on the border share the k of their nodes, and so its springs. The
+couple of film on film, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to
+a thickness of 1.5 edges.
 """
 
 from __future__ import annotations
@@ -165,7 +166,7 @@ class FrictionForces(NamedTuple):
     stored: float
     """Energy of the springs at t_n [N·mm]."""
     n_slipping: int
-    """Number of nodes, points of the tool or places on edges that slip."""
+    """Number of nodes, points of the tool or places on the border that slip."""
 
 
 _WORK, _DISSIPATED, _STORED = 0, 1, 2  # columns of Touch.sums, in the order of these fields

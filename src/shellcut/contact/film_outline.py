@@ -1,10 +1,9 @@
-"""The film that each quad or copy carries, as a polygon, and the edges at which that film ends.
+"""The film that each quad or copy carries, as a polygon, and the border at which that film ends.
 
 Contact needs to know whether a point lies over the film of a quad, how far it is from there to the
-next edge of the film, and where that touches the tool. A whole quad is the square of its four
+border of the film, and where that touches the tool. A whole quad is the square of its four
 sides; a copy of a cut quad carries a convex polygon of it (:mod:`shellcut.fracture.quad_polygon`),
-some edges of
-which lie on flanks of the crack.
+some edges of which lie on flanks of the crack.
 
 An edge on a side of the quad is *closed* if the film continues there, and *open* if it ends: at the
 border, at a notch, at a flank. Quads connected along a side share both its nodes, so a side
@@ -15,9 +14,10 @@ Slivers are left out, as is film that has been taken out of the run: for contact
 they begin. The nodes of a sliver swing by more than it is wide and turn it by any angle, so what
 lies over it is not defined.
 
-*Pairs of nodes.* An open edge runs between two points of a row's polygon. A corner is a node;
-another point is a flank point of that row, tied to its nodes. Where a crack crosses a side, the
-copies on both sides of that have a point of their own at one place: the first is used for all.
+*Pairs of nodes.* A border segment is an open edge. It runs between two points of a row's polygon. A
+corner is a node; another point is a flank point of that row, tied to its nodes. Where a crack
+crosses a side, the copies on both sides of that have a point of their own at one place: the first
+is used for all.
 """
 
 from __future__ import annotations
@@ -209,33 +209,33 @@ def _corner_of(xi: float, eta: float) -> int:
     return 3 if xi < 0.0 else 2
 
 
-class OpenEdges(NamedTuple):
-    """The edges at which the film ends, and the part of the nodes' stiffness that they use."""
+class BorderSegments(NamedTuple):
+    """The segments of the film's border, and the part of the nodes' stiffness that they use."""
 
-    node: Annotated[Ints, "(n_edge, 2)"]
+    node: Annotated[Ints, "(n_segment, 2)"]
     """Nodes at both ends."""
-    key: Annotated[Ints, "(n_edge,)"]
+    key: Annotated[Ints, "(n_segment,)"]
     """Of row and edge of its polygon, ascending."""
-    length: Annotated[Floats, "(n_edge,)"]
+    length: Annotated[Floats, "(n_segment,)"]
     """In the reference configuration [mm]."""
-    stiffness: Annotated[Floats, "(n_edge,)"]
+    stiffness: Annotated[Floats, "(n_segment,)"]
     """K of each, half of which either end gives up [N/mm]."""
     left: Annotated[Floats, "(n_node,)"]
     """What is left at each node [N/mm]."""
 
     def near(self, nodes: Ints) -> Ints:
-        """Return the rows of the edges that end at one of some nodes."""
+        """Return the rows of the segments that end at one of some nodes."""
         at = np.zeros(self.left.size, np.bool_)
         at[nodes] = True
         return np.flatnonzero(at[self.node].any(axis=1))
 
     def with_ends_at(self, nodes: Ints) -> Ints:
-        """Return some nodes and the other ends of the edges that end there, ascending."""
+        """Return some nodes and the other ends of the segments that end there, ascending."""
         return np.union1d(nodes, self.node[self.near(nodes)])
 
 
-class FilmEdges:
-    """Keeps the open edges of a film up to date from cut to cut.
+class FilmBorderSegments:
+    """Keeps the border segments of a film up to date from cut to cut.
 
     Parameters
     ----------
@@ -246,20 +246,20 @@ class FilmEdges:
 
     def __init__(self, law: PenaltyLaw, part_of: Callable[[int], Part]) -> None:
         self._law, self._outline, self._known = law, FilmOutline(part_of), KnownTopology()
-        self._edges: OpenEdges | None = None
+        self._segments: BorderSegments | None = None
 
-    def of(self, state: State) -> OpenEdges:
-        """Return the edges of the film as it is now."""
-        if self._edges is None or not self._known.is_of(state):
-            self._edges = open_edges(state, self._outline.of(state), self._law)
+    def of(self, state: State) -> BorderSegments:
+        """Return the border segments of the film as it is now."""
+        if self._segments is None or not self._known.is_of(state):
+            self._segments = border_segments(state, self._outline.of(state), self._law)
             self._known.take(state)
-        return self._edges
+        return self._segments
 
 
-def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
-    """Return the edges at which the film ends.
+def border_segments(state: State, outline: Outline, law: PenaltyLaw) -> BorderSegments:
+    """Return the segments of the film's border.
 
-    Let k_a be the stiffness of a node and d_a the number of edges that end there: an edge gets
+    Let k_a be the stiffness of a node and d_a the number of segments that end there: a segment gets
     K = 2 min(k_a / d_a, k_b / d_b), half of it from either end.
 
     Parameters
@@ -274,7 +274,7 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
     first = np.searchsorted(f.row[: f.count][by_row], np.arange(n_row + 1))
     room = n_row * outline.point.shape[1]
     found, key = np.empty((room, 2), np.int64), np.empty(room, np.int64)
-    count = _ends_of_open_edges(
+    count = _ends_of_border_segments(
         n_row, outline, state.quad.nodes, first, f.node[by_row], f.place[by_row], found, key
     )
     node, key = found[:count], key[:count]
@@ -291,7 +291,7 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
     ending = np.bincount(node.ravel(), minlength=n.count)
     stiffness = 2.0 * (own[node] / ending[node]).min(axis=1)
     taken = np.bincount(node.ravel(), np.repeat(0.5 * stiffness, 2), minlength=n.count)
-    return OpenEdges(
+    return BorderSegments(
         node=np.ascontiguousarray(node),
         key=key.copy(),
         length=norm(n.X[node[:, 1]] - n.X[node[:, 0]]),
@@ -323,7 +323,7 @@ def first_at_places(nodes: Ints, weight: Floats) -> Ints:
 
 
 @kernel
-def _ends_of_open_edges(
+def _ends_of_border_segments(
     n_row: int,
     outline: Outline,
     quads: SmallIds,
@@ -333,7 +333,7 @@ def _ends_of_open_edges(
     found: Ints,
     key: Ints,
 ) -> int:
-    """Write the ends of the open edges of all rows to found : (n, 2); return their number.
+    """Write the ends of the border segments of all rows to found : (n, 2); return their number.
 
     key : (n,), written, ascending.  first : (n_row + 1,), of each row's flank points.  node,
     place : (n_flank,), (n_flank, 2), of these points row by row.

@@ -61,7 +61,7 @@ from .contact_tables import (
     DistanceQueries,
     Memory,
 )
-from .film_outline import FilmEdges, Part
+from .film_outline import FilmBorderSegments, Part
 from .near_nodes import NearNodes
 from .press_kernel import add_press_forces
 from .press_term import PressTerm
@@ -95,7 +95,7 @@ class PenaltyContact(PressTerm):
         How far a crack may lie from the mid-plane of its blade, in local edge lengths.
     part_of : Callable, optional
         Returns the polygon of a row that is cut; with it, places on the film's border touch the
-        tool too, with a part of the stiffness of the nodes at their ends (:mod:`.edge_contact`).
+        tool too, with a part of the stiffness of the nodes at their ends (:mod:`.border_contact`).
     """
 
     kept_names = (*PressTerm.kept_names, "_looks", "deepest", "near")
@@ -118,8 +118,8 @@ class PenaltyContact(PressTerm):
         """h [mm]."""
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
-        self.film_edges = FilmEdges(self.law, part_of) if part_of is not None else None
-        """Those at which the film ends, if they touch the tool."""
+        self.film_edges = FilmBorderSegments(self.law, part_of) if part_of is not None else None
+        """Segments of the film's border, if they touch the tool."""
         self.solid = ContactTool(
             grid=self.grid.arrays,
             reach=self.grid.reach,
@@ -221,7 +221,7 @@ class PenaltyContact(PressTerm):
             moving = edges.with_ends_at(near)
         self.clock = Clock(moving, np.zeros(1), self._radius)
         tables = ContactTables(
-            on_edges=False,
+            on_border=False,
             rounding=self.law.rounding,
             tool=self.solid,
             law=self.law,

@@ -1,8 +1,8 @@
-"""The penalty of film on tool, point by point: one kernel for nodes and for places on edges.
+"""The penalty of film on tool, point by point: one kernel for nodes and places on the border.
 
 A contact point inside the tool by the depth g gets the force k f(g) along the outward normal,
 shared among its nodes by its weights; the tool gets the opposite. See :mod:`.penalty_contact` for
-depth, side, jumps and impacts, :mod:`.edge_contact` for what is special to places on edges.
+depth, side, jumps and impacts, :mod:`.border_contact` for what is special to places on the border.
 :mod:`.tool_distance` tells where it is in the tool.
 """
 
@@ -33,7 +33,7 @@ def _mean_of(rows: Floats, i: int, tables: ContactTables) -> Vec3:
     """Return what rows : (n_node, 3) are where a contact point is."""
     points = tables.contact_points
     at = load(rows, points.node[i, 0])
-    if not tables.on_edges:
+    if not tables.on_border:
         return at
     return combine(points.weight[i, 0], at, points.weight[i, 1], load(rows, points.node[i, 1]))
 
@@ -54,7 +54,7 @@ def _let_go(i: int, dt: float, tables: ContactTables) -> float:
 
 @always_inline
 def _side_of_ends(i: int, tables: ContactTables) -> tuple[bool, int]:
-    """Return whether the ends of an edge may lie on one side of the blade, and which.
+    """Return whether the ends of a border segment may lie on one side of the blade, and which.
 
     While a place on it is inside it keeps its side, or none, unless an end has got the other side.
     """
@@ -121,7 +121,7 @@ def _pushed(i: int, direction: Vec3, tables: ContactTables) -> tuple[float, floa
     A supported node moves by itself: with no other the mass is 0.
     """
     points, nodes = tables.contact_points, tables.nodes
-    if not tables.on_edges:
+    if not tables.on_border:
         n = points.node[i, 0]
         mass = 0.0 if nodes.supported[n] else nodes.contact_mass[n]
         return -dot(load(nodes.force, n), direction), mass
@@ -140,7 +140,7 @@ def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench:
     """Add a force f [N] on a contact point to its nodes and minus it to its tooth."""
     points, force = tables.contact_points, tables.nodes.force
     store(tables.memory.force, tables.memory.row[i], f)
-    if not tables.on_edges:
+    if not tables.on_border:
         add_to(force, points.node[i, 0], f)
     else:
         for c in range(2):
@@ -211,8 +211,8 @@ def add_press_forces(
         tables.memory,
         tables.tool,
     )
-    side, edges, clock = memory.side, tables.on_edges, tables.clock
-    if not edges:  # edges wait on the same clock, which the nodes have set
+    side, on_border, clock = memory.side, tables.on_border, tables.clock
+    if not on_border:  # border segments wait on the same clock, which the nodes have set
         clock.walked[0] += tool_motion_bound(pose, before, clock.radius)
         clock.walked[0] += dt * largest_speed(clock.node, tables.nodes.velocity_half)
     walked = clock.walked[0]
@@ -222,7 +222,7 @@ def add_press_forces(
         if walked < queries.until[i]:
             continue
         row, one_side, lies = memory.row[i], True, int(side[memory.row[i]])
-        if edges:
+        if on_border:
             one_side, lies = _side_of_ends(i, tables)
         x = _mean_of(tables.nodes.x, i, tables)
         p = to_body(x, pose)
@@ -231,9 +231,9 @@ def add_press_forces(
             inside, whole, triangle, g, outward, lies = depth_in_tool(
                 i, p, lies, walked, pose, tables
             )
-        # Ends on both sides of the blade: it cuts through the edge, which is no contact.
+        # Ends on both sides of the blade: it cuts through the segment, which is no contact.
         through = not one_side
-        if edges and inside and lies * tool.grid.surface.flank[whole] < 0:
+        if on_border and inside and lies * tool.grid.surface.flank[whole] < 0:
             # The other side is nearer: pushed past the middle of the blade, or beyond it.
             too_deep = g - tables.law.tool_half_thickness
             through = too_deep > 0.0
@@ -246,7 +246,7 @@ def add_press_forces(
         out = turn(outward, pose)
         magnitude, f, energy = _pressure(i, x, p, g, out, dt, before, pose, tables)
         n_touching, stored = n_touching + 1, stored + energy
-        deepest = max(deepest, g - memory.offset[row] if edges else g)
+        deepest = max(deepest, g - memory.offset[row] if on_border else g)
         # ½ (f_{n-1} + f_n) · Δx, as the energy balance counts all works.
         work += 0.5 * dt * dot(add(old, f), moved)
         store(points.normal, i, outward)

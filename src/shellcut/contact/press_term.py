@@ -25,7 +25,7 @@ class PressForces(NamedTuple):
     stored: float
     """Penalty energy k ∫ f dg at t_n [N·mm]."""
     n_touching: int
-    """Number of nodes in the tool; of points of the tool, or edges of the film, that press."""
+    """Number of nodes in the tool; of points of the tool, or segments of its border, that press."""
     deepest: float
     """Largest depth of them [mm]."""
 

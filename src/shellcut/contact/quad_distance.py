@@ -11,7 +11,7 @@ lies on an edge of the polygon, taken as a straight line between its ends. On si
 is exact. A flank is a straight chord of the parametric square: on a quad that is no parallelogram
 the two differ by a part of its twist.
 
-*A node against a sheet.* A sheet is film of thickness h with flat cut edges, and a node stands for
+*A node against a sheet.* A sheet is film of thickness h with flat cut faces, and a node stands for
 film as thick as that. In the sheet's frame at the closest place c, with the distance d from the
 mid-surface on the side s where the point is, and the distance e to the nearest edge inside the
 sheet's outline, the depth is

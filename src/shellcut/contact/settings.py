@@ -45,8 +45,8 @@ h l²), with the mass m that the force feels at the point and the edge length l 
 m is the same at every node, a fixed part of (E / rho l²), a tenth or so of the largest frequency²
 of the film: a sliver at a crack shortens the step as little as a whole node. At a split the halves
 share the mass, hence the stiffness, and at the same depth their forces and energies add up to what
-they were. It need not be stiffer: a point that comes at the speed v penetrates by v / sqrt(k / m),
-9 µm at 10 m/s with edges of 0.4 mm and a wave speed of 1300 m/s, whatever the thickness. A film
+they were. It need not be stiffer: a point that arrives at the speed v penetrates by v / sqrt(k /
+m), 9 µm at 10 m/s with edges of 0.4 mm and a wave speed of 1300 m/s, whatever the thickness. A film
 thinner than that is not passed: the side from which a point came is remembered.
 """
 
@@ -132,7 +132,7 @@ class Contact:
         bool | None,
         Option(
             "",
-            "whether rims and flanks touch the tool's edges between nodes; how deep they go in "
+            "whether borders and flanks touch the tool's edges between nodes; how deep they go in "
             "without is measured, and the verdict says so",
             unset="in the opening test only",
         ),

@@ -5,7 +5,7 @@ and the open flank points near cracks and notches, within ``_RINGS`` sides of th
 pieces without a support. Connected film that is near no crack touches nothing.
 
 *The tool*: nodes feel its faces; a corner of it that comes down between nodes feels the film here
-(:mod:`.tool_points`). The side of the film on which it first comes near, facing it, is its own;
+(:mod:`.tool_points`). The side of the film on which it is first near, facing it, is its own;
 when it has passed the film by g it presses with k_p f(g). k_p is the stiffness of a node there over
 the number of points that may press on its quads together: a single tip is as stiff as a node, and
 so are all points of a ball that are on one node's quads. It leaves film at a crack alone: quads
@@ -202,7 +202,7 @@ class SheetContact(PressTerm):
         self._lay_out(state)
 
     def _same_sheets(self, old: Pairs, state: State) -> Ints:
-        """Return for each sheet the one in old pairs with a common quad and the same point, or -1.
+        """Return for each sheet that of old pairs with a common quad and the same point, or -1.
 
         A node that is new has those of another half of its node at the same place.
         """
@@ -227,7 +227,7 @@ class SheetContact(PressTerm):
         wanted = point * n_row + new.row
         at = order[np.minimum(np.searchsorted(key[order], wanted), key.size - 1)]
         common = np.flatnonzero(key[at] == wanted)
-        # Of several old sheets that have become one, the one that presses most: it is written last.
+        # Of several old sheets that have become one, that which presses most: it is written last.
         pressed = self.carriers.pressure[of_old[at[common]]]
         common = common[np.argsort(pressed, kind="stable")]
         kept[of_new[common]] = of_old[at[common]]
@@ -387,7 +387,7 @@ class SelfContact(SheetContact):
         self._chosen_for = KnownTopology()
 
     def stiffness(self, _state: State, _counted: StiffnessBy) -> NodeStiffness:
-        """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
+        """Return the nodes that may press soon and a bound of its stiffness [N/mm].
 
         A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most
         k u_P² + k sum N_a u_a²: no more than 2 k at the point and 2 k N_a at the nodes. It is taken

@@ -1,4 +1,4 @@
-"""The tool must start outside the film: no node lies in it, and it goes through no quad."""
+"""The tool must start outside the film: no node lies in it, and it passes through no quad."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def check_tool_outside(
     fine, coarse = (
         np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
     )
-    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
+    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film passes through it too
     starts = (Pose(pose.rotation, pose.translation - s * along) for s in back)
     touches = np.append(True, [any(ids.size for ids in overlap(start)) for start in starts])
     free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]

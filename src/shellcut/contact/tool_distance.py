@@ -47,7 +47,7 @@ def depth_in_tool(
         queries.until[i] = walked + away - tool.round_off
         return False, whole, whole, 0.0, p, side
     flank, triangle = grid.surface.flank, whole
-    if side == 0 and not tables.on_edges:
+    if side == 0 and not tables.on_border:
         side = _side_of_quads(
             tables.contact_points.node[i, 0], pose, tool, tables.nodes, tables.around
         )

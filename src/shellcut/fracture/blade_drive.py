@@ -232,7 +232,7 @@ def _try_poses(
             found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
         left, speed = reach * size[i] - depth, dot(velocity, k)
         if more and abs(left) > NEAR * size[i] and speed < 0.0:
-            found.time[i] -= left / speed
+            found.time[i] -= left / speed  # to first order, the edge is beyond by ``reach`` then
             found.seeking[i] = True
             count += 1
     return count
@@ -265,6 +265,7 @@ def _direct(
         pose = Pose(found.rotation[i], found.translation[i])
         b = turn(segment_part(segments, e, NORMAL), pose)
         trace = cross(d, b)
+        # Of the two senses of the trace that in which the crack runs.
         sign = -1.0 if dot(trace, load(heading, i)) < 0.0 else 1.0
         trace = scale(sign / max(norm(trace), TANGENT), trace)
         sine = dot(b, load(reference, i))

@@ -130,7 +130,7 @@ class EnteredFilm(Kept):
         ]
 
     def leads_out(self, state: State, back: Segment) -> bool:
-        """Return whether an edge has come into a row over the border, or over a flank next to it.
+        """Return whether an edge has entered a row over the border, or over a flank next to it.
 
         back : leads to where it was.
         """
@@ -269,6 +269,7 @@ def _entered(
                     continue
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))
+                # The quad as two triangles, whose weights give its xi and eta.
                 hit, w1, w2 = _weights(start, end, corner, second, third)
                 xi, eta = 2.0 * (w1 + w2) - 1.0, 2.0 * w2 - 1.0
                 if not hit:

@@ -33,7 +33,7 @@ _BESIDE = 0.05
 
 
 class FilmBorder:
-    """The edges of the film, as long as its topology stays.
+    """The border of the film, as long as its topology stays.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class FilmBorder:
         self.find()
 
     def find(self) -> None:
-        """Find the edges of the film as it is cut now."""
+        """Find the border of the film as it is cut now."""
         topology, film, mesh = self._topology, self._shell.reference, self._shell.mesh_quads
         opened = topology.opened_rows()
         whole = self._is_outer.copy()

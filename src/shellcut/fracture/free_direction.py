@@ -36,7 +36,7 @@ All film moves along with the tip that is no farther from it than the cables car
 the crack, so that J is the energy that flows into all of the process zone. Over that length film
 bends that is torn out of its plane, more on one flank than on the other. A smaller domain misses
 that and turns J aside; what its cables give would make up for the part of J along the crack only,
-for a line that moves sideways keeps its length. Where another edge of the film or another tip is
+for a line that moves sideways keeps its length. Where another part of the border or another tip is
 nearer than ``LEAST`` no domain is left to tell where energy is released, and J is taken to lie
 along the crack.
 

@@ -124,7 +124,7 @@ class Growth:
             self.tips.remove(joined)
             return None
         if cut.kind == TEAR:
-            return None  # it ends at the edges of the film
+            return None  # it ends at the border of the film
         self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
         return self.path.tip_across(state, segment, heading)
 

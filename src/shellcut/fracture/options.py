@@ -107,8 +107,8 @@ class Fracture:
         float | None,
         Option(
             "N",
-            "on the tip of a cutting edge, end, apex or lowest place of an arc, at which it goes "
-            "through whole film",
+            "on the tip of a cutting edge, end, apex or lowest place of an arc, at which it "
+            "pierces whole film",
             above=0,
             unset="from thickness, strength and the radii of the edge",
         ),

@@ -38,7 +38,7 @@ from .pressing_tips import PressingTips
 # Cosine of the angle between forces that press the film in the same direction.
 _SAME_DIRECTION = 0.5
 
-# Edge lengths from a tip that faces the film within which an edge has not come over a border.
+# Edge lengths from a tip that faces the film within which an edge has not crossed a border.
 _JUST_THERE = 0.1
 
 
@@ -135,7 +135,7 @@ class PressedFilm(Kept):
     def not_on_face(self, state: State, pose: Pose, begun: Sequence[Begun]) -> list[Begun]:
         """Return those of some places near which no tip of their edge is still on the face.
 
-        Within an edge length if it presses. Else it is there if it has just come to the face: a tip
+        Within an edge length if it presses. Else it is there if it has just reached the face: a tip
         in the film's plane is above or below it by round-off, or by what it moves in a step.
         """
         if not begun:

@@ -5,7 +5,8 @@ tip meets at the speed v gets the impulse m v, or 2 m v if it rebounds, within t
 penalty's spring needs, so the contact force peaks at v sqrt(k m). That says nothing about what the
 film carries: a sheet that bends answers with 8 sqrt(D rho h) v from the first moment, which is 0.61
 of (v/c) E/sigma_F of F_p, 2 % at 0.5 m/s in the film of the opening test. A node has more mass the
-larger its quads are, and the peak over F_p goes with v and with the edge length over the thickness.
+larger its quads are, and the peak over F_p grows with v and with the edge length over the
+thickness.
 
 An impulse is no force until it is spread over a time. The mean force F on a tip follows
 

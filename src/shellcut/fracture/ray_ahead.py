@@ -123,6 +123,7 @@ def leave(
         aimed.target[i, AHEAD] = -1
         for turn in range(directions.shape[1]):
             heading = directions[i, turn, 0], directions[i, turn, 1], directions[i, turn, 2]
+            # Ends of oncoming cracks are the first rule, in all rows ahead.
             for joining in (True, False):
                 for k in range(start[i], start[i + 1]):
                     if aimed.target[i, AHEAD] < 0 and through(
@@ -165,7 +166,7 @@ def through(
         return _to_an_end(ahead, k, i, (here, normal, heading), x, aimed)
     n, hit, along, best, first_is_nearer = ahead.n_point[k], -1, 0.0, np.inf, True
     for j in range(n):
-        if ahead.on_edge[k, j]:
+        if ahead.on_edge[k, j]:  # the ray begins on it
             continue
         start = _gap(ahead, k, j, x, here)
         b = (j + 1) % n
@@ -184,6 +185,7 @@ def through(
     for end in range(2):
         j = (hit + (end if first_is_nearer else 1 - end)) % n
         gap = _gap(ahead, k, j, x, here)
+        # Other points than corners are crossings of another crack.
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
@@ -193,6 +195,7 @@ def through(
             side = ahead.side[k, hit] if through else ahead.common[k, j]
             _end_at(aimed, i, kind, j, side, ahead.point[k, j, 0], ahead.point[k, j, 1])
             return True
+        # The crack that leads there runs along the ray: there is nothing left to cut.
         if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, heading):
             return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)

@@ -2,9 +2,9 @@
 
 The domain is the connected film around the tip: quads and copies that share nodes, so that none
 lies beyond a flank. In it q is 1 around the tip and falls to 0 at what does not move along when
-this tip advances: the film farther off, every edge of the film but the flanks of the crack itself,
-the tips of other cracks, and supported nodes. With d the distance from the tip, b that from the
-nearest of these, and r and R the radii within which all film moves along and beyond which all
+this tip advances: the film farther off, all of the film's border but the flanks of the crack
+itself, the tips of other cracks, and supported nodes. With d the distance from the tip, b that from
+the nearest of these, and r and R the radii within which all film moves along and beyond which all
 stays,
 
     q = min(1, 2 b / (b + d), (R - d) / (R - r)).

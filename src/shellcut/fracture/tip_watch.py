@@ -2,7 +2,7 @@
 
 What depends on the topology only is found once; a few kernels do the rest for all tips.
 
-A tip that no edge drives is tried straight ahead. If the force comes near to that of a tear, the
+A tip that no edge drives is tried straight ahead. If the force is close to that of a tear, the
 direction in which it would run is searched now and then, which costs as much as a hundred of these
 trials.
 """

@@ -15,7 +15,7 @@ B is the pull of the cables behind the tip, m the normal to the segment in the s
 to the plus side, L_in and L_out the lengths of the segments that meet at the tip. At a node F_c is
 the nodal force parted between the two sides.
 
-A tear pulls in whichever direction it opens: |F| stands in place of F · m in (4), and where the
+A tear pulls in whichever direction it opens: |F| replaces F · m in (4), and where the
 flanks press on each other, F · m < 0, but F opens the crack in the direction in which the film
 behind has parted,
 

@@ -189,6 +189,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         corner, tables = linear.corner, linear.tables
         width = corner.shape[2]
         work = np.empty((2, N_STRAIN, width))
+        # A law with history writes here: this evaluation must not change that of the state.
         trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
             b, lane, flat, (xm, tm), s = one_quad(linear, slot[i])

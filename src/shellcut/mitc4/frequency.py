@@ -272,6 +272,7 @@ def _follow(
         _products_of(reference, e, m)
         _products_of(present, e, s)
         for k in range(N_STRAIN):
+            # The change of the strains since the evaluation.
             s[k] -= m[k] + known.strain[known.row[e], k]
         stretch, turned = change_of_shape(reference.x, reference.quads, e, s)
         growth = (1.0 + by_stretch * stretch + by_turn * turned) ** 2

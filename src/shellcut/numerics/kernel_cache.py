@@ -155,7 +155,7 @@ class KernelCache(FunctionCache):
         return any(key in file._load_index() for file, key in places)
 
     def _places(self, signature: Any, codegen: Any) -> Iterator[tuple[_KernelFile, Any]]:
-        """Yield where machine code may be, and its key there; a release comes first."""
+        """Yield where machine code may be, and its key there; a release is first."""
         kinds, (triple, *processor), content = key = self._index_key(signature, codegen)
         source = Path(self._py_func.__code__.co_filename)
         for level in _levels(*processor) if in_package(source) else ():

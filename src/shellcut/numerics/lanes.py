@@ -6,7 +6,7 @@ at its start and the scatters at its end. Lanes are explicit vectors. The mechan
 quads of a block.
 
 Only loads and stores differ, and the functions here hide that. Their argument ``lane`` selects
-quads of a block: an integer takes one, as a float; ``None`` takes all eight:
+quads of a block: an integer selects one, as a float; ``None`` selects all eight:
 
 =====================================  ===================================================
 :func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)

@@ -5,7 +5,7 @@ so what is stored of them on disk (:mod:`shellcut.numerics.kernel_cache`) is out
 these changes. The digest covers every source of shellcut. Of a function that is defined elsewhere,
 such as a law of a user's own, it covers its file, its code, its defaults and the values that it
 reads: globals, cells of closures, and what it names of modules and classes; then the same of all
-functions among these. So it does not matter whether a number comes from a factory, another module,
+functions among these. So it does not matter whether a number is made by a factory, another module,
 an environment variable or a file. Which of shellcut's sources a kernel reaches cannot be read off
 its functions for sure: a constant does not tell where it is defined.
 

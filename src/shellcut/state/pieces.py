@@ -77,6 +77,7 @@ def _piece_of_rows(quads: Ints, n_node: int) -> Ints:
             node = quads[row, a]
             if first[node] < 0:
                 first[node] = row
+            # Two rows at a node belong together: the smaller of their leaders leads both.
             own, other = row, first[node]
             while leader[own] != own:
                 leader[own] = leader[leader[own]]

@@ -7,9 +7,9 @@ none (:mod:`shellcut.loads.supports`). If one is left, b_1 is its direction, so 
 motions are always a selection of freedoms and never a combination: ``free``.
 
 The spins of a rotation about the supported axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two
-columns per node. The free rotation is its right singular vector of smallest singular value: for one
-supported axis that value is zero; for two, with f the free axis, it is |t·f|, and the rotation
-turns t about f. It then moves t along a cone, not along a great circle, by the spin vector
+columns per node. The free rotation is its right singular vector of smallest singular value: for a
+single supported axis that value is zero; for two, with f the free axis, it is |t·f|, and the
+rotation turns t about f. It then moves t along a cone, not along a great circle, by the spin vector
 
     a_1 (b_2 + c t),    c = (t·f) / (b_2·f),
 

@@ -53,7 +53,7 @@ class LinearSolution:
     reaction: Floats
     reaction_moment: Floats
     """Change of the forces [N] and moments [N·mm] of the supports on the nodes, zero where
-    nothing is held, shape (n_node, 3)."""
+    nothing is supported, shape (n_node, 3)."""
     energy: float
     """½ load · displacement [N·mm]; for an unstressed film the strain energy."""
     residual: float

@@ -133,6 +133,7 @@ def strip_coordinates(
     depth = dot(d, segment_part(segments, k, BACK))
     if not 0.0 <= depth < deepest:
         return 0.0, lateral, depth, False
+    # Strips of neighbouring segments leave wedges between them on a curved edge: each is widened.
     v, slack = segment_part(segments, k, VECTOR), STRIP_SLOPE * depth
     length = norm(v)
     along = dot(d, v) / length
@@ -156,6 +157,7 @@ def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
     _, inside, _, nearest, _ = signed_distance(foot, 0, edges.solid)
     if not inside:
         return False
+    # Behind the edge the nearest exit leads sideways, through a flank; at an end face it does not.
     outward = sub(nearest, foot)
     sideways = dot(outward, aside)
     return sideways * sideways >= _ASIDE * _ASIDE * dot(outward, outward)

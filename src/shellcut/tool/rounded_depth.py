@@ -175,8 +175,10 @@ def rounded_depth(
     normals = grid.surface.pseudo_normals
     face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
     g, out = face_depth(p, q, face)
+    # Deeper than r, or far from convex edges, D is the depth below the face.
     if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
         return g, out, across
+    # Mostly the ball still rolls along the edge of the last time: a single query then is enough.
     tried = False
     w = scale(radius - g, out)
     if across >= 0:
@@ -213,6 +215,7 @@ def _offset_from_two(
     z = sub(p, w)
     found, t, _, q = closest_of_side(z, side, grid)
     depth, closest = face_depth(z, q, load(surface.pseudo_normals[t], 0))
+    # A third face is closer: the foot on S is not that of the two planes.
     if not found or depth < radius * (1.0 - _MET) or side * surface.flank[across] < 0:
         return False, w
     # It touches the one that is closest; the other must be as close.
@@ -274,6 +277,7 @@ def offset_from_opened(
     _put(n, a, 1, normal, needed)
     _, m = _least(n, a, 2, radius)
     _put(n, a, m, third, beyond)
+    # Add the face that is closest to p - w, until none is closer than r.
     for _ in range(_MOST_ROUNDS):
         w, m = _least(n, a, m + 1, radius)
         deep, _, normal, needed = _face_beyond(p, w, side, radius, grid)

@@ -205,6 +205,8 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
         return False, triangle, feature, nearest
     off_centre = _distance_from_centre(p, cell, grid.cells)
     for k in range(cell_start[cell], cell_start[cell + 1]):
+        # The list ascends by the distance from the centre: no later triangle can be closer than
+        # this.
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
             break
@@ -250,6 +252,7 @@ def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool,
         pseudo_normals[triangle, i, 1],
         pseudo_normals[triangle, i, 2],
     )
+    # The pseudo-normal of the feature gives the side also at edges and vertices [Baerentzen2005].
     inside = dot(sub(p, nearest), normal) < 0.0
     found = True
     whole = triangle
