@@ -18,7 +18,7 @@ film so thin that there would be more than ``MOST`` points on a typical segment,
 more.
 
 *Sides.* A point gets the side of the blade that the ends have, and keeps it while it is inside,
-unless an end gets the other one. Where the ends have different ones the blade goes through the
+unless an end gets the other side. Where the ends have different sides the blade cuts through the
 segment, and through a point that is deeper below its side than half the blade's thickness and
 closer to the other: these do not press.
 

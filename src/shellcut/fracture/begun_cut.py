@@ -11,7 +11,7 @@ class Pierced(NamedTuple):
     """How a tool pierces the face of whole film."""
 
     measure: float
-    """Force or stress over the strength of the film."""
+    """Force or stress over that which the film carries."""
     force: float
     """On the cutting edge [N]."""
     delay: float

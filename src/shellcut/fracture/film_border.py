@@ -91,8 +91,8 @@ class FilmBorder:
     def path_back(self, place: Floats) -> Iterator[tuple[Ints, Floats, float]]:
         """Yield the edges of the flanks of the crack that ends at a place, from there on back.
 
-        Those between two places of the path, the two places, shape (2, 3), and how far from the tip
-        the path then is [mm].
+        Those between two places of the path, the two places, shape (2, 3), and how long the path
+        from the tip then is [mm].
         """
         own, distance = np.zeros(len(self.row), np.bool_), 0.0
         while True:

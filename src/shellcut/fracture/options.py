@@ -119,7 +119,7 @@ class Fracture:
             raise ValueError("; ".join(problems))
 
     def _contradictions(self) -> Iterator[str]:
-        """Yield what does not fit the path, or with another option."""
+        """Yield what does not fit the path or another option."""
         of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
         if self.path == "free":
             for name in of_edges:

@@ -44,7 +44,7 @@ class Pierce(Kept):
     shell : MITC4Shell
         The film.
     limits : PierceLimits
-        The strength of the film on its face.
+        The load that the film carries on its face.
     points : PointContact, optional
         By which the tool presses on the film.
     tool, motion : Tool, Motion

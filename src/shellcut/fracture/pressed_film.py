@@ -1,4 +1,4 @@
-"""Where a tip or an edge has loaded the face of whole film up to its strength.
+"""Where a tip or an edge loads the face of whole film up to what it carries.
 
 A tooth that comes down in the middle of the sheet presses it by its contact points. The film parts
 under a tip, or the lowest place of an arc, once all that presses it there carries F_p

@@ -216,7 +216,7 @@ class LoadSet:
         return stiffness
 
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
-        """Add the load on a node of a single quad, without gravity [N].
+        """Add the load on a node from a single quad, without gravity [N].
 
         quads, nodes : (n,), quad and one of its nodes.  force : (n, 3), added to.
         """

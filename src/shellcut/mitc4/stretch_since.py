@@ -53,7 +53,7 @@ class StretchSince(Kept):
         self._store(0, state.node.x, state.quads, self._last.metric)
 
     def follow(self, state: State, squared: Floats) -> None:
-        """Continue with other bounds [1/s²]: supports or springs have changed, or copies are new.
+        """Continue with other bounds [1/s²]: what acts on the quads has changed, or copies are new.
 
         The stretch of quads since the last evaluation stays; some of them may have been
         evaluated meanwhile, their stretch then counts twice.
