@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from shellcut.numerics.kernel_tables import HeldTable
+from shellcut.numerics.kernel_tables import TableAddress
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 
 
@@ -28,13 +28,22 @@ def differing(a, b):
 
 
 # Follows from the state whenever it is asked for, at the latest at the next step.
-_CACHES = {"_tables", "_partings", "_table", "_nodes", "_held", "_pool"}
+_CACHES = {
+    "_tables",
+    "_partings",
+    "_table",
+    "_nodes",
+    "_pool",
+    "_address",
+    "_addresses",
+    "_driven_address",
+}
 
 
 def numbers_of(thing, path="sim", seen=None):
     """Return every array and number that can be reached from an object, by its path."""
     seen = set() if seen is None else seen
-    if isinstance(thing, HeldTable):
+    if isinstance(thing, TableAddress):
         thing = thing.table
     if isinstance(thing, (bool, int, float, str, np.ndarray)):
         return {path: np.array(thing)}

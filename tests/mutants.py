@@ -39,11 +39,11 @@ ROOMS = {
     "yielding_film statics integrator time_step cut_loads start_check freedoms",
     "cables": "cable cohesive_law joint_slip segment_cables severing time_step edge_radius hold "
     "every_term",
-    "contact": "contact edge_contact point_contact friction self_contact self_friction near_nodes "
-    "rounded_depth start_check blunt_tool time_step every_term",
+    "contact": "contact border_contact point_contact friction self_contact self_friction "
+    "near_nodes rounded_depth start_check blunt_tool time_step every_term",
     "fracture": "crack_meets tip_watch segment_cables tip_force cut_topology cut_state topology "
-    "crack_way curved_ways side_tears puncture drawn_film anisotropy options blade_reach cut_loads "
-    "every_term severing",
+    "crack_path curved_paths side_tears puncture drawn_film anisotropy options blade_reach "
+    "cut_loads every_term severing",
     "central_difference.py": "integrator load symmetry_plane quasi_static",
     "loads": "load cut_loads symmetry_plane support_pull freedoms integrator statics",
     "material": "material yielding_laws nominal_stress section yielding_film new_law shell",

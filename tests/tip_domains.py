@@ -3,7 +3,7 @@
 import numpy as np
 
 from shellcut.fracture.cut_topology import CutTopology
-from shellcut.fracture.film_edges import FilmEdges
+from shellcut.fracture.film_border import FilmBorder
 from shellcut.fracture.tip_domain import TipDomain
 from shellcut.fracture.tip_force import TipForce
 
@@ -20,7 +20,7 @@ def domain_in(state, shell, place, reach, topology=None, base=BASE):
     return TipDomain.of(
         state,
         shell,
-        FilmEdges(shell, topology),
+        FilmBorder(shell, topology),
         np.array(place),
         base,
         (0.5 * reach, reach),

@@ -1,6 +1,6 @@
 """Arguments of public functions and classes: declared once, and checked by what is declared.
 
-What an annotation says is asked of every argument, before the function sees it: a text is no
+What an annotation says is required of every argument, before the function sees it: a text is no
 number, a mesh no tool, a masked array no array. An :class:`Option` in it says the unit, the meaning
 and the bounds; docstrings, model files and their page have them from there. :func:`fits` and
 :meth:`Option.problem` judge a value, of an argument as of a key in a file. The message names all
@@ -51,7 +51,7 @@ class ArgumentError(TypeError, ValueError):
 class Option:
     """What is declared of an argument beside its type and its default.
 
-    It stands in the annotation of a parameter or a field; type and default stand around it.
+    It is part of the annotation of a parameter or a field, besides type and default.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def _kinds_of(what: Callable[..., Any]) -> dict[str, tuple[Any, Option | None]]:
             option = None
             if get_origin(kind) is Annotated:
                 kind, *more = get_args(kind)
-                option = next((one for one in more if isinstance(one, Option)), None)
+                option = next((note for note in more if isinstance(note, Option)), None)
             found[name] = (kind, option)
     return found
 
@@ -245,10 +245,10 @@ def _checked_call(function: Any, annotated: Any) -> Any:
 def _refuse_unknown(named: Iterable[str], signature: inspect.Signature) -> None:
     """Refuse arguments that there are not, by name."""
     kinds = signature.parameters.values()
-    known = [one.name for one in kinds if one.kind in (one.KEYWORD_ONLY, one.POSITIONAL_OR_KEYWORD)]
+    known = [p.name for p in kinds if p.kind in (p.KEYWORD_ONLY, p.POSITIONAL_OR_KEYWORD)]
     known = [name for name in known if name != "self"]
     unknown = [name for name in named if name not in known]
-    if unknown and not any(one.kind is one.VAR_KEYWORD for one in kinds):
+    if unknown and not any(p.kind is p.VAR_KEYWORD for p in kinds):
         raise ArgumentError(
             [f"there is no argument {n}{guess(n, known) or listed(known)}" for n in unknown]
         )
@@ -262,8 +262,8 @@ def _with_parameters(doc: str, what: Any) -> str:
             words = " or ".join(re.sub("^an? ", "", word) for word in _kind(kind).words)
             unit = f" [{option.unit}]" if option.unit else ""
             unset = f"by default {option.unset}" if option.unset else ""
-            told = "; ".join(filter(None, (option.text, option.bounds, unset)))
-            entries += f"{name} : {words}{unit}\n    {told}.\n"
+            entry = "; ".join(filter(None, (option.text, option.bounds, unset)))
+            entries += f"{name} : {words}{unit}\n    {entry}.\n"
     if not entries or not doc:
         return doc
     text, heading = inspect.cleandoc(doc), "Parameters\n----------\n"
@@ -288,7 +288,7 @@ def finite_at(name: str, of_time: Callable[[float], float]) -> Callable[[float],
 
 def guess(name: str, names: Iterable[str]) -> str:
     """Return "; did you mean x?" for the most similar name in any case, "" if none is similar."""
-    by_letters = {one.casefold(): one for one in names}
+    by_letters = {name.casefold(): name for name in names}
     close = difflib.get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.65)
     return f"; did you mean {by_letters[close[0]]}?" if close else ""
 
@@ -339,8 +339,8 @@ def _kind(annotation: Any) -> _Kind:
         return _Kind(("an array of real numbers",), _is_array)
     if origin in (Union, types.UnionType):
         some = [_kind(part) for part in _alternatives(annotation)]
-        words = [word for one in some for word in one.words if word != "None"]
-        return _Kind(tuple(words), lambda value: any(one.fits(value) for one in some))
+        words = [word for kind in some for word in kind.words if word != "None"]
+        return _Kind(tuple(words), lambda value: any(kind.fits(value) for kind in some))
     if annotation is float:
         return _Kind(("a number",), lambda value: is_number(value))
     if annotation is int:
@@ -363,15 +363,15 @@ def _kind(annotation: Any) -> _Kind:
 
 def _kind_of_mapping(of_key: Any, of_value: Any) -> _Kind:
     """Return the kind of a mapping; what functions in it must be, whoever takes them says."""
-    key, one = _kind(of_key), _kind(of_value)
+    key, item = _kind(of_key), _kind(of_value)
     is_of_functions = get_origin(of_value) is Callable
 
     def fits(value: Any) -> bool:
         if not isinstance(value, Mapping) or not all(map(key.fits, value)):
             return False
-        return is_of_functions or all(map(one.fits, value.values()))
+        return is_of_functions or all(map(item.fits, value.values()))
 
-    return _Kind((f"a mapping to {' or '.join(one.words)}",), fits)
+    return _Kind((f"a mapping to {' or '.join(item.words)}",), fits)
 
 
 def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
@@ -390,7 +390,7 @@ def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
             return True  # it may be used up by looking at it
         if is_counted:
             return len(value) == len(each) and all(
-                kind.fits(one) for kind, one in zip(each, value, strict=True)
+                kind.fits(item) for kind, item in zip(each, value, strict=True)
             )
         return all(map(each[0].fits, value))
 

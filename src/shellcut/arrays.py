@@ -33,7 +33,7 @@ Vector: TypeAlias = tuple[Number, Number, Number]
 """A three-vector of numbers."""
 
 NodeStiffness: TypeAlias = tuple[Ints, Floats]
-"""Nodes, of which one may come more than once, and a stiffness on each [N/mm]."""
+"""Nodes, of which each may be listed more than once, and a stiffness on each [N/mm]."""
 
 StiffnessBy: TypeAlias = Mapping[str, NodeStiffness]
 """The same of several force terms, by their names."""

@@ -9,7 +9,7 @@ and likewise the spin omega of the director, with the moment t x g of the direct
 scaled inertia. The spin lies in the tangent plane: the moment is normal to t_n, and the Cayley
 rotation about omega keeps omega normal to the new director, so that there is no drilling freedom to
 eliminate. Where a support leaves a director one axis f to turn about, omega stays along f, and a
-director not normal to f goes on a cone. With the kinetic energy taken as
+director not normal to f moves on a cone. With the kinetic energy taken as
 ½ m v_{n-1/2} · v_{n+1/2} and every work as ½ (f_{n-1} + f_n) · Δx, the energy balance of a
 constant step is an identity to round-off.
 
@@ -25,16 +25,16 @@ import numpy as np
 
 from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
 from .numerics.borrowed import borrowed
-from .numerics.held_table import Holder
 from .numerics.jit import BoundOnce, always_inline, kernel
 from .numerics.lane_instructions import WIDTH
 from .numerics.lanes import along, at, put_at, row_columns, total, zero
 from .numerics.processor import align_stack
+from .numerics.table_address import TableWriter
 from .numerics.threads import NODE_CHUNK, Workers, in_order
 from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .state import KnownTopology, State
 
-# Square of the sine below which a director counts as along the axis its spin is held about.
+# Square of the sine below which a director counts as along the axis of its prescribed spin.
 _POLE = 1e-18
 
 
@@ -112,7 +112,7 @@ class CentralDifference:
         self._supported: _Supported | None = None
         self._nodes: _Nodes | None = None
         self._sums = np.zeros((0, 4))
-        self._hold_supported, self._hold_nodes = Holder(), Holder()
+        self._address_of_supported, self._address_of_nodes = TableWriter(), TableWriter()
         self._kick, self._drift = BoundOnce(_kick), BoundOnce(_drift)
 
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
@@ -147,7 +147,10 @@ class CentralDifference:
         supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
         nodes = _Nodes(**{name: getattr(n, name) for name in _Nodes._fields})
         self._sums = np.zeros((chunks.size - 1, 4))
-        self._supported, self._nodes = self._hold_supported(supported), self._hold_nodes(nodes)
+        self._supported, self._nodes = (
+            self._address_of_supported(supported),
+            self._address_of_nodes(nodes),
+        )
         self._known.take(state)
 
 
@@ -194,11 +197,13 @@ def _kick_nodes(
 
 
 @always_inline
-def _one_spin_held(n: int, support: Bools, rate: Floats, t: Vec3, free: Vec3) -> tuple[Vec3, bool]:
-    """Return the spin of a director that is held about one axis h, and whether it is.
+def _spin_with_prescribed_axis(
+    n: int, support: Bools, rate: Floats, t: Vec3, free: Vec3
+) -> tuple[Vec3, bool]:
+    """Return the spin of a director whose turn about one axis h is prescribed, and whether one is.
 
     It turns about h as prescribed, and freely about h x t: in the plane of h and t. A director
-    along h has no such plane, and none is held.
+    along h has no such plane, and none of its spin is prescribed.
     """
     h = (
         1.0 if support[n, 3] else 0.0,
@@ -241,12 +246,15 @@ def _kick_supported(
     )
     in_plane = False
     if first == 3:
-        spin, in_plane = _one_spin_held(n, support, support_rate, load(nodes.t, n), free)
+        spin, in_plane = _spin_with_prescribed_axis(
+            n, support, support_rate, load(nodes.t, n), free
+        )
         if in_plane:
             after = spin
     for c in range(3):
         v, w = before[c], after[c]
         if support[n, first + c] or in_plane:
+            # Reaction: mass x acceleration and damping, less the nodal force.
             r = m * (rate * (w - v) + 0.5 * alpha * (w + v)) - force[c]
             work += 0.5 * (reaction[n, first + c] + r) * v * dt_last
             reaction[n, first + c] = r

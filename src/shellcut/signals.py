@@ -5,9 +5,9 @@ A KeyboardInterrupt in the middle of a step would leave the state half updated. 
 saves its results and then raises the signal again.
 
 While Python imports modules, and while Numba and LLVM load or compile a kernel, much of what runs
-is called from C: by ctypes, or when an object goes. Python drops an exception that is raised there:
-the interrupt is lost, and LLVM may be left with half a module. :class:`HeldBack` keeps the signals
-until that is done. What is dropped elsewhere :class:`RaisedAgain` raises again.
+is called from C: by ctypes, or when an object is deleted. Python drops an exception that is raised
+there: the interrupt is lost, and LLVM may be left with half a module. :class:`SignalsDeferred`
+keeps the signals until that is done. What is dropped elsewhere :class:`RaisedAgain` raises again.
 
 This module is the first that the package imports, so it imports little itself.
 """
@@ -20,7 +20,7 @@ import signal
 import sys
 import threading
 
-TYPE_CHECKING = False  # of typing, which takes long to import
+TYPE_CHECKING = False  # of typing, which is slow to import
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
@@ -41,11 +41,11 @@ def in_main_thread() -> bool:
 
 
 class Interruption:
-    """Hold back the first SIGINT or SIGTERM while its block runs.
+    """Defer the first SIGINT or SIGTERM while its block runs.
 
     The first signal puts the previous handlers back, so a second one usually ends the process at
     once. Ignored signals stay ignored; outside the main thread, where Python handles no signals,
-    nothing is held back. ``asked`` is called when the first one comes, between two bytecodes of
+    nothing is deferred. ``asked`` is called at the first signal, between two bytecodes of
     whatever runs then.
     """
 
@@ -61,11 +61,11 @@ class Interruption:
 
     @property
     def ends_process(self) -> bool:
-        """Whether the signal held back, if any, would end the process at once."""
+        """Whether the deferred signal, if any, would end the process at once."""
         return self._number is not None and signal.getsignal(self._number) is signal.SIG_DFL
 
     def deliver(self) -> None:
-        """Raise the signal held back, if any; call it after the block.
+        """Raise the deferred signal, if any; call it after the block.
 
         SIGINT becomes the usual KeyboardInterrupt, SIGTERM ends the process, unless the program
         has its own handlers.
@@ -76,12 +76,12 @@ class Interruption:
 
     def __enter__(self) -> Interruption:
         if in_main_thread():
-            for one in _SIGNALS:
-                handler = signal.getsignal(one)
+            for number in _SIGNALS:
+                handler = signal.getsignal(number)
                 # None: not installed from Python, which therefore cannot restore it.
                 if handler not in (None, signal.SIG_IGN):
-                    self._former[one] = handler
-                    signal.signal(one, self._note)
+                    self._former[number] = handler
+                    signal.signal(number, self._note)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -94,61 +94,61 @@ class Interruption:
             self._asked()
 
     def _restore_handlers(self) -> None:
-        for one, handler in self._former.items():
-            signal.signal(one, handler)
+        for number, handler in self._former.items():
+            signal.signal(number, handler)
         self._former = {}
 
 
-class HeldBack:
-    """Hold back SIGINT and SIGTERM while its block runs; raise the last one that came after it.
+class SignalsDeferred:
+    """Defer SIGINT and SIGTERM while its block runs; raise the last one that arrived after it.
 
     Only where a handler of Python's answers them, as by KeyboardInterrupt: it may raise anything. A
     signal that ends the process at once, or is ignored, does so here too. Outside the main thread
-    there is nothing to hold back. Blocks may lie within one another.
+    there is nothing to defer. Blocks may be nested.
     """
 
     def __init__(self) -> None:
-        self._came: list[int] = []
+        self._arrived: list[int] = []
         self._former: list[tuple[signal.Signals, Any]] = []
 
     def __enter__(self) -> None:
         if in_main_thread():
-            for one in _SIGNALS:
-                handler = signal.getsignal(one)
+            for number in _SIGNALS:
+                handler = signal.getsignal(number)
                 if callable(handler):
-                    self._former.append((one, handler))
-                    signal.signal(one, self._note)
+                    self._former.append((number, handler))
+                    signal.signal(number, self._note)
 
     def __exit__(self, *_: object) -> None:
-        for one, handler in self._former:
-            signal.signal(one, handler)
-        if self._came:
-            signal.raise_signal(self._came[-1])
+        for number, handler in self._former:
+            signal.signal(number, handler)
+        if self._arrived:
+            signal.raise_signal(self._arrived[-1])
 
     def _note(self, number: int, _: FrameType | None) -> None:
-        self._came.append(number)
+        self._arrived.append(number)
 
 
-class Importing(HeldBack):
-    """Hold signals back while the package is imported, in the command until :func:`answer_held`.
+class Importing(SignalsDeferred):
+    """Defer signals while the package is imported, in the command until :func:`answer_deferred`.
 
     The command answers in its own words and by its exit code, where a script gets a traceback.
     """
 
     def __exit__(self, *_: object) -> None:
         if is_command():
-            _held_by_command.append(self)
+            _deferred_by_command.append(self)
         else:
             super().__exit__()
 
 
-_held_by_command: list[HeldBack] = []
+_deferred_by_command: list[SignalsDeferred] = []
 
 
-def answer_held() -> None:
-    """Raise what the command has held back since its start, and hold nothing back any more."""
-    while _held_by_command:
-        HeldBack.__exit__(_held_by_command.pop())
+def answer_deferred() -> None:
+    """Raise what the command has deferred since its start, and defer nothing any more."""
+    while _deferred_by_command:
+        SignalsDeferred.__exit__(_deferred_by_command.pop())
 
 
 class RaisedAgain:
@@ -181,7 +181,7 @@ def _interrupt_main_thread() -> None:
 
 
 def is_of_interrupt(problem: BaseException | None) -> bool:
-    """Return whether an error came while a KeyboardInterrupt was answered, or is one.
+    """Return whether an error occurred while a KeyboardInterrupt was answered, or is one.
 
     A library written in C that an interrupt has left half done may fail when it is tidied up.
     """

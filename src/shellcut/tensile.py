@@ -258,7 +258,7 @@ def _line(
 
 
 def _yield(strain: Floats, stress: Floats, young: float, offset: float) -> Floats | None:
-    """Return strain and stress where the curve comes below the moved line, for two points."""
+    """Return strain and stress where the curve falls below the moved line, for two points."""
     above = stress - young * (strain - offset)
     under = (above <= 0.0) & (strain > offset)
     under &= np.append(under[1:], True)
@@ -281,7 +281,7 @@ def _hardening(strain: Floats, stress: Floats, young: float, first: float) -> tu
     rows = np.array_split(np.arange(len(true)), n_row)
     x = np.array([plastic[row].mean() for row in rows])
     y = np.array([true[row].mean() for row in rows])
-    # The table begins at no plastic strain: the line through the first quarter goes there.
+    # The table begins at no plastic strain: the line through the first quarter is used there.
     quarter = slice(0, max(len(true) // 4, _MEAN_OF))
     line = scipy.stats.linregress(plastic[quarter], true[quarter])
     start = min(line.intercept, y[0]) if line.slope > 0.0 else y[0]

@@ -205,8 +205,8 @@ def parsed(unit: str) -> tuple[Fraction, Exponents]:
                 f"must have a unit to a power of {_LARGEST_POWER} at most, got {unit!r}"
             )
         power = int(found[2] or 1) * (-1 if divides else 1)
-        one, exponents = NAMES[name]
-        size *= one**power
+        factor, exponents = NAMES[name]
+        size *= factor**power
         length, force, time, angle = (d + power * e for d, e in zip(total, exponents, strict=True))
         total = (length, force, time, angle)
     return size, total
@@ -300,8 +300,8 @@ def showing(units: str) -> Iterator[None]:
     ...     print(with_unit(143.5, "N*mm"), *map(shown, ("mm^2", "mm/s", "MPa", "deg")))
     1.27 lbf·in ('in^2', 0.00155...) ('in/s', 0.0393...) ('psi', 145.03...) ('deg', 1.0)
     """
-    for one in units.split(","):
-        parsed(one)
+    for text in units.split(","):
+        parsed(text)
     before = _WANTED.set(units)
     try:
         yield
@@ -311,7 +311,7 @@ def showing(units: str) -> Iterator[None]:
 
 def shown(unit: str) -> tuple[str, float]:
     """Return the unit in which numbers in ``unit`` are shown, and the factor to it."""
-    named = {parsed(one)[1]: one.strip() for one in _WANTED.get().split(",") if one.strip()}
+    named = {parsed(text)[1]: text.strip() for text in _WANTED.get().split(",") if text.strip()}
     try:
         size, exponents = parsed(unit) if named else (Fraction(1), (0, 0, 0, 0))
     except ValueError:
@@ -319,10 +319,11 @@ def shown(unit: str) -> tuple[str, float]:
     length, force, time, angle = exponents
     parts = ((0, 1, 0, 0), "N", force), ((1, 0, 0, 0), "mm", length), ((0, 0, 1, 0), "s", time)
     new = named.get(exponents, "")
-    if not new and not angle and any(power and one in named for one, _, power in parts[:2]):
-        of = [(named.get(one, own), power) for one, own, power in parts]
+    if not new and not angle and any(power and base in named for base, _, power in parts[:2]):
+        of = [(named.get(base, own), power) for base, own, power in parts]
         over, under = (
-            [one if k * n == 1 else f"{one}^{k * n}" for one, n in of if k * n > 0] for k in (1, -1)
+            [name if k * n == 1 else f"{name}^{k * n}" for name, n in of if k * n > 0]
+            for k in (1, -1)
         )
         new = "/".join(("*".join(over) or "1", *under))
     return (new, float(size / parsed(new)[0])) if new else (unit, 1.0)
@@ -331,7 +332,7 @@ def shown(unit: str) -> tuple[str, float]:
 def with_unit(value: float, unit: str, half_width: float | None = None) -> str:
     """Return a number with four significant digits and its unit, as shown within `showing`.
 
-    ``half_width`` is what stands after ±, in the same unit.
+    ``half_width`` is what is written after ±, in the same unit.
     """
     unit, factor = shown(unit)
     value = factor * value + 0.0  # no "-0"
@@ -353,7 +354,7 @@ def pretty(unit: str) -> str:
 
 
 def after(unit: str) -> str:
-    """Return a unit as it stands after a number.
+    """Return a unit as it is written after a number.
 
     Examples
     --------

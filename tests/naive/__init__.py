@@ -1,1 +1,1 @@
-"""Plain, slow twins of the kernels, written from the formulae and not from the kernels."""
+"""Plain, slow references for the kernels, written from the formulae and not from the kernels."""

@@ -30,7 +30,7 @@ class Segment:
         return 0.0 <= depth < 4.0 * size and -slack <= along <= self.length + slack
 
     def in_blade(self, p, tool):
-        """Whether the blade is beside a point: its foot is inside, and the way out leads sideways.
+        """Whether the blade is beside a point: its foot is inside, and the exit leads sideways.
 
         On a round edge a foot in the round counts as one behind it, by a quarter of the radius.
         """
@@ -39,7 +39,7 @@ class Segment:
         foot = foot + max(0.0, 1.25 * tool.edge_radius - d @ self.back) * self.back
         if winding_number(foot, tool) < 0.5:
             return False
-        places = [closest_point(foot, one) for one in tool.vertices[tool.triangles]]
+        places = [closest_point(foot, triangle) for triangle in tool.vertices[tool.triangles]]
         out = min(places, key=lambda q: np.linalg.norm(q - foot)) - foot
         return abs(out @ self.normal) >= 0.5 * np.linalg.norm(out)
 
@@ -69,7 +69,7 @@ def nearest_edge(tool, motion, x, size, time):
                 nearest, found, passed = depth, k, True
         elif not passed and -20.0 * size < depth < 0.0 and -depth < nearest:
             met = p
-            if velocity @ edge.back < 0.0:  # it comes towards the point
+            if velocity @ edge.back < 0.0:  # it moves towards the point
                 t = depth / (velocity @ edge.back)
                 if t * np.linalg.norm(spin) > 0.5:
                     continue
@@ -108,5 +108,5 @@ def directions(tool, motion, edge, off, place, heading, time):
     sine = float(b @ place.T)
     # The mid-plane is met the farther off the flatter it lies, at most tenfold.
     across = (b - (b @ t) * t) / max(1.0 - sine * sine, 0.1)
-    ways = [reach * place.size * trace - off * across for reach in AHEAD]
-    return [way / np.linalg.norm(way) for way in [*ways, trace]], sine * across
+    directions = [reach * place.size * trace - off * across for reach in AHEAD]
+    return [d / np.linalg.norm(d) for d in [*directions, trace]], sine * across

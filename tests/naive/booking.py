@@ -1,4 +1,4 @@
-"""What a force term puts into the ledger, entry by entry."""
+"""What a force term adds to the energy balance, entry by entry."""
 
 from shellcut.tool.touch import ON_TOOL
 

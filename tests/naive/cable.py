@@ -32,7 +32,7 @@ def severed(law, area):
     """The law that a sharp edge cuts off at an area below it [N/mm], found by search for its end.
 
     It falls as the whole law does, and its plateau ends at the same part of its end. One that ends
-    on the drop falls steeper from there, or else goes down the drop and ends from its foot.
+    on the drop falls steeper from there, or else follows the drop and ends from its foot.
     """
     rho = law.opening_p / law.opening_u
     slope = (law.strength - law.plateau) / law.opening_a
@@ -52,9 +52,9 @@ def severed(law, area):
         return foot
 
     def below(end):
-        one = ending(end)
-        ends = [0.0, one.opening_a, one.opening_p, one.opening_u]
-        return np.trapezoid([one.strength, one.plateau, one.plateau, 0.0], ends)
+        law = ending(end)
+        ends = [0.0, law.opening_a, law.opening_p, law.opening_u]
+        return np.trapezoid([law.strength, law.plateau, law.plateau, 0.0], ends)
 
     if below(law.opening_u) <= area:
         return law
@@ -107,7 +107,7 @@ def jointed(minus, plus, joint, slack, area, largest, law):
 
 
 def place_at_rest(minus, plus, start, along, back, side, place, mu):
-    """Where a joint that was at ``place`` on the line start + s along comes to rest, by bisection.
+    """Where a joint that was at ``place`` on the line start + s along stops, by bisection.
 
     minus, plus : ends of the cable.  along, back, side : unit vectors of the edge, into the blade
     and normal to its mid-plane.
@@ -129,13 +129,13 @@ def place_at_rest(minus, plus, start, along, back, side, place, mu):
     pull, most = lean(place)
     if abs(pull) <= most:
         return place
-    # Free of friction the joint is at the shortest way around the edge.
-    held, free = place, (s_minus * rho_plus + s_plus * rho_minus) / (rho_minus + rho_plus)
+    # Free of friction the joint is at the shortest path around the edge.
+    stuck, free = place, (s_minus * rho_plus + s_plus * rho_minus) / (rho_minus + rho_plus)
     for _ in range(200):
-        middle = 0.5 * (held + free)
+        middle = 0.5 * (stuck + free)
         pull_there, most = lean(middle)
         if pull_there * np.sign(pull) > most:
-            held = middle
+            stuck = middle
         else:
             free = middle
     return free

@@ -99,10 +99,10 @@ def _next_to(ring, a, b):
 
 
 def welded(state, node):
-    """Undo a cut at one node: its twins' quads go back to it, the twins are left without quads."""
-    twins = np.flatnonzero(state.node.origin[: state.n_node] == node)
-    state.quads[np.isin(state.quads, twins)] = node
+    """Undo a cut at one node: it gets the quads of its duplicates, which are left without."""
+    duplicates = np.flatnonzero(state.node.origin[: state.n_node] == node)
+    state.quads[np.isin(state.quads, duplicates)] = node
     mine = np.flatnonzero((state.quads == node).any(axis=1))
-    state.node.n_quad_at[twins] = 0
+    state.node.n_quad_at[duplicates] = 0
     state.node.quads[node, : mine.size], state.node.n_quad_at[node] = mine, mine.size
     return state

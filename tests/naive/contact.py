@@ -74,7 +74,7 @@ def shortest_step(normals, needed):
 
 
 def rounded_depth(p, planes, radius):
-    """Depth below the planes (points, normals) of a convex solid opened by a ball, way out."""
+    """Depth below planes (points, normals) of a convex solid opened by a ball, and direction."""
     points, normals = planes
     depths = ((points - p) * normals).sum(axis=1)
     if depths.min() >= radius:
@@ -86,7 +86,7 @@ def rounded_depth(p, planes, radius):
 def node_force(x, tool, pose, side, area, penalty, g_m, radius=0.0, share=1.0):
     """What a node at x may feel: (force [N], depth [mm], tooth), one for each closest triangle.
 
-    The edges of the tool, a convex one, are rounded with a radius if that is given.
+    The edges of the tool, a convex tool, are rounded with a radius if that is given.
 
     Where the closest point lies on an edge or corner, any of the triangles there will do. Outside
     the tool there is one answer: no force, and no tooth. The ``share`` of a node's stiffness is

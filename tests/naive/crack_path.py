@@ -12,9 +12,9 @@ from .shell import CORNERS, shape
 
 JOIN, MERGE, CORNER, GRAZE = 0.3, 0.15, 0.05, 0.2
 """Of an edge: how near to a ray ends of oncoming cracks, crossings and corners are met; and of the
-way ahead, how near a ray passes the corner at the end of its own side that it turns around."""
+distance ahead, how near a ray passes the corner at the end of its own side that it turns around."""
 FLAT = 1.0 / 3.0
-"""Of the way to a corner: a ray to a flank's end that is flatter runs along the crack there."""
+"""Of the distance to a corner: a ray to a flank end that is flatter runs along the crack there."""
 FLANK = -1
 """Of a polygon's edge that lies on a crack."""
 SAME, AWAY = 1e-9, 1e-6
@@ -22,7 +22,7 @@ SAME, AWAY = 1e-9, 1e-6
 
 
 class Segment(NamedTuple):
-    """A way through a row, by the names of the code's."""
+    """A piece of a path through a row, by the names of the code's."""
 
     row: int
     entry: tuple
@@ -69,13 +69,13 @@ def edges(polygon):
     return zip(polygon.points, np.roll(polygon.points, -1, axis=0), polygon.sides, strict=True)
 
 
-def common_side(polygon, one, other):
+def common_side(polygon, first, second):
     """On which side two places of a polygon lie, None if on no common edge."""
-    on = (side for a, b, side in edges(polygon) if is_on(one, a, b) and is_on(other, a, b))
+    on = (side for a, b, side in edges(polygon) if is_on(first, a, b) and is_on(second, a, b))
     return next(on, None)
 
 
-def holds(polygon, place):
+def contains(polygon, place):
     """Whether a place lies in a polygon or on its boundary."""
     return all(height(place, a, b) > -SAME for a, b, _ in edges(polygon))
 
@@ -99,7 +99,7 @@ def segment_from(
         if joined is not None:
             return joined
     found = (segment(path, state, row, entry, direction, lean) for row, entry in ahead)
-    return next((one for one in found if one is not None), None)
+    return next((segment for segment in found if segment is not None), None)
 
 
 def segment(path, state, row, entry, direction, lean=None):
@@ -145,7 +145,7 @@ def segment(path, state, row, entry, direction, lean=None):
     x = state.node.x[state.quads[row]]
     reach = MERGE * size / float(np.linalg.norm(x[(side + 1) % 4] - x[side]))
     for known in path.film.topology.crossings(ring[side], ring[(side + 1) % 4]):
-        if abs(known - s) < reach and holds(polygon, on_side(side, known)):
+        if abs(known - s) < reach and contains(polygon, on_side(side, known)):
             places.insert(0, on_side(side, known))
     for place in places:
         if common_side(polygon, entry, place) is None:
@@ -210,7 +210,7 @@ def _past_a_corner(path, row, entry, off, ahead):
         s_a, s_b = (along_side(side, points[i % n]) for i in (edge, edge + 1))
         s = s_a + along * (s_b - s_a)
         known = path.film.topology.crossings(ring[side], ring[(side + 1) % 4])
-        if all(abs(one - s) >= CORNER for one in known):
+        if all(abs(crossing - s) >= CORNER for crossing in known):
             return Segment(row, entry, on_side(side, s), side, -1)
     return None
 
@@ -228,14 +228,14 @@ def _first_edge(polygon, entry, off, ahead):
         if off[i] * off[j] > 0.0 or off[i] == off[j] or is_on(entry, a, b):
             continue
         along = float(off[i] / (off[i] - off[j]))
-        way = float(ahead[i] + along * (ahead[j] - ahead[i]))
-        if 0.0 < way < best:
-            best, found = way, (i, along)
+        far = float(ahead[i] + along * (ahead[j] - ahead[i]))
+        if 0.0 < far < best:
+            best, found = far, (i, along)
     return found
 
 
 def place_of(path, state, tip):
-    """Return where a tip is, and in which direction it came, of any length."""
+    """Return where a tip is, and in which direction it ran, of any length."""
     (row, entry), *_ = path.film.rows_ahead(tip)
-    forward = path.film.carried_on(row, entry, tip.heading)
+    forward = path.film.heading_weights(row, entry, tip.heading)
     return path.film.place_in(state, row, entry), forward @ state.node.x[state.quads[row]]

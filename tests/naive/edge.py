@@ -1,4 +1,4 @@
-"""The way of a cable around a round cutting edge, by search."""
+"""The path of a cable around a round cutting edge, by search."""
 
 import numpy as np
 import scipy.optimize

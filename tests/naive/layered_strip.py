@@ -28,7 +28,7 @@ def moduli(material):
         e1, e2 = material.young_along, material.young_across
         nu = through = material.poisson
         shear = material.shear_through_across, material.shear_through, material.shear
-        shear = [one or material.shear for one in shear]
+        shear = [modulus or material.shear for modulus in shear]
         angle = np.radians(material.angle_deg)
     compliance = np.diag([1 / e1, 1 / e2, 1 / e2, *(1 / np.array(shear))])
     for i, j, ratio in ((0, 1, nu / e1), (0, 2, through / e1), (1, 2, through / e2)):

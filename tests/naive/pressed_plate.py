@@ -1,7 +1,7 @@
 """A round plate under a point load, large deflections, layers that follow deformation theory.
 
 The energy of Föppl-von Kármán, with the slope t of a plate that hangs down and the displacement u
-towards its rim,
+towards its border,
 
     e_r = u' + t²/2,  e_theta = u/r,  k_r = t',  k_theta = t/r,
 
@@ -56,15 +56,15 @@ class Section:
     """Layers, the first one at the face that the load presses out."""
 
     def __init__(self, layers):
-        self.thickness = sum(one.thickness for one in layers)
+        self.thickness = sum(layer.thickness for layer in layers)
         place, weight = np.polynomial.legendre.leggauss(4)
         self.points, outer = [], 0.5 * self.thickness
-        for one in layers:
-            z = outer - 0.5 * one.thickness * (1.0 + place)
+        for layer in layers:
+            z = outer - 0.5 * layer.thickness * (1.0 + place)
             self.points += [
-                (at, 0.5 * one.thickness * w, one) for at, w in zip(z, weight, strict=True)
+                (at, 0.5 * layer.thickness * w, layer) for at, w in zip(z, weight, strict=True)
             ]
-            outer -= one.thickness
+            outer -= layer.thickness
 
     def forces(self, strain):
         """Return (N_r, N_theta, M_r, M_theta) of (e_r, e_theta, k_r, k_theta), shape (n, 4)."""
@@ -111,8 +111,8 @@ class Plate:
         self.r = ends[:-1, None] + size[:, None] * 0.5 * (1.0 + place)
         self.weight = 0.5 * size[:, None] * weight
         self.unknown = np.zeros(2 * self.n)
-        held = [0, self.n - 1, self.n, 2 * self.n - 1]
-        self.free = np.setdiff1d(np.arange(2 * self.n), held)
+        fixed = [0, self.n - 1, self.n, 2 * self.n - 1]
+        self.free = np.setdiff1d(np.arange(2 * self.n), fixed)
         self.per_force = np.zeros(2 * self.n)
         each = (self.weight[:, :, None] * self.shape).sum(axis=1) / (2.0 * np.pi)
         np.add.at(self.per_force, self.n + self.nodes, each)

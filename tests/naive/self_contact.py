@@ -1,4 +1,4 @@
-"""Contact of a point with a sheet, by brute force: how deep, and which way out."""
+"""Contact of a point with a sheet, by brute force: how deep, and where it is pushed."""
 
 import numpy as np
 
@@ -14,12 +14,12 @@ def closest_in(p, corners, polygon, n=101):
     polygon = np.asarray(polygon, float)
     around = np.roll(polygon, -1, axis=0)
     s = np.linspace(0.0, 1.0, 20 * n)[:, None, None]
-    rim = (polygon + s * (around - polygon)).reshape(-1, 2)
+    border = (polygon + s * (around - polygon)).reshape(-1, 2)
     least, centre, size = np.inf, polygon.mean(axis=0), 2.0
     for _ in range(6):
         steps = np.linspace(-size, size, n)
         tried = centre + np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-        tried = np.concatenate([tried[holds(polygon, tried)], rim])
+        tried = np.concatenate([tried[contains(polygon, tried)], border])
         xi, eta = tried.T
         distance = np.linalg.norm(shape(xi, eta).T @ corners - p, axis=1)
         least = min(least, distance.min())
@@ -27,7 +27,7 @@ def closest_in(p, corners, polygon, n=101):
     return least
 
 
-def holds(polygon, places):
+def contains(polygon, places):
     inside = np.ones(len(places), bool)
     for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         (dx, dy), (x, y) = b - a, (places - a).T
@@ -41,7 +41,7 @@ def depth_in_plate(p, low, high, thickness, side=0):
     side : of the plate that p is known to be on, 0 if it is not known.
     """
     to_edge = np.array([p[0] - low[0], high[0] - p[0], p[1] - low[1], high[1] - p[1]])
-    ways = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0]], float)
+    directions = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0]], float)
     if to_edge.min() <= 0.0:
         return 0.0, np.zeros(3)
     known = side or (1.0 if p[2] > 0.0 else -1.0)
@@ -50,5 +50,5 @@ def depth_in_plate(p, low, high, thickness, side=0):
         return 0.0, np.zeros(3)
     k = int(np.argmin(to_edge))
     if to_edge[k] < through_face:
-        return to_edge[k], ways[k]
+        return to_edge[k], directions[k]
     return through_face, np.array([0.0, 0.0, known])

@@ -9,9 +9,9 @@ def place_on_sheet(corners, xi, eta, over):
     """The place over a quad's foot, at a distance along its normal, carried by its corners."""
     eps = 1e-6
     c = shape(xi, eta) @ corners
-    one = (shape(xi + eps, eta) - shape(xi - eps, eta)) @ corners
-    two = (shape(xi, eta + eps) - shape(xi, eta - eps)) @ corners
-    n = np.cross(one, two)
+    along_xi = (shape(xi + eps, eta) - shape(xi - eps, eta)) @ corners
+    along_eta = (shape(xi, eta + eps) - shape(xi, eta - eps)) @ corners
+    n = np.cross(along_xi, along_eta)
     return c + over * n / np.linalg.norm(n)
 
 

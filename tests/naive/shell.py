@@ -51,12 +51,12 @@ def thickness_rule(material, n_point):
     return rule
 
 
-def _along(one):
+def _along(law):
     """E' and the shear modulus through the thickness along axis 1 of a layer."""
-    if hasattr(one, "young_along"):
-        nu = one.poisson**2 * one.young_across / one.young_along
-        return one.young_along / (1 - nu), one.shear
-    return one.young / (1 - one.poisson**2), one.young / (2 * (1 + one.poisson))
+    if hasattr(law, "young_along"):
+        nu = law.poisson**2 * law.young_across / law.young_along
+        return law.young_along / (1 - nu), law.shear
+    return law.young / (1 - law.poisson**2), law.young / (2 * (1 + law.poisson))
 
 
 @cache
@@ -70,19 +70,19 @@ def shear_factor(material):
 
     def integral(polynomials):
         return sum(
-            np.diff(one.integ()(np.array(span)))[0]
-            for one, span in zip(polynomials, spans, strict=True)
+            np.diff(polynomial.integ()(np.array(span)))[0]
+            for polynomial, span in zip(polynomials, spans, strict=True)
         )
 
-    z, one = Polynomial([0.0, 1.0]), Polynomial([1.0])
-    z = z - integral(E * z for E in moduli) / integral(E * one for E in moduli)
+    z, unity = Polynomial([0.0, 1.0]), Polynomial([1.0])
+    z = z - integral(E * z for E in moduli) / integral(E * unity for E in moduli)
     S, at_bottom = [], 0.0
     for E, (low, high) in zip(moduli, spans, strict=True):
         S.append((E * z).integ(lbnd=low) + at_bottom)
         at_bottom = S[-1](high)
     flow = integral(E * z**2 for E in moduli)
     energy = integral(s**2 / G for s, G in zip(S, shear, strict=True))
-    return flow**2 / (integral(G * one for G in shear) * energy)
+    return flow**2 / (integral(G * unity for G in shear) * energy)
 
 
 def stress_of(E, normal, elastic, shear_factor):

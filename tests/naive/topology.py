@@ -32,7 +32,7 @@ def crack_length(mesh, state):
 
 
 def parted(state, node, cut):
-    """Groups of the quads at a node when its edges to the nodes ``cut`` no longer hold."""
+    """Groups of the quads at a node when its edges to the nodes ``cut`` no longer connect them."""
     around = [e for e in range(len(state.quads)) if node in state.quads[e]]
     groups = []
     for e in around:

@@ -36,16 +36,16 @@ def measures(film, state, segment):
     if force(film, state, segment) is None:
         return -np.inf, -np.inf
     m, length = across(state, segment)
-    found = force(film, state, segment, held_by=lambda share, closed: share - closed)
+    found = force(film, state, segment, share_of=lambda share, closed: share - closed)
     carries = film.strength * film.shell.material.thickness
     carries *= 0.5 * (behind(film, state, segment) + length)
     return float(found @ m) / carries, float(np.linalg.norm(found)) / carries
 
 
-def force(film, state, segment, held_by=lambda share, closed: share):
+def force(film, state, segment, share_of=lambda share, closed: share):
     """Return F_c [N], shape (3,); None if the cut would part nothing at the tip.
 
-    held_by : how much of a cable's force counts.
+    share_of : how much of a cable's force counts.
     """
     part = shares(film, state, segment)
     d, kappa = np.zeros(3), 0.0
@@ -56,8 +56,8 @@ def force(film, state, segment, held_by=lambda share, closed: share):
                 share = 1.0 if of is None else part[of]
                 mass += share * film.shell.mass[row, corner]
                 total += share * corner_force(film, state, row, corner)
-            for cable, end, held, closed in cables(film, state, segment, members):
-                total += held_by(held, closed) * state.cable.force[cable, end]
+            for cable, end, cable_share, closed in cables(film, state, segment, members):
+                total += share_of(cable_share, closed) * state.cable.force[cable, end]
             d += sign * weight * total / mass
             kappa += weight**2 / mass
     return d / kappa if kappa > 0.0 else None
@@ -65,9 +65,9 @@ def force(film, state, segment, held_by=lambda share, closed: share):
 
 def corner_force(film, state, row, corner):
     """Return the force of a whole row on one of its nodes [N], (3,)."""
-    one = np.array([row]), np.array([state.quads[row, corner]], np.int64)
-    force = film.shell.corner_forces(state, *one)
-    film.loads.add_corner_forces(state, *one, force)
+    at_corner = np.array([row]), np.array([state.quads[row, corner]], np.int64)
+    force = film.shell.corner_forces(state, *at_corner)
+    film.loads.add_corner_forces(state, *at_corner, force)
     return force[0]
 
 
@@ -83,12 +83,12 @@ def pairs(film, segment):
     if segment.along_side:
         # The row lies to the left of its own side; the other, if its film is there, to the right.
         a, b = ring[segment.side], ring[(segment.side + 1) % 4]
-        way = np.subtract([segment.entry, segment.exit], CORNER[segment.side])
-        s = np.linalg.norm(way, axis=1) / 2.0
+        places = np.subtract([segment.entry, segment.exit], CORNER[segment.side])
+        s = np.linalg.norm(places, axis=1) / 2.0
         on = [
             (r, k, up) for r, k, up in topology.rows_beside(a, b) if reaches(topology, r, k, s, up)
         ]
-        (mine,), (other,) = ([r for r, _, up in on if up == way] for way in (True, False))
+        (mine,), (other,) = ([r for r, _, up in on if up == upward] for upward in (True, False))
         ahead = s[0] < s[1]
         parts = {other: None, mine: None}
         topology.break_side(a, b, min(s), max(s))
@@ -103,7 +103,7 @@ def pairs(film, segment):
         sides, parts = (row, new), {row: RIGHT, new: LEFT}
     found = []
     for c, groups in zip(corners, classes, strict=True):
-        both = [next((g for g in groups if any(r == one for r, _ in g)), None) for one in sides]
+        both = [next((g for g in groups if any(r == row for r, _ in g)), None) for row in sides]
         if None not in both and both[0] is not both[1]:
             members = [
                 [(row if parts.get(r) == LEFT else r, k, parts.get(r)) for r, k in group]
@@ -163,13 +163,13 @@ def cables(film, state, segment, members):
 
 def side_of(segment, place):
     """RIGHT or LEFT of a segment, None on it."""
-    way, gap = np.subtract(segment.exit, segment.entry), np.subtract(place, segment.entry)
-    z = way[0] * gap[1] - way[1] * gap[0]
+    along, gap = np.subtract(segment.exit, segment.entry), np.subtract(place, segment.entry)
+    z = along[0] * gap[1] - along[1] * gap[0]
     return None if abs(z) < 1e-9 or segment.along_side else LEFT if z > 0.0 else RIGHT
 
 
 def behind(film, state, segment):
-    """Return L_in [mm]: of one side, and of the corners that part, the area of what holds there."""
+    """Return L_in [mm]: of one side, and of the corners that part, the area of the cables there."""
     every = pairs(film, segment)
     areas = [
         closed * state.cable.area[cable]
@@ -198,9 +198,9 @@ def shares(film, state, segment):
 
 
 def _between(place, a, b):
-    """Whether a place lies on the way from a to b."""
-    ways = np.linalg.norm(np.subtract(place, a)) + np.linalg.norm(np.subtract(place, b))
-    return ways < np.linalg.norm(b - a) + 1e-6
+    """Whether a place lies on the line from a to b."""
+    distances = np.linalg.norm(np.subtract(place, a)) + np.linalg.norm(np.subtract(place, b))
+    return distances < np.linalg.norm(b - a) + 1e-6
 
 
 def across(state, segment):

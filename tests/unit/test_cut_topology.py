@@ -8,9 +8,9 @@ from shellcut.fracture.quad_polygon import (
     FLANK,
     WHOLE,
     along_side,
+    contains,
     density,
     divide,
-    holds,
     on_side,
     share_of,
     span,
@@ -140,8 +140,8 @@ def test_shares_of_random_chords_sum_to_one():
         parts += [right, left]
         assert FLANK in right.sides
         assert FLANK in left.sides
-        assert holds(polygon, tuple(np.mean(right.points, axis=0)))
-        assert not holds(left, tuple(np.mean(right.points, axis=0)))
+        assert contains(polygon, tuple(np.mean(right.points, axis=0)))
+        assert not contains(left, tuple(np.mean(right.points, axis=0)))
     shares = [share_of(polygon, density(X)) for polygon in parts]
     assert min(shares) > 0.0
     assert sum(shares) == pytest.approx(1.0, abs=1e-13)

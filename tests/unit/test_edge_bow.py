@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shellcut import read_tool
-from shellcut.contact.contact_points import contact_points
+from shellcut.contact.tool_points import tool_points
 from shellcut.tool.edge_bow import EdgeBow
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from teeth import arc, disc, rounded, saw, tool_of, tooth, vee
@@ -101,7 +101,7 @@ def test_a_tooth_read_from_stl_has_the_same_points(tmp_path):
     tool = tool_of(tooth(vee(30.0)))
     tool.write(tmp_path / "tooth.stl")
     read = read_tool(tmp_path / "tooth.stl", unit="mm")
-    mine, its = (contact_points(one, 0.4) for one in (tool, read))
+    mine, its = (tool_points(one, 0.4) for one in (tool, read))
     found = []
     for points in (mine, its):
         tip = points.place[points.radius == 0.0]
@@ -114,7 +114,7 @@ def test_a_tooth_read_from_stl_has_the_same_points(tmp_path):
 def test_no_arc_stands_out_between_its_points(radius, size):
     depth = 0.02
     tool = tool_of(tooth(rounded(radius, 60.0, 6.0)))
-    points, bow = contact_points(tool, size, depth), EdgeBow.of(tool)
+    points, bow = tool_points(tool, size, depth), EdgeBow.of(tool)
     on = np.flatnonzero(points.arc >= 0)
     nose = tool.edges[bow.radius < 1.01 * radius]
     for angle in np.radians(np.arange(-40.0, 41.0, 10.0)):

@@ -82,7 +82,7 @@ def test_energy_is_an_identity_to_round_off():
 
 @pytest.mark.parametrize("first", [True, False], ids=["first kick", "later"])
 @pytest.mark.parametrize("alpha", [0.0, 3e5])
-def test_kick_and_drift_are_those_of_the_plain_twin_whatever_is_held(first, alpha):
+def test_kick_and_drift_are_those_of_the_plain_reference_whatever_is_supported(first, alpha):
     """Twenty-one nodes, each with other components held, at rest or moved, from any velocity."""
     mesh = rectangle(6.0, 2.0, n_x=6, n_y=2)
     state, scheme = initial_state(mesh), CentralDifference(damping_alpha=alpha)

@@ -20,7 +20,7 @@ import shellcut
 from shellcut.command_line import keys
 from shellcut.command_line.main import main
 from shellcut.numerics.jit import inline, kernel
-from shellcut.signals import HeldBack, Interruption, RaisedAgain, is_command
+from shellcut.signals import Interruption, RaisedAgain, SignalsDeferred, is_command
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 
@@ -168,14 +168,14 @@ def ctrl_c():
 @pytest.mark.parametrize("number", SIGNALS)
 def test_signals_are_held_back_and_raised_once_after_the_block(received, number):
     before = handlers()
-    with HeldBack():
-        with HeldBack():
+    with SignalsDeferred():
+        with SignalsDeferred():
             signal.raise_signal(number)
             signal.raise_signal(number)
         assert received == []
     assert received == [number]
     assert handlers() == before
-    with pytest.raises(ZeroDivisionError), HeldBack():
+    with pytest.raises(ZeroDivisionError), SignalsDeferred():
         1 / 0  # noqa: B018
     assert handlers() == before
 
@@ -183,9 +183,9 @@ def test_signals_are_held_back_and_raised_once_after_the_block(received, number)
 def test_what_ends_the_process_or_is_ignored_is_left_as_it_is(received):
     for handler in (signal.SIG_IGN, signal.SIG_DFL):
         signal.signal(signal.SIGTERM, handler)
-        with HeldBack():
+        with SignalsDeferred():
             assert signal.getsignal(signal.SIGTERM) is handler
-    thread = threading.Thread(target=lambda: HeldBack().__enter__())
+    thread = threading.Thread(target=lambda: SignalsDeferred().__enter__())
     before = handlers()
     thread.start()
     thread.join()

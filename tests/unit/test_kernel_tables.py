@@ -10,9 +10,9 @@ from numba.core.runtime import _nrt_python, rtsys
 
 from shellcut.arrays import Bools, Floats, Ints, Numbers
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
+from shellcut.numerics.table_address import TableWriter
 
 
 class Bars(NamedTuple):
@@ -127,33 +127,33 @@ def _frame() -> Frame:
     return Frame(heavy=True, rods=rods, count=3, scale=0.5, pair=(7.0, 11.0))
 
 
-def test_kernels_read_and_write_through_a_held_table_which_keeps_its_arrays_alive():
+def test_kernels_read_and_write_through_a_table_address_which_keeps_its_arrays_alive():
     frame = _frame()
-    hold, call = Holder(), BoundOnce(_sum_up)
-    held = hold(frame)
-    assert call(held, 1.0) == 11.0 + 0.5 * (2.0 + 5.0 * 7)
+    address_of, call = TableWriter(), BoundOnce(_sum_up)
+    address = address_of(frame)
+    assert call(address, 1.0) == 11.0 + 0.5 * (2.0 + 5.0 * 7)
     assert frame.rods.pull.tolist() == [3.0, 4.0, 6.0]
-    assert call(held, 0.0) == BoundOnce(_sum_up)(frame, 0.0)
+    assert call(address, 0.0) == BoundOnce(_sum_up)(frame, 0.0)
     # Written from outside, it is read at the next call: the arrays are the same ones.
     frame.rods.pull[:] = 1.0
     grown = frame._replace(rods=Rods(*(np.repeat(rows, 2, axis=0) for rows in frame.rods)), count=6)
-    assert call(hold(grown), 0.0) == 11.0 + 2 * 0.5 * 8
+    assert call(address_of(grown), 0.0) == 11.0 + 2 * 0.5 * 8
     del frame, grown
     gc.collect()
     others = [np.full(3, 1e300) for _ in range(100)]
-    assert call(held, 0.0) == 11.0 + 0.5 * 8
+    assert call(address, 0.0) == 11.0 + 0.5 * 8
     assert len(others) == 100
 
 
 def test_other_types_are_refused():
-    hold = Holder()
+    address_of = TableWriter()
     frame = _frame()
-    hold(frame)
+    address_of(frame)
     single = frame.rods._replace(pull=frame.rods.pull.astype(np.float32))
     with pytest.raises(TypeError, match="other types"):
-        hold(frame._replace(rods=single))
+        address_of(frame._replace(rods=single))
     with pytest.raises(TypeError, match=r"Rods\.free must be an array of bool"):
-        Holder()(frame._replace(rods=frame.rods._replace(free=frame.rods.pull)))
+        TableWriter()(frame._replace(rods=frame.rods._replace(free=frame.rods.pull)))
 
 
 @always_inline

@@ -435,7 +435,7 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
         (
             "[motion]",
             '[fracture]\npath = "imprint"\n[motion]',
-            "got 'imprint'; cracks go through the quads of any mesh: take path = 'free', or leave",
+            "got 'imprint'; cracks run through the quads of any mesh: take path = 'free', or leave",
         ),
         ('model = "', 'precision = "single"\nmodel = "', "precision; leave it out: all is"),
         ("[motion]", "[output]\npvd = true\n[motion]", "[output].pvd; leave it out: ParaView"),

@@ -1,6 +1,6 @@
 """A law with history in a file of its own, tests/unit/damaging_film.py, and nothing else.
 
-Forces, output, criterion, ledger, checkpoint and frames ask it; a plain twin and closed forms say
+Forces, output, criterion, ledger, checkpoint and frames ask it; a reference and closed forms say
 what must come out.
 """
 
@@ -47,7 +47,7 @@ LAMINATE = ShellMaterial([Layer(EVEN, 0.05), Layer(TOY, 0.03)])
 FILMS = {"film": FILM, "laminate": LAMINATE}
 
 
-# ---------------------------------------------------------------- twin
+# ---------------------------------------------------------------- reference
 
 
 def damaged(psi, kappa):
@@ -110,7 +110,7 @@ def naive_step(mesh, x, t, film, history):
 @pytest.mark.parametrize(
     ("case", "film"), [*((case, "film") for case in cases.ALL), ("curved", "laminate")]
 )
-def test_forces_and_energies_are_those_of_the_twin_there_and_back(case, film):
+def test_forces_and_energies_are_those_of_the_reference_there_and_back(case, film):
     mesh = cases.ALL[case](2, 2)
     shell, state = cases.set_up(mesh, FILMS[film])
     n, history, turn = mesh.n_node, {}, TURNED

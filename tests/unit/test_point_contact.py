@@ -9,8 +9,8 @@ from blunt_tools import ball, box, needle
 from naive.booking import book
 from naive.contact import smoothed
 from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, opening_test
-from shellcut.contact.contact_points import contact_points
 from shellcut.contact.sheet_contact import felt_nodes
+from shellcut.contact.tool_points import tool_points
 from shellcut.contact.unfelt_depth import ToolWires
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.pose import Pose
@@ -84,7 +84,7 @@ def stiffness_of(sim, points, row):
 
 
 def test_a_box_pushes_with_corners_and_edges():
-    points = contact_points(box((0, 0, 0), (1, 1, 1)), 0.5)
+    points = tool_points(box((0, 0, 0), (1, 1, 1)), 0.5)
     # Eight corners, three points on each of twelve edges; none on the diagonals of the faces.
     assert len(points.place) == 8 + 12 * 3
     on_edge = (np.isclose(points.place, 0) | np.isclose(points.place, 1)).sum(axis=1)
@@ -95,7 +95,7 @@ def test_a_box_pushes_with_corners_and_edges():
 
 def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     ring = tooth_ring(n_teeth=1)
-    points = contact_points(ring, 0.4)
+    points = tool_points(ring, 0.4)
     ends = ring.vertices[ring.edges]
     tip = ends.reshape(-1, 3)[ends.reshape(-1, 3)[:, 2].argmin()]
     away = np.linalg.norm(points.place - tip, axis=1)
@@ -109,7 +109,7 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     foot = start + share[:, None] * vector
     np.testing.assert_allclose(points.place[on], foot, atol=1e-9)
     assert ((share > 0.0) & (share < 1.0 + 1e-9)).all()
-    blade = contact_points(straight_blade(height=3.0), 0.4)
+    blade = tool_points(straight_blade(height=3.0), 0.4)
     z = np.sort(blade.place[np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9, 2])
     assert abs(z[[0, -1]]).max() == 1.5
     assert np.diff(z).max() < 0.2 + 1e-9
@@ -119,14 +119,14 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
 
 
 def test_points_are_spread_and_share_their_stiffness():
-    points = contact_points(ball(2.0, 3), 0.8)
+    points = tool_points(ball(2.0, 3), 0.8)
     gaps = np.linalg.norm(points.place[:, None] - points.place[None], axis=2)
     np.fill_diagonal(gaps, np.inf)
     assert gaps.min() >= 0.4 * 0.8
     # What a node between them gets from all: about one node's stiffness.
     weight = np.clip(1.0 - gaps / 0.8, 0.0, None) @ points.share + points.share
     assert 0.8 < np.median(weight) < 1.25
-    alone = contact_points(needle(), 0.8)
+    alone = tool_points(needle(), 0.8)
     tip = np.linalg.norm(alone.place, axis=1).argmin()
     assert alone.share[tip] > 0.9
 

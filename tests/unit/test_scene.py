@@ -51,7 +51,7 @@ class TestCanvas:
         corners = rng.uniform(0.0, 1.0, size=(40, 3, 3)) * [60.0, 50.0, 9.0]
         canvas = Canvas((50, 60))
         canvas.draw(corners, RED)
-        # slow twin: every pixel against every triangle
+        # slow reference: every pixel against every triangle
         y, x = np.divmod(np.arange(50 * 60), 60)
         wanted = np.full(50 * 60, -np.inf)
         for triangle in corners:
@@ -68,7 +68,7 @@ class TestCanvas:
         canvas = Canvas((40, 40))
         canvas.draw(corners, greys, np.array([[0.0, 1.0, 0.5]]))
         y, x = np.divmod(np.arange(40 * 40), 40)
-        wanted = ((x + 0.5) + 0.5 * (y + 0.5)) / 40.0  # slow twin: barycentric
+        wanted = ((x + 0.5) + 0.5 * (y + 0.5)) / 40.0  # slow reference: barycentric
         seen = np.isfinite(canvas.depth)
         assert seen.sum() > 700
         np.testing.assert_allclose(canvas.color[seen, 0], wanted[seen], atol=0.5 / 255.0 + 1e-6)
@@ -98,7 +98,7 @@ class TestCanvas:
         canvas.darken(camera, lamp, seen)
         y, x = np.divmod(np.arange(200 * 200), 200)
         at = camera.points(np.stack((x + 0.5, y + 0.5, canvas.depth), axis=1))
-        # slow twin: where the ray to the lamp meets the plane of the lid
+        # slow reference: where the ray to the lamp meets the plane of the lid
         over = at + LAMP / LAMP[2] * 3.0
         inside = np.abs(over[:, :2]).max(axis=1)
         dark = canvas.color[:, 0] < 0.99

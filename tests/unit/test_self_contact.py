@@ -7,8 +7,8 @@ import shellcut as sc
 from naive.contact import smoothed
 from naive.self_contact import closest_in, depth_in_plate
 from shellcut.contact.film_outline import FilmOutline
-from shellcut.contact.look_at_quad import closest_place, corners_of
 from shellcut.contact.pair_search import PairSearch, Points
+from shellcut.contact.quad_distance import closest_place, corners_of
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.numerics.jit import kernel

@@ -345,7 +345,7 @@ def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     topology = sim.cracks.cuts.topology
     path = CrackPath(CutFilm(topology, sim.shell))
     direction = FreeDirection(sim.shell, path.film, sim.law)
-    way = next(direction.ways(sim.state, tip))
+    way = next(direction.directions(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load
 
 

@@ -1,4 +1,4 @@
-"""The kernels of cracks through quads find what their plain twins find, tip by tip."""
+"""The kernels of cracks through quads find what their plain references find, tip by tip."""
 
 from contextlib import suppress
 from itertools import pairwise
@@ -302,7 +302,7 @@ def trial_of(sim):
 
 
 def measures_of(sim, segment):
-    """Return the force across the segment, by the plain twin, and that of a tear."""
+    """Return the force across the segment, by the plain reference, and that of a tear."""
     film = trial_cut.Film(sim.cracks.cuts.topology, sim.shell, sim.loads, sim.law.strength)
     return (
         trial_cut.measures(film, sim.state, segment)[0],

@@ -1,4 +1,4 @@
-"""Laws between logarithmic strain and its stress: plain twin, closed forms, refusals."""
+"""Laws between logarithmic strain and its stress: plain reference, closed forms, refusals."""
 
 import numba as nb
 import numpy as np
@@ -52,15 +52,15 @@ KINDS = {
 
 @nb.njit
 def _of_one(E):
-    e, way = logarithmic_strain((E[0], E[1], E[2]))
-    return np.array(e), np.array(second_piola_kirchhoff((1.0, 0.5, 0.3), way))
+    e, transform = logarithmic_strain((E[0], E[1], E[2]))
+    return np.array(e), np.array(second_piola_kirchhoff((1.0, 0.5, 0.3), transform))
 
 
 @nb.njit
 def _of_eight(table, found):
     strain = (pick(table, 0, 0, None), pick(table, 0, 1, None), pick(table, 0, 2, None))
-    e, way = logarithmic_strain(strain)
-    S = second_piola_kirchhoff((e[0], e[1], e[2]), way)
+    e, transform = logarithmic_strain(strain)
+    S = second_piola_kirchhoff((e[0], e[1], e[2]), transform)
     for k in range(3):
         put(found, 0, k, None, (e[0], e[1], e[2])[k])
         put(found, 0, 3 + k, None, (S[0], S[1], S[2])[k])
@@ -70,13 +70,13 @@ def _of_eight(table, found):
 
 
 @nb.njit
-def _both_ways(E, bulk, shear):
-    """Return S, t², |T_d|² and energy by the short and the long way, and whether E is small."""
+def _both_forms(E, bulk, shear):
+    """Return S, t², |T_d|² and energy by the short and the long form, and whether E is small."""
     e = (E[0], E[1], E[2])
     S, of_mean, of_shear, stored = small_isotropic(e, bulk, shear)
-    (both, unlike, slip), way = sum_and_difference(e)
+    (both, unlike, slip), transform = sum_and_difference(e)
     t, Tu, Tv = bulk * both, shear * unlike, shear * slip
-    L = piola_of_mean(t, Tu, Tv, way)
+    L = piola_of_mean(t, Tu, Tv, transform)
     energy = 0.5 * (t * both + Tu * unlike + Tv * slip)
     short = np.array([S[0], S[1], S[2], of_mean, of_shear, stored])
     long = np.array([L[0], L[1], L[2], t * t, Tu * Tu + Tv * Tv, energy])
@@ -93,12 +93,12 @@ def _strains(size, rng):
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 0.03, 0.1, 0.3, 1.0, 2.0])
-def test_strain_and_way_back_are_those_of_eigenvectors(size):
+def test_strain_and_transformed_stress_are_those_of_eigenvectors(size):
     rng = np.random.default_rng(5)
     for _ in range(20):
         E = _strains(size, rng)
         e, S = _of_one(E)
-        # Round-off of the twin: of ln(1 + x), and of differences of the fourth order.
+        # Round-off of the reference: of ln(1 + x), and of differences of the fourth order.
         np.testing.assert_allclose(e, naive.logarithm(E), rtol=1e-13, atol=1e-15)
         wanted = naive.second_piola_kirchhoff([1.0, 0.5, 0.3], E)
         np.testing.assert_allclose(S, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
@@ -123,8 +123,8 @@ def test_series_of_every_range_of_strains_are_exact_to_the_last_places(size, sha
 
 @pytest.mark.parametrize("size", [1e-9, 1e-4, 2e-3, 4.4e-3])
 @pytest.mark.parametrize("shape", [(1.0, -0.3, 0.0), (1.0, 0.3, 0.2), (0.0, 0.0, 1.3), (1.0, 1, 0)])
-def test_the_short_way_of_an_elastic_film_is_the_long_one(size, shape):
-    short, long, small = _both_ways(size * np.array(shape), 1200.0, 650.0)
+def test_the_short_form_of_an_elastic_film_is_the_long_one(size, shape):
+    short, long, small = _both_forms(size * np.array(shape), 1200.0, 650.0)
     assert small
     largest = np.sqrt(long[3:5].max())
     # A few roundings of doubles, of the largest component.
@@ -134,8 +134,8 @@ def test_the_short_way_of_an_elastic_film_is_the_long_one(size, shape):
 
 
 def test_the_short_way_is_left_where_strains_are_not_small():
-    assert not _both_ways(np.array([0.01, 0.0, 0.0]), 1.0, 1.0)[2]
-    assert not _both_ways(np.array([0.0, 0.0, 0.01]), 1.0, 1.0)[2]
+    assert not _both_forms(np.array([0.01, 0.0, 0.0]), 1.0, 1.0)[2]
+    assert not _both_forms(np.array([0.0, 0.0, 0.01]), 1.0, 1.0)[2]
 
 
 def test_lanes_are_the_numbers_one_by_one():

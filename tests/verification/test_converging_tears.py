@@ -171,7 +171,7 @@ def test_a_tear_beside_a_fold_goes_where_energy_is_released():
     path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
     tip = next(one for one in free.tips if path.film.at_tip(one, sim.state.node.X)[1] > 0.0)
     direction = FreeDirection(sim.shell, path.film, SHORT)
-    x, y, z = next(direction.ways(sim.state, tip))
+    x, y, z = next(direction.directions(sim.state, tip))
     along, inward = force_on_a_tip(sim, 2.0)
     # The sheet is lifted at the tip, and its base with it: a degree; measured 6.6 and 7.5.
     lean = np.degrees(np.arctan2(-y, np.hypot(x, z)))

@@ -239,7 +239,7 @@ def test_a_notch_lies_in_the_plane_of_its_line_and_of_the_normal_at_the_rim(film
 
 def test_a_notch_beside_the_film_is_refused(film):
     sim = blade_across(film("cap", 0.0), 0.0, 20.0, -30.0)
-    with pytest.raises(ValueError, match="no side of the rim"):
+    with pytest.raises(ValueError, match="no side of the border"):
         sim.notch((-9.0, 0.0, 2.0), (-4.0, 0.0, 2.0))
 
 

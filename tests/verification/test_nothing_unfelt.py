@@ -1,7 +1,7 @@
 """Nothing goes deeper than half a thickness unfelt: no tool into film, no film's edge into a tool.
 
 In the ready models with a tool, the finer ones in short form: the trouser test has none. A needle
-between nodes is in tests/unit/test_point_contact.py, a round bar in test_edge_contact.py there.
+between nodes is in tests/unit/test_point_contact.py, a round bar in test_border_contact.py there.
 """
 
 import numpy as np

@@ -10,7 +10,7 @@ import shellcut
 from films import unstructured_disc
 from page_tables import numbers_of, shown, table
 from shellcut import CohesiveLaw, Fracture, MeasuredCurve, Recorder, ShellMaterial, opening_test
-from shellcut.contact.contact_points import contact_points
+from shellcut.contact.tool_points import tool_points
 from shellcut.fracture.puncture import puncture_force
 from shellcut.results.verdict import verdict
 from shellcut.tool.shapes import tooth_ring
@@ -142,7 +142,7 @@ def test_a_force_of_ones_own_takes_its_place():
 @pytest.mark.parametrize("size", [0.1, 0.4, 0.8])
 def test_every_end_of_a_cutting_edge_has_its_point(radius, size):
     tool = tooth_ring(edge_radius=radius)
-    points = contact_points(tool, size)
+    points = tool_points(tool, size)
     ends = np.flatnonzero(np.bincount(tool.edges.ravel(), minlength=tool.n_vertex) == 1)
     assert len(ends) >= 4
     tips = points.place[points.radius == 0.0]

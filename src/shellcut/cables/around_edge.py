@@ -1,4 +1,4 @@
-r"""The way of a cable around the cutting edge, sharp or with a radius.
+r"""The path of a cable around the cutting edge, sharp or with a radius.
 
 Seen along the edge, e pointing at the viewer, let the joint be at the origin, with b to the side of
 an end of the cable and k into the blade. The end is at (y, z), and at the distance a along e.
@@ -6,8 +6,9 @@ an end of the cable and k into the blade. The end is at (y, z), and at the dista
 *Sharp edge.* The branch is the straight line of length l = sqrt(rho² + a²), rho = |(y, z)|.
 
 *Edge of radius r.* The round is the cylinder about (0, r); the joint lies on its nose line. Each
-branch takes the shortest way from the joint to its end outside the cylinder, which is straight on
-the surface unrolled: it winds along the round up to the tangent point and goes straight from there,
+branch follows the shortest path from the joint to its end outside the cylinder, which is straight
+on the surface unrolled: it winds along the round up to the tangent point and is straight from
+there,
 
     rho = r beta + t,    t = sqrt(D² - r²),    beta = atan2(y, r - z) - arccos(r/D),
 
@@ -20,7 +21,7 @@ side is beta, or for the straight line atan2(z, y).
 
 So r enters only rho, the direction of the pull and the turn, and with r = 0 these are those of the
 sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction a steady cut
-takes G h whatever r is, as all of the work still goes into the law.
+needs G h whatever r is, as all of the work is still done against the law.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Branch(NamedTuple):
     place: float
     """Of the end along the segment [mm]."""
     rho: float
-    """Length of the way, seen along the edge [mm]."""
+    """Length of the path, seen along the edge [mm]."""
     turn: float
     """By which the edge turns it [rad]."""
     pull: tuple[float, float]
@@ -82,7 +83,7 @@ def side_of(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> float:
 
 
 @always_inline
-def way_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float, Vec3]:
+def path_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float, Vec3]:
     """Return the length of a branch to a joint at s along segment k, and minus its gradient.
 
     The gradient is that by the place of the end, in the body frame; its length is 1 but for an end
@@ -102,7 +103,7 @@ def way_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float
     return length, combine(1.0, across, lean / norm(v), v)
 
 
-class Way(NamedTuple):
+class CablePath(NamedTuple):
     """A cable around the edge, with its joint at some point of it."""
 
     minus: float
@@ -116,10 +117,10 @@ class Way(NamedTuple):
 
 
 @always_inline
-def way_around(
+def path_around(
     c: int, minus: Vec3, plus: Vec3, edges: CuttingEdges, edge: Ints, joint_body: Floats
-) -> Way:
-    """Return the way of cable c from minus to plus, in the body frame.
+) -> CablePath:
+    """Return the path of cable c from minus to plus, in the body frame.
 
     edge, joint_body : segment and joint of each cable, as in the state.
     """
@@ -128,7 +129,7 @@ def way_around(
     first, second = branch_to(minus, -side, k, edges), branch_to(plus, side, k, edges)
     v = segment_part(edges.segments, k, VECTOR)
     s = dot(sub(load(joint_body, c), segment_part(edges.segments, k, START)), v) / norm(v)
-    length_minus, pull_minus = way_to(first, s, k, edges)
-    length_plus, pull_plus = way_to(second, s, k, edges)
+    length_minus, pull_minus = path_to(first, s, k, edges)
+    length_plus, pull_plus = path_to(second, s, k, edges)
     arc = max(first.turn, 0.0) + max(second.turn, 0.0)
-    return Way(length_minus, length_plus, pull_minus, pull_plus, arc)
+    return CablePath(length_minus, length_plus, pull_minus, pull_plus, arc)

@@ -14,7 +14,7 @@ from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add, dot, load, norm, scale, store, sub
 from shellcut.tool.pose import Pose, to_body, to_space, turn
 
-from .around_edge import way_around
+from .around_edge import path_around
 from .cable_tables import CableRows, CableTables
 from .cohesive_law import SHORT_BRANCH
 from .joint_slip import drag_on_arc, grip, slide
@@ -48,22 +48,22 @@ def bend(
     cables, edges, joint, belt = tables.cables, tables.edges, tables.joint, 0.0
     slipped = moved_minus = moved_plus = (0.0, 0.0, 0.0)
     if joint.slips:
-        carried = to_space(load(cables.joint_body, c), pose)
+        body_point = to_space(load(cables.joint_body, c), pose)
         belt = slide(c, to_body(minus, pose), to_body(plus, pose), edges, joint, cables)
     p = to_space(load(cables.joint_body, c), pose)
     if joint.slips:
-        slipped = sub(p, carried)
+        slipped = sub(p, body_point)
     moved = sub(p, load(cables.joint, c))
     store(cables.joint, c, p)
     arc = 0.0
     if edges.radius > 0.0:
         at_minus, at_plus = to_body(minus, pose), to_body(plus, pose)
-        way = way_around(c, at_minus, at_plus, edges, cables.edge, cables.joint_body)
-        ell_minus, ell_plus, arc = way.minus, way.plus, way.arc
+        path = path_around(c, at_minus, at_plus, edges, cables.edge, cables.joint_body)
+        ell_minus, ell_plus, arc = path.minus, path.plus, path.arc
         if ell_minus >= tables.law[SHORT_BRANCH]:
-            keep_direction(cables.branch, c, 0, turn(way.pull_minus, pose))
+            keep_direction(cables.branch, c, 0, turn(path.pull_minus, pose))
         if ell_plus >= tables.law[SHORT_BRANCH]:
-            keep_direction(cables.branch, c, 1, turn(way.pull_plus, pose))
+            keep_direction(cables.branch, c, 1, turn(path.pull_plus, pose))
         moved_minus = sub(minus, to_space(at_minus, before))
         moved_plus = sub(plus, to_space(at_plus, before))
     else:
@@ -99,6 +99,7 @@ def _branch_lengths(
     """Return the lengths of the branches to a joint at p [mm]; write the directions of the ends."""
     to_minus, to_plus = sub(p, minus), sub(p, plus)
     length_minus, length_plus = norm(to_minus), norm(to_plus)
+    # A shorter branch keeps its direction: the bound sigma A / ell on the stiffness stays finite.
     if length_minus >= short_branch:
         keep_direction(cables.branch, c, 0, scale(1.0 / length_minus, to_minus))
     if length_plus >= short_branch:

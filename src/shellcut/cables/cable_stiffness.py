@@ -1,10 +1,10 @@
-"""How stiffly cables hold the nodes, for the bound on the step.
+"""The stiffness of cables on the nodes, for the bound on the step.
 
-Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
-sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds two nodes
-that may move against each other: twice that on each. Friction around the edge adds
-sigma A kappa / stick along the branches. A cable between nodes is no stiffer than shares of it at
-them (:func:`shellcut.fracture.flank_points.hand_on_stiffness`).
+Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch sigma A
+/ ell^±; along it both have the slope of unloading times A. A straight cable acts on two nodes that
+may move against each other: twice that on each. Friction around the edge adds sigma A kappa / stick
+along the branches. A cable between nodes is no stiffer than shares of it at them
+(:func:`shellcut.fracture.flank_points.hand_on_stiffness`).
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from shellcut.state import BROKEN, JOINTED
 from .cohesive_law import CohesiveLaw, envelope, unloading_slope
 
 
-class HeldCables(NamedTuple):
-    """What is asked of the cables, by the names of :class:`shellcut.state.CableTable`."""
+class CableColumns(NamedTuple):
+    """What is needed of the cables, by the names of :class:`shellcut.state.CableTable`."""
 
     ends: Annotated[Ints, "(n_cable, 2)"]
     far: Annotated[Ints, "(n_cable, 2)"]
@@ -43,7 +43,7 @@ class Compliance(NamedTuple):
     short_branch: float
     """Least of a branch."""
     stick: float
-    """Way of a cable around the edge over which friction sets in."""
+    """Sliding distance of a cable around the edge over which friction sets in."""
     grip: float
     """Largest kappa."""
 
@@ -57,14 +57,14 @@ class Compliance(NamedTuple):
 def cable_stiffness(
     count: int,
     x: Floats,
-    cables: HeldCables,
+    cables: CableColumns,
     law: Floats,
     at_edge: Floats,
     within: Compliance,
     node: Ints,
     stiffness: Floats,
 ) -> int:
-    """Write the ends of the first ``count`` cables that hold, and bounds of their stiffness [N/mm].
+    """Write the ends of the first ``count`` cables that carry, and bounds of stiffness [N/mm].
 
     x : of the nodes (n_node, 3).  law, at_edge : of straight and jointed cables, from
     :meth:`CohesiveLaw.parameters`.  node, stiffness : (4 n_cable,), written; returns how many.
@@ -87,10 +87,12 @@ def cable_stiffness(
             if jointed:
                 end = combine(1.0 - share, load(x, here), share, load(x, there))
                 branch = max(norm(sub(load(cables.joint, c), end)), within.short_branch)
+                # Across the branch pull over length, along it the unloading; friction adds to that.
                 k = max(pull / branch, slope) + pull * within.grip / within.stick
             else:
+                # Both nodes may move against each other: twice the stiffness on each.
                 k = 2.0 * max(pull / (max(cables.opening[c], 0.0) + within.sharpest), slope)
-            # Where both flanks are at one node, at a tip, the cable holds nothing.
+            # Where both flanks are at one node, at a tip, the cable acts on nothing.
             if share < 1.0 and cables.ends[c, 0] != cables.ends[c, 1]:
                 node[n], stiffness[n] = here, (1.0 - share) * k
                 n += 1

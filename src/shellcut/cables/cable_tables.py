@@ -1,4 +1,4 @@
-"""What the kernel of the cables takes, in named tables."""
+"""Arguments of the kernel of the cables, in named tables."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ class JointLaw(NamedTuple):
     friction: float
     """mu."""
     stick: float
-    """Way over which friction around the edge sets in [mm]."""
+    """Sliding distance over which friction around the edge sets in [mm]."""
     onward: Annotated[Ints, "(n_edge, 2)"]
     """Segments before and after each one of its chain, -1 at an open end."""
 
 
 class CableTables(NamedTuple):
-    """All that the kernel takes and that lasts until the next split."""
+    """Arguments of the kernel that last until the next split."""
 
     n_cable: int
     """Number of cables; the rows beyond are in reserve."""

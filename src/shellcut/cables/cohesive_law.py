@@ -38,16 +38,16 @@ from shellcut.numerics.jit import inline, kernel
 Joint: TypeAlias = Literal["adhesion", "slip", "free"]
 
 # Over onset: a short branch is then stiffer than a cable at its birth, sigma_F A / delta_0, by no
-# more than this, and the step is short for that one anyway.
+# more than this, and the step is short for that cable anyway.
 _SHORT_BRANCH = 0.2
 # Over opening_u, for the literal form of the paper, which has no onset.
 _SHORT_BRANCH_WITHOUT_ONSET = 1.0 / 4000.0
 
-# Over opening_u: the force of the equilibrium start is gone when the law has hardly begun, after
-# more openings than a cable makes in a step.
+# Over opening_u: the force of the equilibrium start has vanished when the law has hardly begun,
+# after more openings than a cable makes in a step.
 _START_OPENING = 1.0 / 80.0
 
-# Over opening_u: friction around the edge sets in over this way. Its stiffness at the start,
+# Over opening_u: friction around the edge sets in over this distance. Its stiffness at the start,
 # sigma A / stick, is below that of a new cable.
 _STICK = 1.0 / 400.0
 
@@ -65,7 +65,7 @@ class CohesiveLaw:
     Raises
     ------
     ValueError
-        If the law does not decrease, or the joint does not go with its friction.
+        If the law does not decrease, or the joint does not fit its friction.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class CohesiveLaw:
     strength: Annotated[
         float, Option("MPa", "sigma_F, at which the film parts and a cable begins", above=0)
     ] = 18.0
-    plateau: Annotated[float, Option("MPa", "sigma_C, held from l_A to l_P", above=0)] = 12.0
+    plateau: Annotated[float, Option("MPa", "sigma_C, constant from l_A to l_P", above=0)] = 12.0
     opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
     opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
     opening_u: Annotated[float, Option("mm", "l_U, at which the cable breaks", above=0)] = 4.0
@@ -105,7 +105,7 @@ class CohesiveLaw:
             "G_0, taken by a cut with a razor, kJ/m²: an edge of radius r severs cables at G_0 + 2 "
             "r H",
             above=0,
-            unset="a cut takes the area of the law",
+            unset="a cut needs the area of the law",
         ),
     ] = None
     severing_pressure: Annotated[
@@ -170,12 +170,12 @@ class CohesiveLaw:
         return []
 
     def at_edge(self, radius: float) -> CohesiveLaw:
-        """Return the law of cables around an edge [mm]: this one, cut off at the area G_s.
+        """Return the law of cables around an edge [mm]: this law, cut off at the area G_s.
 
         It falls as this one does and ends where its area is G_s, with the same l_P/l_U = rho. Short
         laws end on the drop, at l_A' = l_P' = rho l_U'. Where it would then fall more slowly than
         the drop, which a law with a low plateau does, it ends at l_P' = l_A instead; so it is
-        nowhere above this one, and l_U' grows steadily with G_s.
+        nowhere above this law, and l_U' grows steadily with G_s.
 
         Examples
         --------
@@ -237,7 +237,7 @@ class CohesiveLaw:
 
     @property
     def stick(self) -> float:
-        """Way of a cable around the edge over which friction sets in [mm]."""
+        """Sliding distance of a cable around the edge over which friction sets in [mm]."""
         return _STICK * self.opening_u
 
     def parameters(self) -> Floats:

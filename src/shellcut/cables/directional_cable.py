@@ -13,7 +13,7 @@ F_i^-, F_i^+       ``force``: cable forces on the two nodes               N     
 **Straight cable.** The paper applies ±sigma_F A m at the first step and sigma A along w from the
 second on. Here d = w + delta_0 m, ell = |d| - delta_0 and the force is sigma(ell) A d/|d|: the same
 force at w = 0, the same direction once |w| >> delta_0, and the gradient of a potential on any
-loading path, so that a cable pulled apart monotonically takes exactly G A. As d is not along the
+loading path, so that a cable pulled apart monotonically needs exactly G A. As d is not along the
 line of the two nodes, the pair has a small couple F x w, at most sigma_F A delta_0; it is the named
 couple of the moment balance (:attr:`CableForces.couple`). ``onset = 0`` in the law gives the
 literal form.
@@ -25,7 +25,7 @@ joints ([Frangi2010] 4). From then on
     ell = ell^- + ell^+ - slack,        F^± = sigma(ell) A (joint - x^±)/ell^±,
 
 where ``slack`` is the length that bending around the edge added at that instant (the overshoot of
-the test and delta_0): with it the law continues where it stood. The tool receives -(F^- + F^+).
+the test and delta_0): with it the law continues where it was. The tool receives -(F^- + F^+).
 A branch shorter than ``law.short_branch`` keeps its last direction.
 
 A sharp edge severs: from the joint on sigma is that of the law cut off at G_s
@@ -47,9 +47,9 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy, Vec3, product
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.kept import saved_of, take_over
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
@@ -59,7 +59,7 @@ from shellcut.tool.tool import Tool
 from shellcut.tool.touch import Booking, Touch, react
 
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
-from .cable_stiffness import Compliance, HeldCables, cable_stiffness
+from .cable_stiffness import CableColumns, Compliance, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import AREA, ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
@@ -123,7 +123,7 @@ class CableSet(ForceTerm):
         Booking("cohesive_start_work", 1),
         Booking("joint_friction", 2),
     )
-    """What goes from the sums into the ledger."""
+    """What the energy balance gets from the sums."""
     n_search = -1  # cables turn, and pull, from step to step
 
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
@@ -144,11 +144,11 @@ class CableSet(ForceTerm):
         self._known = KnownTopology()
         self._pose: Pose | None = None
         self._tables: CableTables | None = None
-        self._hold = Holder()
+        self._address_of = TableWriter()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
         self.touch = Touch.none(tool.n_tooth if tool is not None else 1, _N_SUM)
-        self._touch = Holder()(self.touch)
+        self._touch = TableWriter()(self.touch)
         self.n_joint_made = self.n_broken = 0
         """Joints made and cables broken so far."""
 
@@ -180,7 +180,7 @@ class CableSet(ForceTerm):
         self.n_broken += n_broken
 
     def _collect(self, state: State) -> None:
-        """Lay out what the kernel takes, good until the next split."""
+        """Lay out the arguments of the kernel, good until the next split."""
         c, n = state.cable, state.node
         self._known.take(state)
         tables = CableTables(
@@ -193,7 +193,7 @@ class CableSet(ForceTerm):
             nodes=CableNodes(**{name: getattr(n, name) for name in CableNodes._fields}),
             cables=CableRows(**{name: getattr(c, name) for name in CableRows._fields}),
         )
-        self._tables = self._hold(tables)
+        self._tables = self._address_of(tables)
 
     def energies(self, state: State) -> tuple[float, float]:
         """Return stored and dissipated energy of all cables by their laws [N·mm].
@@ -208,7 +208,7 @@ class CableSet(ForceTerm):
         return float(product(stored, area)), float(product(dissipated, area))
 
     def stored(self, state: State) -> dict[str, float]:
-        """Return :meth:`energies` by their entries of the ledger [N·mm]."""
+        """Return :meth:`energies` by their entries of the energy balance [N·mm]."""
         stored, dissipated = self.energies(state)
         return {"cohesive_stored": stored, "cohesive_dissipated": dissipated}
 
@@ -222,10 +222,10 @@ class CableSet(ForceTerm):
         take_over(self, _KEPT, saved)
 
     def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
-        """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
+        """Return the nodes that cables act on and a bound of their stiffness on each [N/mm]."""
         c, room = state.cable, 4 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        cables = HeldCables(**{name: getattr(c, name) for name in HeldCables._fields})
+        cables = CableColumns(**{name: getattr(c, name) for name in CableColumns._fields})
         count = self._stiffness(
             c.count, state.node.x, cables, *self._laws, self._compliance, node, stiffness
         )
@@ -249,7 +249,7 @@ def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: Cabl
 
 @inline
 def _work(ell: float, ell_max: float, law: Floats) -> float:
-    """Return the work that has gone into a cable by a law, per area [N/mm]."""
+    """Return the work done on a cable by a law, per area [N/mm]."""
     stored, dissipated = energies(ell, ell_max, law)
     return stored + dissipated
 
@@ -290,7 +290,7 @@ def _add_cable_forces(
     Writes the cables' opening, stress, joint, branch directions, force and work, and touch, see
     :class:`CableForces`.  Returns how many joints were made and how many cables broke.
     """
-    held = tables  # one address, for the search of joints, which LLVM keeps as a call
+    address = tables  # a single address, for the search of joints, which LLVM keeps as a call
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:], sums[:] = 0.0, 0.0
@@ -309,12 +309,12 @@ def _add_cable_forces(
         minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
         # An edge bends a cable once, from the first meeting on [Frangi2010].
         may_meet = tables.directional and status[c] == STRAIGHT
-        met = may_meet and find_joint(c, minus, plus, pose, before, held)
+        met = may_meet and find_joint(c, minus, plus, pose, before, address)
         if met:
             status[c] = JOINTED
             n_made += 1
         jointed = status[c] == JOINTED
-        # A sharp edge severs part of the fibres: from the joint on another law holds.
+        # A sharp edge severs part of the fibres: from the joint on another law applies.
         law = tables.at_edge if jointed else tables.law
         nothing = (0.0, 0.0, 0.0)
         joint = Joint(nothing, nothing, nothing, nothing, nothing, 0.0, 0.0)
@@ -330,7 +330,7 @@ def _add_cable_forces(
         cables.opening[c] = ell
         opening_max[c] = max(opening_max[c], ell)
         fade = max(0.0, 1.0 - opening_max[c] / start_opening)
-        if met:  # what the law at the edge no longer holds is dissipated at once
+        if met:  # what the law at the edge no longer stores is dissipated at once
             cables.shed[c] = _work(ell, opening_max[c], tables.law)
             cables.shed[c] -= _work(ell, opening_max[c], law)
         # The traction of the measured length pulls each half along its own branch.
@@ -347,6 +347,7 @@ def _add_cable_forces(
         v_minus = at_end(c, 0, nodes.velocity_half, cables)
         v_plus = at_end(c, 1, nodes.velocity_half, cables)
         was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
+        # Of the forces by the law alone: the gain by friction is taken out, its work follows below.
         mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
         mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
         done = -dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
@@ -393,6 +394,7 @@ def _add_cable_forces(
         for k in range(3):
             couple[k] += rest[k]
 
+        # The law is irreversible: past its end the cable never carries again.
         if envelope(opening_max[c], law) == 0.0:
             status[c] = BROKEN
             cables.end_time[c] = time

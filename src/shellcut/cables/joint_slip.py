@@ -28,8 +28,8 @@ direction between them.
 Otherwise it slips until this is an equality. The left side is -d(l^- + l^+)/ds and falls steadily
 with s, as a length to a line is convex; so the place is unique, lies between the old one and that
 without friction, and does not depend on the step or on a stiffness. Without friction it is the
-shortest way around the edge, s = (s^- rho^+ + s^+ rho^-)/(rho^- + rho^+). At a vertex of the edge
-the joint goes on to the next segment; at the open end of an edge it is held. The work T (sin
+shortest path around the edge, s = (s^- rho^+ + s^+ rho^-)/(rho^- + rho^+). At a vertex of the edge
+the joint continues to the next segment; at the open end of an edge it stays. The work T (sin
 theta^- + sin theta^+) ds of the slip is friction's.
 
 **Around the edge** the law gives the mean tension, T = sigma A, and friction a difference of the
@@ -37,9 +37,9 @@ two, T^± = T (1 -+ kappa), so that with the transport u = (l^- - l^+)/2 of cabl
 
     T^- dl^- + T^+ dl^+ = T dl + 2 T kappa du :
 
-the first part goes into the law, the second to friction. Euler's belt limits kappa to tanh(mu phi
-cos(theta)/2), which it reaches over the sliding way ``stick``: kappa grows with u by that limit
-over ``stick``, and stays at the limit. (Rigid sticking would tie two nodes to each other.)
+the first part is done against the law, the second to friction. Euler's belt limits kappa to tanh(mu
+phi cos(theta)/2), which it reaches over the sliding distance ``stick``: kappa grows with u by that
+limit over ``stick``, and stays at the limit. (Rigid sticking would tie two nodes to each other.)
 
 **On an arc of some length** a cable that is drawn out slides on the round, too. Let it stretch
 evenly, so that the point x from the middle of the arc b = r phi/cos(theta) slides by x dl/l:
@@ -129,22 +129,22 @@ def bend_at(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> Bend:
 @always_inline
 def _lean(s: float, bend: Bend) -> tuple[float, float]:
     """Return sin theta^- + sin theta^+ and the mean of their cosines for a joint at s."""
-    pull = hold = 0.0
+    pull = cosine = 0.0
     for end in (bend.minus, bend.plus):
         along, across = end.place - s, end.rho
         length = sqrt(along * along + across * across)
         if length > 0.0:
             pull += along / length
-            hold += 0.5 * across / length
-    return pull, hold
+            cosine += 0.5 * across / length
+    return pull, cosine
 
 
 @inline
 def place_on_line(s: float, bend: Bend, friction: float) -> float:
-    """Return where on the line of its segment a joint that was at s comes to rest [mm]."""
-    pull, hold = _lean(s, bend)
+    """Return where on the line of its segment a joint that was at s stops [mm]."""
+    pull, cosine = _lean(s, bend)
     grip = friction * bend.turn
-    if abs(pull) <= grip * hold:
+    if abs(pull) <= grip * cosine:
         return s
     across = bend.minus.rho + bend.plus.rho
     if across == 0.0:
@@ -155,16 +155,16 @@ def place_on_line(s: float, bend: Bend, friction: float) -> float:
     # Between a, where it slips, and b, where it does not: false position, Illinois variant.
     sign = 1.0 if pull > 0.0 else -1.0
     a, b = s, free
-    f_a = abs(pull) - grip * hold
-    pull, hold = _lean(b, bend)
-    f_b = sign * pull - grip * hold
+    f_a = abs(pull) - grip * cosine
+    pull, cosine = _lean(b, bend)
+    f_b = sign * pull - grip * cosine
     moved = 0
     for _ in range(_MOST_TURNS):
         if not f_b < 0.0 or abs(b - a) <= _CLOSE * (abs(a) + abs(b) + across):
             break
         middle = (a * f_b - b * f_a) / (f_b - f_a)
-        pull, hold = _lean(middle, bend)
-        f = sign * pull - grip * hold
+        pull, cosine = _lean(middle, bend)
+        f = sign * pull - grip * cosine
         if f > 0.0:
             a, f_a = middle, f
             f_b *= 0.5 if moved > 0 else 1.0
@@ -212,8 +212,8 @@ def slide(
         store(cables.joint_body, c, combine(1.0, segment_part(segments, k, START), s / norm(v), v))
         cables.edge[c] = k
     bend = bend_at(minus, plus, k, edges)
-    _, hold = _lean(s, bend)
-    belt: float = joint.friction * bend.turn * hold
+    _, cosine = _lean(s, bend)
+    belt: float = joint.friction * bend.turn * cosine
     return belt
 
 

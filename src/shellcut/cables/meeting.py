@@ -32,7 +32,7 @@ from shellcut.tool.cutting_edge import (
 )
 from shellcut.tool.pose import Pose, to_body, to_space, turn_back
 
-from .around_edge import way_around
+from .around_edge import path_around
 from .cable_tables import CableTables
 from .cohesive_law import ONSET
 from .joint_slip import slide
@@ -51,7 +51,7 @@ def find_joint(
 
     Works in the body frame of the tool.  Writes edge, joint, slack, transport and overshoot of
     the cable. The joint is written where the tool had its point a step before: the force of t_n
-    acts on the way of the step by half, at the joint as at the nodes and on the tool.
+    acts on the motion of the step by half, at the joint as at the nodes and on the tool.
     """
     tables = borrowed(tables)
     edges, cables = tables.edges, tables.cables
@@ -94,8 +94,8 @@ def find_joint(
     store(cables.joint, c, to_space(load(cables.joint_body, c), before))
     to_minus, to_plus = norm(sub(p, x_minus)), norm(sub(p, x_plus))
     if edges.radius > 0.0:
-        way = way_around(c, minus, plus, edges, cables.edge, cables.joint_body)
-        to_minus, to_plus = way.minus, way.plus
+        path = path_around(c, minus, plus, edges, cables.edge, cables.joint_body)
+        to_minus, to_plus = path.minus, path.plus
     straight = norm(combine(1.0, sub(x_plus, x_minus), tables.law[ONSET], m)) - tables.law[ONSET]
     cables.joint_slack[c] = to_minus + to_plus - straight
     cables.transport[c] = 0.5 * (to_minus - to_plus)

@@ -13,7 +13,7 @@ from shellcut.model_file import ModelFileError
 from shellcut.signals import (
     INTERRUPTED,
     RaisedAgain,
-    answer_held,
+    answer_deferred,
     ignore_ctrl_c,
     is_of_interrupt,
 )
@@ -68,7 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = argparse.Namespace()
     try:
         with RaisedAgain():
-            answer_held()
+            answer_deferred()
             for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
                 if isinstance(stream, TextIOWrapper):
                     stream.reconfigure(errors="backslashreplace")

@@ -1,4 +1,4 @@
-"""Named tables of what touches: points with weights on the film's nodes, and their memory."""
+"""Named tables of the contact points, with weights on the film's nodes, and their memory."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .pair_search import Pairs
 from .settings import PenaltyLaw, SheetLaw
 
 
-class Carriers(NamedTuple):
+class ContactPoints(NamedTuple):
     """Where a term presses film and tool on one another, row by row of its list; its kernel writes.
 
-    A carrier is a node, or the place of an edge or a quad: a mean of up to four nodes.
+    A contact point is a node, or a place of a border segment or a quad: a mean of up to four nodes.
     """
 
     node: Annotated[Ints, "(n_row, 4)"]
-    """Nodes that carry the place."""
+    """Nodes that carry the point."""
     weight: Annotated[Floats, "(n_row, 4)"]
     """Their shape functions there."""
     tooth: Annotated[Ints, "(n_row,)"]
@@ -36,8 +36,8 @@ class Carriers(NamedTuple):
     """Its direction on the film, a unit vector in the body frame."""
 
     @classmethod
-    def of(cls, node: Ints) -> Carriers:
-        """Return those of the first of each of some nodes (n_row, 4), where nothing presses."""
+    def of(cls, node: Ints) -> ContactPoints:
+        """Return contact points at the first of each of some nodes (n_row, 4); none presses."""
         n = len(node)
         weight = np.zeros((n, 4))
         weight[:, 0] = 1.0
@@ -45,17 +45,17 @@ class Carriers(NamedTuple):
         return cls(node.copy(), weight, tooth, np.zeros(n), np.zeros(n), normal)
 
 
-class Looks(NamedTuple):
-    """What is known of each carrier from its last look at the tool."""
+class DistanceQueries(NamedTuple):
+    """What is known of each contact point from its last distance query on the tool."""
 
     until: Annotated[Floats, "(n_row,)"]
-    """Way walked from which on it may touch, and is looked at again [mm]."""
+    """Travelled distance from which on it may touch, and is evaluated again [mm]."""
     across: Annotated[Ints, "(n_row,)"]
     """Face beyond the edge around which it was rounded last, -1 for none."""
 
     @classmethod
-    def none_yet(cls, n: int) -> Looks:
-        """Return the table of n carriers that have not been looked at yet."""
+    def none_yet(cls, n: int) -> DistanceQueries:
+        """Return the table of n contact points that have not been evaluated yet."""
         return cls(until=np.zeros(n), across=np.full(n, -1))
 
 
@@ -63,7 +63,7 @@ class Memory(NamedTuple):
     """What is kept of each contact, in rows of its own: of nodes it is in the state."""
 
     row: Annotated[Ints, "(n_row,)"]
-    """Row of each carrier in the following arrays: node ids if these are the state's."""
+    """Row of each contact point in the following arrays: node ids if these are the state's."""
     side: Annotated[SmallInts, "(n_kept,)"]
     """Side of the blade, or of a sheet, on which it lies: +1, -1, or 0 while unknown."""
     depth: Annotated[Floats, "(n_kept,)"]
@@ -71,7 +71,7 @@ class Memory(NamedTuple):
     offset: Annotated[Floats, "(n_kept,)"]
     """Part of the depth that does not press [mm]."""
     place: Annotated[Floats, "(n_kept, 3)"]
-    """Where in the body frame that came up [mm]."""
+    """Where in the body frame the offset arose [mm]."""
     work: Annotated[Floats, "(n_kept,)"]
     """Work put into the contact since it began [N·mm]."""
     force: Annotated[Floats, "(n_kept, 3)"]
@@ -93,7 +93,7 @@ class Memory(NamedTuple):
 
     @classmethod
     def blank(cls, n: int) -> Memory:
-        """Return that of n carriers that touch nothing."""
+        """Return that of n contact points that touch nothing."""
         row, side = np.arange(n, dtype=np.int64), np.zeros(n, np.int8)
         depth, offset, work = np.zeros((3, n))
         place, force = np.zeros((2, n, 3))
@@ -101,12 +101,12 @@ class Memory(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """How far tool and film may have come nearer to one another."""
+    """How far tool and film may have approached each other."""
 
     node: Annotated[Ints, "(n_moving,)"]
     """Nodes whose largest speed counts."""
     walked: Annotated[Floats, "(1,)"]
-    """Way of both together since the list was made [mm]."""
+    """Distance moved by both together since the list was made [mm]."""
     radius: float
     """Of the tool's farthest point, around the body's origin [mm]."""
 
@@ -156,15 +156,16 @@ class ContactNodes(NamedTuple):
 class ContactTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
-    on_edges: bool
-    """Whether places are on edges of the film, carried by two nodes; else they are nodes."""
+    on_border: bool
+    """Whether the contact points are on the film's border, between two nodes; else they are
+    nodes."""
     rounding: float
     """Radius by which convex edges of the tool are rounded [mm]."""
     tool: ContactTool
     law: PenaltyLaw
     clock: Clock
-    looks: Looks
-    carriers: Carriers
+    queries: DistanceQueries
+    contact_points: ContactPoints
     memory: Memory
     nodes: ContactNodes
     around: QuadsAtNodes
@@ -197,12 +198,12 @@ class ToolPoints(NamedTuple):
 
 
 class Waits(NamedTuple):
-    """How long points need not be looked at: ways, on the scale of ``walked``."""
+    """How long points need not be evaluated: distances, on the scale of ``walked``."""
 
     point: Annotated[Floats, "(n_point,)"]
     """Until when a point touches nothing [mm]."""
     pair: Annotated[Floats, "(n_pair,)"]
-    """Until when it does not come near the quad [mm]."""
+    """Until when it is not near the quad [mm]."""
 
 
 class Presses(NamedTuple):
@@ -216,7 +217,7 @@ class Presses(NamedTuple):
 
     @classmethod
     def with_room(cls, n_room: int, last: Presses | None = None) -> Presses:
-        """Return a table for so many points that press, with those of another one."""
+        """Return a table for so many points that press, with those of another table."""
         count = 0 if last is None else int(last.n[0])
         room = max(n_room, count)
         node, force = np.zeros((room, 5), np.int64), np.zeros((room, 5, 3))
@@ -252,6 +253,6 @@ class SheetTables(NamedTuple):
     outline: Outline
     quads: Annotated[SmallIds, "(n_quad, 4)"]
     nodes: ContactNodes
-    carriers: Carriers
+    contact_points: ContactPoints
     """Sheet by sheet, where and how hard the point presses on it."""
     presses: Presses

@@ -1,17 +1,18 @@
 """Coulomb friction of what touches, regularised by a spring.
 
-Where a term presses the film with the force N along the normal n, at a carrier (a node, a place of
-an edge, the foot of a point of the tool on a quad) against the tool, or at a node against a sheet
-of film, the film gets a tangential force besides. An elastic spring holds it to the *body* that it
-slides on; u is its elongation, the elastic slip, a vector in the frame of the body, which carries
-it along whatever it does. Over a step in which the film at the carrier moves by d against the body,
+Where a term presses the film with the force N along the normal n, at a contact point (a node, a
+place on the border, the foot of a point of the tool on a quad) against the tool, or at a node
+against a sheet of film, the film gets a tangential force besides. An elastic spring ties it to the
+*body* that it slides on; u is its elongation, the elastic slip, a vector in the frame of the body,
+which moves with the body. Over a step in which the film at the contact point moves by d against the
+body,
 
     u* = P (u + d),   P = 1 - n n^T                                     (trial: it sticks)
     u' = u* min(1, mu N / (k_t |u*|)),   force f' = -k_t u'             (else it slips)
 
 which is the return mapping of rigid-plastic slip with the elastic part k_t [Wriggers2006]: sticking
 up to mu N, then slipping with mu N against the slip, whatever the length of the step. The nodes of
-the carrier take f' by their shape functions, the body minus that.
+the contact point get f' by their shape functions, the body minus that.
 
 *Film as the body.* A node P is at the distance d_n over its foot c on the sheet. What it slides on
 is the sheet's film at P, which turns with the sheet: the frame of the quad at c (along its first
@@ -26,30 +27,32 @@ the quad
 N_a being the shape functions at c: no sum, as sum grad N_a = 0, and no moment: d_n f x n_q of the
 second part takes up what f at P and -f at c have together.
 
-*Works.* The force f of t_{n-1} has acted on its own carrier, which has moved by d_f, and f' acts on
-that of now. So with the energies -½ f·u and -½ f'·u' that the spring stored and stores
+*Works.* The force f of t_{n-1} has acted on its own contact point, which has moved by d_f, and f'
+acts on that of now. So with the energies -½ f·u and -½ f'·u' that the spring stored and stores
 
     dissipated = -½ (f·d_f + f'·d) - ½ f·u + ½ f'·u'.
 
-With the same carrier and k_t as in the last step (a node) that is ½ k_t (u + u')·(u + d - u'), the
-mean force times the slip: also for a normal that turns (the spring loses its part along n), and for
-what comes off (N = 0, so u' = 0: what was stored is dissipated). The work itself comes from the
-forces on film and tool, each in their own motion, so that work = stored + dissipated is a check.
-Of film on film, whose frames follow from the same nodes, what is not stored is dissipated.
+With the same contact point and k_t as in the last step (a node) that is ½ k_t (u + u')·(u + d -
+u'), the mean force times the slip: also for a normal that turns (the spring loses its part along
+n), and for a point that separates (N = 0, so u' = 0: what was stored is dissipated). The work
+itself comes from the forces on film and tool, each in their own motion, so that work = stored +
+dissipated is a check. Of film on film, whose frames follow from the same nodes, what is not stored
+is dissipated.
 
 *History.* The spring of a node is kept in the state, and a split leaves its new node that of the
-node it comes from. The spring of a point of the tool follows the point from quad to quad, as does
-that of a node on a sheet, where it is read again in the frame of the quad at its last foot. That of
-a place on an edge stays with the place. What leaves the list of the term that presses it lets go.
+node it was split from. The spring of a point of the tool follows the point from quad to quad, as
+does that of a node on a sheet, where it is read again in the frame of the quad at its last foot.
+That of a place on the border stays with the place. A spring whose point leaves the list of the
+pressing term is released.
 
 *Stiffness.* k_t is ``TANGENTIAL`` times the k of the penalty: what is pressed slips by mu N / k_t =
 2 mu f(g) from rest, less than its own depth for mu up to ½. The spring acts across the normal, the
 penalty along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the
 penalty, the largest singular value of the two together is at most k sqrt(a² (1 + mu²) +
-TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so
-2 % of the step at most. Places on edges share the k of their nodes, and so its springs. The couple
-of film on film, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to a
-thickness of 1.5 edges.
+TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so 2
+% of the step at most. Places on the border share the k of their nodes, and so its springs. The
+couple of film on film, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to
+a thickness of 1.5 edges.
 """
 
 from __future__ import annotations
@@ -60,8 +63,8 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy, Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import (
     add,
     add_scaled,
@@ -80,9 +83,9 @@ from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
-from .contact_tables import Carriers, ContactNodes
-from .look_at_quad import Corners, normal_at, place_in, slopes_along, tangents_at
+from .contact_tables import ContactNodes, ContactPoints
 from .press_term import TOUCHING, PressTerm
+from .quad_distance import Corners, normal_at, place_in, slopes_along, tangents_at
 from .settings import STEEPEST
 from .sheet_contact import SelfContact
 
@@ -117,7 +120,7 @@ class Springs(NamedTuple):
     holds: Annotated[Bools, "(n_spring,)"]
     """Whether it has been stretched."""
     node: Annotated[Ints, "(n_spring, 4)"]
-    """Carrier of the force."""
+    """Nodes of the contact point on which the force acts."""
     weight: Annotated[Floats, "(n_spring, 4)"]
     """Its shape functions."""
     slip: Annotated[Floats, "(n_kept, 3)"]
@@ -131,8 +134,8 @@ class Springs(NamedTuple):
 
     @classmethod
     def at_rest(cls, node: Ints, on_film: bool = False) -> Springs:
-        """Return those of carriers with these nodes (n, 4) that nothing has stretched."""
-        n, at = len(node), Carriers.of(node)
+        """Return those of contact points with these nodes (n, 4) that nothing has stretched."""
+        n, at = len(node), ContactPoints.of(node)
         slip, force = np.zeros((2, n, 3))
         row, holds = np.arange(n, dtype=np.int64), np.zeros(n, np.bool_)
         n_point = n if on_film else 0
@@ -144,8 +147,9 @@ class FrictionTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
     point: Annotated[Ints, "(n_listed,)"]
-    """Nodes that are pressed on the quads of the carriers; none where the tool is the body."""
-    carriers: Carriers
+    """Nodes that are pressed on the quads of the contact points; none where the tool is the
+    body."""
+    contact_points: ContactPoints
     springs: Springs
     nodes: ContactNodes
 
@@ -162,7 +166,7 @@ class FrictionForces(NamedTuple):
     stored: float
     """Energy of the springs at t_n [N·mm]."""
     n_slipping: int
-    """Number of nodes, points of the tool or places on edges that slip."""
+    """Number of nodes, points of the tool or places on the border that slip."""
 
 
 _WORK, _DISSIPATED, _STORED = 0, 1, 2  # columns of Touch.sums, in the order of these fields
@@ -186,17 +190,17 @@ class CoulombFriction(ForceTerm):
         Booking("friction_work", ON_TOOL, -1.0),
         Booking("friction_dissipated", _DISSIPATED),
     )
-    """What goes from the sums into the ledger."""
+    """What the energy balance gets from the sums."""
 
     def __init__(self, name: str, pressing: PressTerm, coefficient: float) -> None:
         self.name, self.coefficient, self._pressing = name, coefficient, pressing
         self.touch = Touch.none(len(pressing.touch.wrench), len(FrictionForces._fields) - 1)
-        self._touch, self._hold = Holder()(self.touch), Holder()
+        self._touch, self._address_of = TableWriter()(self.touch), TableWriter()
         self._on_film = isinstance(pressing, SelfContact)
         self.springs = Springs.at_rest(pressing.carriers.node, self._on_film)
         """Those of all that is listed."""
         self._of: object = None
-        self._held: Any = None
+        self._address: Any = None
         self._pose: Pose | None = None
         self._rests = True  # no evaluation would change what the last one has written
         self._call = BoundOnce(_add_friction)
@@ -217,7 +221,7 @@ class CoulombFriction(ForceTerm):
             self._take_list(state)
         elif quiet and self._rests:
             return
-        self._call.code(pose, before, state.dt, self.coefficient, self._held, self._touch)
+        self._call.code(pose, before, state.dt, self.coefficient, self._address, self._touch)
         self._rests = quiet
 
     def stiffness(self, _state: State, counted: StiffnessBy) -> NodeStiffness:
@@ -226,7 +230,7 @@ class CoulombFriction(ForceTerm):
         return near, stiffer_by(self.coefficient) * penalty
 
     def stored(self, _state: State) -> dict[str, float]:
-        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
+        """Return the energy of the springs at the last evaluation, by its name in the balance."""
         return {"friction_stored": float(self.touch.sums[_STORED])}
 
     def saved(self) -> dict[str, Any]:
@@ -248,7 +252,7 @@ class CoulombFriction(ForceTerm):
             self._take_list(state)
 
     def _take_list(self, state: State) -> None:
-        """Switch to the other term's new list; what has left it lets go in this step."""
+        """Switch to the other term's new list; what has left it is released in this step."""
         node, kept, was = self._pressing.carriers.node, self._pressing.kept, self.springs
         if kept is None:
             left = np.isin(was.row, node[:, 0], invert=True) & was.holds
@@ -279,7 +283,9 @@ class CoulombFriction(ForceTerm):
         if isinstance(pressing, SelfContact):
             point = pressing.point_of_sheet()
         self._of = pressing.tables
-        self._held = self._hold(FrictionTables(point, pressing.carriers, self.springs, nodes))
+        self._address = self._address_of(
+            FrictionTables(point, pressing.carriers, self.springs, nodes)
+        )
 
 
 class _Frame(NamedTuple):
@@ -317,7 +323,7 @@ def _in_space(u: Vec3, frame: _Frame) -> Vec3:
 
 @inline
 def _quad_at(i: int, node: Ints, nodes: ContactNodes, dt: float) -> Corners:
-    """Return the corners of the quad of a carrier, dt ago [mm]."""
+    """Return the corners of the quad of a contact point, dt ago [mm]."""
     x, v = nodes.x, nodes.velocity_half
     a, b, c, d = node[i, 0], node[i, 1], node[i, 2], node[i, 3]
     return Corners(
@@ -330,7 +336,7 @@ def _quad_at(i: int, node: Ints, nodes: ContactNodes, dt: float) -> Corners:
 
 @inline
 def _place_of(i: int, weight: Floats) -> tuple[float, float]:
-    """Return xi and eta of a carrier from its shape functions."""
+    """Return xi and eta of a contact point from its shape functions."""
     w0, w1, w2, w3 = weight[i, 0], weight[i, 1], weight[i, 2], weight[i, 3]
     return (w1 + w2) - (w0 + w3), (w2 + w3) - (w0 + w1)
 
@@ -344,8 +350,8 @@ def _frame_on(q: Corners, xi: float, eta: float, over: float) -> _Frame:
 
 
 @inline
-def _carried(i: int, node: Ints, weight: Floats, nodes: ContactNodes) -> tuple[Vec3, Vec3]:
-    """Return where a carrier is and its velocity."""
+def _motion_of(i: int, node: Ints, weight: Floats, nodes: ContactNodes) -> tuple[Vec3, Vec3]:
+    """Return the position of a contact point [mm] and its velocity [mm/s]."""
     x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for c in range(4):
         x = add_scaled(x, weight[i, c], load(nodes.x, node[i, c]))
@@ -355,7 +361,7 @@ def _carried(i: int, node: Ints, weight: Floats, nodes: ContactNodes) -> tuple[V
 
 @inline
 def _slid(x: Vec3, v: Vec3, dt: float, now: _Frame, then: _Frame) -> Vec3:
-    """Return the way of film at x against a body over the last step, in the body's frame [mm]."""
+    """Return the displacement of film at x in a body's frame over the last step [mm]."""
     was = _seen(sub(add_scaled(x, -dt, v), then.at), then)
     return sub(_seen(sub(x, now.at), now), was)
 
@@ -369,46 +375,47 @@ def _add_friction(
     tables: FrictionTables,
     touch: Touch,
 ) -> None:
-    """Add the friction at all carriers to the forces of their nodes.
+    """Add the friction at all contact points to the forces of their nodes.
 
     Writes the springs and touch, see :class:`FrictionForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
-    carriers, springs, nodes = tables.carriers, tables.springs, tables.nodes
+    points, springs, nodes = tables.contact_points, tables.springs, tables.nodes
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
-    on_film, n_listed = springs.point.shape[0] > 0, carriers.pressure.shape[0]
+    on_film, n_listed = springs.point.shape[0] > 0, points.pressure.shape[0]
     now, then = _frame_of(pose), _frame_of(before)
     work = stored = dissipated = 0.0
     n_slipping = 0
     for i in range(springs.row.shape[0]):
-        pressure = carriers.pressure[i] if i < n_listed else 0.0
+        pressure = points.pressure[i] if i < n_listed else 0.0
         if pressure == 0.0 and not springs.holds[i]:
             continue
         row = springs.row[i]
         u, f = load(springs.slip, row), load(springs.force, row)
+        # The force of t_{n-1} acts for half of the step on the contact point that it belonged to.
         if springs.holds[i] and not on_film:
-            x, v = _carried(i, springs.node, springs.weight, nodes)
+            x, v = _motion_of(i, springs.node, springs.weight, nodes)
             work += 0.5 * dt * dot(f, v)
             dissipated -= 0.5 * dot(_seen(f, then), add(u, _slid(x, v, dt, now, then)))
         elif springs.holds[i]:
             work += 0.5 * dt * _power_on_film(i, nodes, springs)
             xi, eta = _place_of(i, springs.weight)
-            held = _frame_on(_quad_at(i, springs.node, nodes, 0.0), xi, eta, 0.0)
-            u = _in_space(u, held)
+            frame = _frame_on(_quad_at(i, springs.node, nodes, 0.0), xi, eta, 0.0)
+            u = _in_space(u, frame)  # the foot may now be on another quad, with another frame
         new, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if pressure > 0.0:
-            k_t, normal, over = TANGENTIAL * carriers.stiffness[i], load(carriers.normal, i), 0.0
+            k_t, normal, over = TANGENTIAL * points.stiffness[i], load(points.normal, i), 0.0
             if on_film:
-                xi, eta = _place_of(i, carriers.weight)
+                xi, eta = _place_of(i, points.weight)
                 x, v = load(nodes.x, tables.point[i]), load(nodes.velocity_half, tables.point[i])
-                q = _quad_at(i, carriers.node, nodes, 0.0)
+                q = _quad_at(i, points.node, nodes, 0.0)
                 over = dot(sub(x, place_in(q, xi, eta)), normal_at(q, xi, eta))
                 now = _frame_on(q, xi, eta, over)
-                then = _frame_on(_quad_at(i, carriers.node, nodes, dt), xi, eta, over)
+                then = _frame_on(_quad_at(i, points.node, nodes, dt), xi, eta, over)
                 u, normal = _seen(u, now), _seen(normal, now)
             else:
-                x, v = _carried(i, carriers.node, carriers.weight, nodes)
+                x, v = _motion_of(i, points.node, points.weight, nodes)
             d = _slid(x, v, dt, now, then)
             new, slips = return_mapping(add(u, d), normal, k_t, coefficient * pressure)
             f = _in_space(scale(-k_t, new), now)
@@ -416,29 +423,29 @@ def _add_friction(
             stored += 0.5 * k_t * dot(new, new)
             for c in range(4):
                 springs.node[i, c], springs.weight[i, c] = (
-                    carriers.node[i, c],
-                    carriers.weight[i, c],
+                    points.node[i, c],
+                    points.weight[i, c],
                 )
             if on_film:
                 slopes = slopes_along(f, xi, eta, q)
                 springs.point[i] = tables.point[i]
                 add_to(nodes.force, tables.point[i], f)
                 for c in range(4):
-                    back = combine(-carriers.weight[i, c], f, over * slopes[c], now.normal)
+                    back = combine(-points.weight[i, c], f, over * slopes[c], now.normal)
                     store(springs.back[i], c, back)
-                    add_to(nodes.force, carriers.node[i, c], back)
+                    add_to(nodes.force, points.node[i, c], back)
             else:
                 work += 0.5 * dt * dot(f, v)
                 dissipated += 0.5 * k_t * dot(new, sub(d, new))
                 for c in range(4):
-                    add_to(nodes.force, carriers.node[i, c], scale(carriers.weight[i, c], f))
-                react(f, x, carriers.tooth[i], pose, wrench)
+                    add_to(nodes.force, points.node[i, c], scale(points.weight[i, c], f))
+                react(f, x, points.tooth[i], pose, wrench)
         store(springs.slip, row, new)
         store(springs.force, row, f)
         springs.holds[i] = pressure > 0.0
         if on_film and pressure > 0.0:
             work += 0.5 * dt * _power_on_film(i, nodes, springs)
-    if on_film:
+    if on_film:  # all frames follow from the same nodes: what is not stored is dissipated
         dissipated = sums[_STORED] - stored - work
     sums[0], sums[1], sums[2], sums[3] = work, dissipated, stored, n_slipping
 

@@ -1,22 +1,23 @@
-"""The film that each quad or copy holds, as a polygon, and the edges at which that film ends.
+"""The film that each quad or copy carries, as a polygon, and the border at which that film ends.
 
-Contact asks of a quad whether a point lies over its film, how far it is from there to the next edge
-of the film, and where that touches the tool. A whole quad is the square of its four sides; a copy
-of a cut quad holds a convex polygon of it (:mod:`shellcut.fracture.quad_polygon`), some edges of
-which lie on flanks of the crack.
+Contact needs to know whether a point lies over the film of a quad, how far it is from there to the
+border of the film, and where that touches the tool. A whole quad is the square of its four
+sides; a copy of a cut quad carries a convex polygon of it (:mod:`shellcut.fracture.quad_polygon`),
+some edges of which lie on flanks of the crack.
 
-An edge on a side of the quad is *closed* if the film goes on there, and *open* if it ends: at the
-rim, at a notch, at a flank. Quads that hang together along a side share both its nodes, so a side
+An edge on a side of the quad is *closed* if the film continues there, and *open* if it ends: at the
+border, at a notch, at a flank. Quads connected along a side share both its nodes, so a side
 is closed if and only if another row has both. Edges on flanks are open. A corner of the polygon is
-open if an open edge ends there, be it that of another quad.
+open if an open edge ends there, of this quad or of another.
 
 Slivers are left out, as is film that has been taken out of the run: for contact the film ends where
-they begin. The nodes of a sliver swing by more than it is wide, and turn it any way; nobody could
-say what is over it.
+they begin. The nodes of a sliver swing by more than it is wide and turn it by any angle, so what
+lies over it is not defined.
 
-*Pairs of nodes.* An open edge runs between two points of a row's polygon. A corner is a node;
-another point is a flank point of that row, tied to its nodes. Where a crack crosses a side, the
-copies on both sides of that have a point of their own at one place: the first stands for all.
+*Pairs of nodes.* A border segment is an open edge. It runs between two points of a row's polygon. A
+corner is a node; another point is a flank point of that row, tied to its nodes. Where a crack
+crosses a side, the copies on both sides of that have a point of their own at one place: the first
+is used for all.
 """
 
 from __future__ import annotations
@@ -40,12 +41,12 @@ _WHOLE: Part = (((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), (0, 1, 2, 
 
 
 SLIVER = 0.2
-"""Part of a quad: rows that hold less are left out."""
+"""Part of a quad: rows with less film are left out."""
 
 # Edges of a polygon, at most: a key is that of its row times this, and its place there.
 _MOST_EDGES = 64
 
-# Of xi and eta: places that agree so far are one, as are weights on a side.
+# Of xi and eta: places that agree so far are the same, as are weights on a side.
 _SAME = 1e-9
 _DIGITS = 9
 
@@ -80,7 +81,7 @@ class FilmOutline:
         self._part_of = part_of
         self._known = KnownTopology()
         self._outline = _of_whole_quads(0, 4)
-        self._at_rim = np.zeros(0, np.bool_)
+        self._at_border = np.zeros(0, np.bool_)
         self._mark = BoundOnce(_mark_open)
 
     def of(self, state: State) -> Outline:
@@ -99,7 +100,9 @@ class FilmOutline:
         q, n, outline = state.quad, state.node, self._outline
         count = state.n_quad
         outline.absent[:count] = q.share[:count] < SLIVER
-        self._mark(changed.astype(np.int64), q.nodes, n.quads, n.n_quad_at, self._at_rim, outline)
+        self._mark(
+            changed.astype(np.int64), q.nodes, n.quads, n.n_quad_at, self._at_border, outline
+        )
         self._known.take(state)
         return outline
 
@@ -111,8 +114,10 @@ class FilmOutline:
             self._outline = _of_whole_quads(rows, old.point.shape[1])
             for new, before in zip(self._outline, old, strict=True):
                 new[: len(before)] = before
-        if self._at_rim.size < nodes:
-            self._at_rim = np.concatenate([self._at_rim, np.zeros(nodes - self._at_rim.size, bool)])
+        if self._at_border.size < nodes:
+            self._at_border = np.concatenate(
+                [self._at_border, np.zeros(nodes - self._at_border.size, bool)]
+            )
 
     def _write(self, row: int, part: Part) -> None:
         points, sides = part
@@ -145,12 +150,13 @@ def _of_whole_quads(n_row: int, n_most: int) -> Outline:
 
 @kernel
 def _mark_open(
-    rows: Ints, quads: Ints, at: Ints, n_at: Ints, at_rim: Bools, outline: Outline
+    rows: Ints, quads: Ints, at: Ints, n_at: Ints, at_border: Bools, outline: Outline
 ) -> None:
     """Write which edges and points of the polygons of some rows are open.
 
-    rows : (n,), ascending.  quads : (n_row, 4), node ids.  at, n_at : rows at every node.  at_rim :
-    (n_node,), whether the film ends at a node, written for the nodes of the rows.
+    rows : (n,), ascending.  quads : (n_row, 4), node ids.  at, n_at : rows at every node.
+
+    at_border : (n_node,), whether the film ends at a node, written for the nodes of the rows.
     """
     point, side, is_open, open_at = outline.point, outline.side, outline.open, outline.open_at
     for i in range(rows.shape[0]):
@@ -168,9 +174,9 @@ def _mark_open(
                                 is_open[row, k] = False
     for i in range(rows.shape[0]):
         for a in range(4):
-            at_rim[quads[rows[i], a]] = False
+            at_border[quads[rows[i], a]] = False
     for i in range(rows.shape[0]):
-        # The rows at these nodes that have not changed end where they did: they are asked, too.
+        # The rows at these nodes that have not changed end where they did: they are tested, too.
         for a in range(4):
             node = quads[rows[i], a]
             for j in range(n_at[node]):
@@ -179,7 +185,7 @@ def _mark_open(
                     on = side[other, k]
                     if on >= 0 and is_open[other, k] and not outline.absent[other]:
                         ends = quads[other, on] == node or quads[other, (on + 1) % 4] == node
-                        at_rim[node] = at_rim[node] or ends
+                        at_border[node] = at_border[node] or ends
     for i in range(rows.shape[0]):
         for k in range(outline.n_edge[rows[i]]):
             open_at[rows[i], k] = True  # an end of a flank, unless it is a corner
@@ -190,7 +196,7 @@ def _mark_open(
                 for k in range(outline.n_edge[other]):
                     corner = _corner_of(point[other, k, 0], point[other, k, 1])
                     if corner >= 0 and quads[other, corner] == node:
-                        open_at[other, k] = at_rim[node]
+                        open_at[other, k] = at_border[node]
 
 
 @inline
@@ -203,33 +209,33 @@ def _corner_of(xi: float, eta: float) -> int:
     return 3 if xi < 0.0 else 2
 
 
-class OpenEdges(NamedTuple):
-    """The edges at which the film ends, and what of the nodes' stiffness they take."""
+class BorderSegments(NamedTuple):
+    """The segments of the film's border, and the part of the nodes' stiffness that they use."""
 
-    node: Annotated[Ints, "(n_edge, 2)"]
+    node: Annotated[Ints, "(n_segment, 2)"]
     """Nodes at both ends."""
-    key: Annotated[Ints, "(n_edge,)"]
+    key: Annotated[Ints, "(n_segment,)"]
     """Of row and edge of its polygon, ascending."""
-    length: Annotated[Floats, "(n_edge,)"]
+    length: Annotated[Floats, "(n_segment,)"]
     """In the reference configuration [mm]."""
-    stiffness: Annotated[Floats, "(n_edge,)"]
+    stiffness: Annotated[Floats, "(n_segment,)"]
     """K of each, half of which either end gives up [N/mm]."""
     left: Annotated[Floats, "(n_node,)"]
     """What is left at each node [N/mm]."""
 
     def near(self, nodes: Ints) -> Ints:
-        """Return the rows of the edges that end at one of some nodes."""
+        """Return the rows of the segments that end at one of some nodes."""
         at = np.zeros(self.left.size, np.bool_)
         at[nodes] = True
         return np.flatnonzero(at[self.node].any(axis=1))
 
     def with_ends_at(self, nodes: Ints) -> Ints:
-        """Return some nodes and the other ends of the edges that end there, ascending."""
+        """Return some nodes and the other ends of the segments that end there, ascending."""
         return np.union1d(nodes, self.node[self.near(nodes)])
 
 
-class FilmEdges:
-    """Keeps the open edges of a film up to date from cut to cut.
+class FilmBorderSegments:
+    """Keeps the border segments of a film up to date from cut to cut.
 
     Parameters
     ----------
@@ -240,20 +246,20 @@ class FilmEdges:
 
     def __init__(self, law: PenaltyLaw, part_of: Callable[[int], Part]) -> None:
         self._law, self._outline, self._known = law, FilmOutline(part_of), KnownTopology()
-        self._edges: OpenEdges | None = None
+        self._segments: BorderSegments | None = None
 
-    def of(self, state: State) -> OpenEdges:
-        """Return the edges of the film as it is now."""
-        if self._edges is None or not self._known.is_of(state):
-            self._edges = open_edges(state, self._outline.of(state), self._law)
+    def of(self, state: State) -> BorderSegments:
+        """Return the border segments of the film as it is now."""
+        if self._segments is None or not self._known.is_of(state):
+            self._segments = border_segments(state, self._outline.of(state), self._law)
             self._known.take(state)
-        return self._edges
+        return self._segments
 
 
-def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
-    """Return the edges at which the film ends.
+def border_segments(state: State, outline: Outline, law: PenaltyLaw) -> BorderSegments:
+    """Return the segments of the film's border.
 
-    Let k_a be the stiffness of a node and d_a the number of edges that end there: an edge takes
+    Let k_a be the stiffness of a node and d_a the number of segments that end there: a segment gets
     K = 2 min(k_a / d_a, k_b / d_b), half of it from either end.
 
     Parameters
@@ -268,14 +274,16 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
     first = np.searchsorted(f.row[: f.count][by_row], np.arange(n_row + 1))
     room = n_row * outline.point.shape[1]
     found, key = np.empty((room, 2), np.int64), np.empty(room, np.int64)
-    count = _ends_of_open_edges(
+    count = _ends_of_border_segments(
         n_row, outline, state.quad.nodes, first, f.node[by_row], f.place[by_row], found, key
     )
     node, key = found[:count], key[:count]
     if f.count:
-        one = np.arange(n.count)
-        one[f.node[: f.count]] = f.node[first_at_places(f.nodes[: f.count], f.weight[: f.count])]
-        node = one[node]
+        same_place = np.arange(n.count)
+        same_place[f.node[: f.count]] = f.node[
+            first_at_places(f.nodes[: f.count], f.weight[: f.count])
+        ]
+        node = same_place[node]
         # At a tip, where the flanks have not parted, there is nothing to touch yet.
         touched = (node[:, 0] != node[:, 1]) & n.real[node].all(axis=1)
         node, key = node[touched], key[touched]
@@ -283,7 +291,7 @@ def open_edges(state: State, outline: Outline, law: PenaltyLaw) -> OpenEdges:
     ending = np.bincount(node.ravel(), minlength=n.count)
     stiffness = 2.0 * (own[node] / ending[node]).min(axis=1)
     taken = np.bincount(node.ravel(), np.repeat(0.5 * stiffness, 2), minlength=n.count)
-    return OpenEdges(
+    return BorderSegments(
         node=np.ascontiguousarray(node),
         key=key.copy(),
         length=norm(n.X[node[:, 1]] - n.X[node[:, 0]]),
@@ -296,7 +304,7 @@ def first_at_places(nodes: Ints, weight: Floats) -> Ints:
     """Return for each flank point the first of those at its place, tied to the same two nodes.
 
     Where a crack crosses a side, the copies of both quads have a point there. A point that is tied
-    to more nodes, or to one, is the only one.
+    to more nodes, or to a single node, is the only one there.
 
     nodes, weight : (n_point, 4), what they are tied to and the shape functions.
     """
@@ -315,7 +323,7 @@ def first_at_places(nodes: Ints, weight: Floats) -> Ints:
 
 
 @kernel
-def _ends_of_open_edges(
+def _ends_of_border_segments(
     n_row: int,
     outline: Outline,
     quads: SmallIds,
@@ -325,7 +333,7 @@ def _ends_of_open_edges(
     found: Ints,
     key: Ints,
 ) -> int:
-    """Write the ends of the open edges of all rows to found : (n, 2); return their number.
+    """Write the ends of the border segments of all rows to found : (n, 2); return their number.
 
     key : (n,), written, ascending.  first : (n_row + 1,), of each row's flank points.  node,
     place : (n_flank,), (n_flank, 2), of these points row by row.

@@ -1,7 +1,7 @@
 """Lists of what is near, and how long they are complete.
 
 A list is made with a margin: of more than is near enough, so that for many steps nothing else can
-have come near. :class:`ListAge` says how long, of all lists of the contact.
+have come near. :class:`ListAge` tells how long, for all lists of the contact.
 
 The nodes near a tool are those inside boxes fixed to it, each wider by a margin than needed. The
 list lasts until tool and listed nodes together have moved by half the margin; the other half is for
@@ -23,9 +23,9 @@ from shellcut.numerics.vec3 import dot, load, sub
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
 
-# Steps between two looks at how far things have moved, by hundredths of a margin; and what they may
-# go until the next one, over what they have gone since the last.
-_LOOK_EVERY, _FASTER = 5, 2.0
+# Steps between two checks of how far things have moved, by hundredths of a margin; and what they
+# may move until the next check, over what they have moved since the last.
+_CHECK_EVERY, _FASTER = 5, 2.0
 
 
 class ListAge(Kept):
@@ -33,25 +33,25 @@ class ListAge(Kept):
 
     Parameters
     ----------
-    way : float
-        That film and tool together may go until then [mm].
+    distance : float
+        That film and tool together may move until then [mm].
     radius : float, optional
-        Of the farthest point of the tool around the body's origin [mm]; without one the tool does
-        not count.
+        Of the farthest point of the tool around the body's origin [mm]; without it the motion of
+        the tool does not count.
     """
 
     kept_names = "_known", "_x", "_pose", "_gone", "_look_at"
 
-    def __init__(self, way: float, radius: float | None = None) -> None:
-        self._way, self._radius = way, radius
+    def __init__(self, distance: float, radius: float | None = None) -> None:
+        self._distance, self._radius = distance, radius
         self._known, self._farthest = KnownTopology(), BoundOnce(_farthest)
         self._x, self._pose = np.zeros((0, 3)), Pose.at_origin()
         self._gone, self._look_at = 0.0, 0
 
     def is_over(self, state: State, pose: Pose, tracked: Ints) -> bool:
-        """Return whether some nodes, or the tool, may have gone too far before the next look.
+        """Return whether some nodes, or the tool, may move too far before the next check.
 
-        They may if the film has been cut, too.
+        Also if the film has been cut.
         """
         if not self._known.is_of(state):
             return True
@@ -62,14 +62,14 @@ class ListAge(Kept):
             tracked, state.node.x, self._x, there, self._pose, self._radius or 0.0
         )
         further = max(gone - self._gone, 0.0)
-        self._gone, self._look_at = gone, state.step + _LOOK_EVERY
-        return bool(gone + _FASTER * further > self._way)
+        self._gone, self._look_at = gone, state.step + _CHECK_EVERY
+        return bool(gone + _FASTER * further > self._distance)
 
     def begin(self, state: State, pose: Pose) -> None:
         """Begin anew: the list has just been made."""
         self._known.take(state)
         self._x, self._pose = state.node.x[: state.n_node].copy(), pose
-        self._gone, self._look_at = 0.0, state.step + _LOOK_EVERY
+        self._gone, self._look_at = 0.0, state.step + _CHECK_EVERY
 
 
 class NearNodes(Kept):
@@ -98,7 +98,7 @@ class NearNodes(Kept):
 
     @property
     def half_margin(self) -> float:
-        """Way that tool and listed nodes may go together before the list is made anew [mm]."""
+        """Distance that tool and listed nodes may move before the list is made anew [mm]."""
         return 0.5 * self._margin
 
     def renew(self, state: State, pose: Pose) -> bool:
@@ -146,7 +146,7 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
 
 
 @inline
-def tool_way(pose: Pose, then: Pose, radius: float) -> float:
+def tool_motion_bound(pose: Pose, then: Pose, radius: float) -> float:
     """Return a bound on the motion of the tool within a radius around its origin [mm]."""
     # No point of the tool has moved by more than the origin plus rotation times radius.
     turn = 0.0
@@ -173,11 +173,11 @@ def _farthest(
     nodes: Ints, x: Floats, then: Floats, pose: Pose, before: Pose, radius: float
 ) -> float:
     """Return how far some nodes, and the tool within a radius, have moved at most together [mm]."""
-    way = 0.0
+    square = 0.0
     for i in range(nodes.shape[0]):
         moved = sub(load(x, nodes[i]), load(then, nodes[i]))
-        way = max(way, dot(moved, moved))
-    return sqrt(way) + tool_way(pose, before, radius)
+        square = max(square, dot(moved, moved))
+    return sqrt(square) + tool_motion_bound(pose, before, radius)
 
 
 @kernel
@@ -189,6 +189,7 @@ def _within(ids: Ints, x: Floats, pose: Pose, low: Floats, high: Floats, found: 
         hit = False
         for b in range(low.shape[0]):
             hit |= in_box(p, low, high, b)
+        # Without a branch: a node outside is overwritten by the next one.
         found[count] = n
         count += hit
     return count

@@ -1,10 +1,11 @@
-"""Search for the quads close to some points: pairs for the looks at quads.
+"""Search for the quads close to some points: pairs for the distance queries on quads.
 
-Boxes around the quads, wider by the reach, are sorted along one axis; a point asks those that may
-begin before it and end behind it. What hangs together with a node is no partner of it: quads with a
-node that is within some *rings* of sides of it, counted along the film and not across cracks.
+Boxes around the quads, wider by the reach, are sorted along one axis; a point tests those that may
+begin before it and end behind it. Film that is connected to a node nearby is no partner of it:
+quads with a node that is within some *rings* of sides of it, counted along the film and not across
+cracks.
 
-The partners of a point fall into *sheets*: quads that hang together by common nodes. A point
+The partners of a point fall into *sheets*: quads connected by common nodes. A point
 between two flaps has two sheets as partners, and touches each by itself.
 """
 
@@ -64,7 +65,7 @@ class Pairs(NamedTuple):
 
 
 class Points(NamedTuple):
-    """Points whose partners are looked for."""
+    """Points whose partners are searched."""
 
     ids: Annotated[Ints, "(n,)"]
     """Nodes, or rows of the tool's points, ascending."""
@@ -114,7 +115,7 @@ class PairSearch:
             )
             if n_pair <= room:
                 ends = (n_met, n_met + 1, n_sheet + 1, n_pair)
-                return Pairs(*(one[:end].copy() for one, end in zip(pairs, ends, strict=True)))
+                return Pairs(*(table[:end].copy() for table, end in zip(pairs, ends, strict=True)))
             room = n_pair
 
 
@@ -169,7 +170,7 @@ def _mark_rings(
     of_node : (n_node,), likewise.  ring : (n_node,), room for the nodes of the rings.
     """
     ring[0], n_ring, begin = points.ids[i], 1, 0
-    # The rows at the nodes of a ring hold the next one.
+    # The rows at the nodes of a ring contain the next ring.
     for _ in range(points.rings[i] + 1):
         end = n_ring
         for k in range(begin, end):
@@ -203,7 +204,7 @@ def _find(
     The number of pairs is right also where there is no room for all.  axis, widest : along which
     the boxes ascend, and their largest width [mm].  at, n_at : rows at every node.
     """
-    of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row hangs together with
+    of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row is connected to
     of_node, owner, ring = np.full(at.shape[0], -1), np.full(at.shape[0], -1), np.empty_like(n_at)
     met_by = np.full(at.shape[0], -1)  # point of the pair, ``owner``, that a node was met by
     leader, partner = np.empty(_MOST, np.int64), np.empty(_MOST, np.int64)
@@ -218,6 +219,7 @@ def _find(
                 break
             if of_row[row] == i or n == _MOST or not in_box(p, boxes.low, boxes.high, j):
                 continue
+            # Few quads are near a point, so an insertion keeps them ascending.
             k = n
             while k > 0 and partner[k - 1] > row:
                 partner[k] = partner[k - 1]
@@ -227,15 +229,15 @@ def _find(
         if n == 0 or n_pair + n > pairs.row.shape[0]:
             n_pair += n
             continue
-        # Pairs with a common node are of one sheet: the first of them leads it.
+        # Pairs with a common node are of the same sheet: the first of them stands for the sheet.
         for k in range(n):
             leader[k] = k
             for a in range(4):
                 node = quads[partner[k], a]
                 if met_by[node] != i:
                     met_by[node], owner[node] = i, k
-                one, two = _leader_of(k, leader), _leader_of(owner[node], leader)
-                leader[max(one, two)] = min(one, two)
+                first, second = _leader_of(k, leader), _leader_of(owner[node], leader)
+                leader[max(first, second)] = min(first, second)
         pairs.point[n_point], pairs.first_sheet[n_point] = points.ids[i], n_sheet
         n_point += 1
         for k in range(n):

@@ -6,9 +6,9 @@ and f are in :mod:`shellcut.contact.settings`. Friction on the faces is a term o
 (:mod:`shellcut.contact.coulomb_friction`); adhesion acts in the joints of the cables.
 
 *Search.* Global: the nodes near a tooth are listed now and then
-(:mod:`shellcut.contact.near_nodes`). Local: a listed node looks up the closest triangles of its
-cell in a grid fixed to the tool, and knows how long what it has found holds
-(:mod:`shellcut.contact.look_at_tool`).
+(:mod:`shellcut.contact.near_nodes`). Local: a listed node finds the closest triangles of its
+cell in a grid fixed to the tool, and knows how long the result is valid
+(:mod:`shellcut.contact.tool_distance`).
 
 *Depth and normal* are those of the tool with its convex edges rounded, so that the force is
 continuous, the gradient of a potential (:mod:`shellcut.tool.rounded_depth`).
@@ -24,10 +24,10 @@ leaves both flanks of the cut on one side of it: pushing one across would give t
 that assigns a node to the other flank, the excess is not loaded: it goes into an offset, a function
 of where the node is in the tool that fades with the distance from where it jumped. For this node
 the flank starts at the node and rises to its own height farther on. So the force is the gradient of
-a potential still, along the flank too, and what pushes the node out is work of the tool as it goes
+a potential still, along the flank too, and what pushes the node out is work of the tool as it moves
 on, or of the film that is drawn along a tool at rest; where nothing moves, nothing is loaded.
 Growth by motion is no jump: a node that flies into a face is stopped however deep it goes in a
-step, and rebounds with no more energy than it came with.
+step, and rebounds with no more energy than it had before.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import load
 from shellcut.state import State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
@@ -52,8 +52,16 @@ from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import GridCells, at_least
 from shellcut.tool.tool import Tool
 
-from .contact_tables import Carriers, Clock, ContactNodes, ContactTables, ContactTool, Looks, Memory
-from .film_outline import FilmEdges, Part
+from .contact_tables import (
+    Clock,
+    ContactNodes,
+    ContactPoints,
+    ContactTables,
+    ContactTool,
+    DistanceQueries,
+    Memory,
+)
+from .film_outline import FilmBorderSegments, Part
 from .near_nodes import NearNodes
 from .press_kernel import add_press_forces
 from .press_term import PressTerm
@@ -86,8 +94,8 @@ class PenaltyContact(PressTerm):
     crack_aside : float
         How far a crack may lie from the mid-plane of its blade, in local edge lengths.
     part_of : Callable, optional
-        Returns the polygon of a row that is cut; with it, places on the film's edges touch the tool
-        too, with a part of the stiffness of the nodes at their ends (:mod:`.edge_contact`).
+        Returns the polygon of a row that is cut; with it, places on the film's border touch the
+        tool too, with a part of the stiffness of the nodes at their ends (:mod:`.border_contact`).
     """
 
     kept_names = (*PressTerm.kept_names, "_looks", "deepest", "near")
@@ -101,15 +109,17 @@ class PenaltyContact(PressTerm):
         crack_aside: float = 0.0,
         part_of: Callable[[int], Part] | None = None,
     ) -> None:
-        super().__init__("contact", tool.n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), None)
+        super().__init__(
+            "contact", tool.n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), None
+        )
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self.thickness = film.thickness
         """h [mm]."""
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
-        self.film_edges = FilmEdges(self.law, part_of) if part_of is not None else None
-        """Those at which the film ends, if they touch the tool."""
+        self.film_edges = FilmBorderSegments(self.law, part_of) if part_of is not None else None
+        """Segments of the film's border, if they touch the tool."""
         self.solid = ContactTool(
             grid=self.grid.arrays,
             reach=self.grid.reach,
@@ -133,10 +143,10 @@ class PenaltyContact(PressTerm):
         """The nodes of the last global search."""
         self.clock = Clock(self.near.ids, np.zeros(1), self._radius)
         """Of all that waits to touch the tool."""
-        self._ids, self._looks = self.near.ids, Looks.none_yet(0)
+        self._ids, self._looks = self.near.ids, DistanceQueries.none_yet(0)
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
-        self._hold = Holder()
+        self._address_of = TableWriter()
         self._call, self._soon = BoundOnce(add_press_forces), BoundOnce(_within)
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
@@ -162,10 +172,10 @@ class PenaltyContact(PressTerm):
         """
         if self._pose is None:
             return self.near.ids
-        near, way = self.near.within(state, self._pose), self.near.half_margin
+        near, distance = self.near.within(state, self._pose), self.near.half_margin
         solid, found = self.solid, np.empty(self.near.ids.size, np.int64)
         cells, around = solid.grid.cells, solid.empty_around
-        n = self._soon(near, state.node.x, self._pose, cells, around, solid.reach, way, found)
+        n = self._soon(near, state.node.x, self._pose, cells, around, solid.reach, distance, found)
         return found[:n].copy()
 
     def saved(self) -> dict[str, Any]:
@@ -184,7 +194,7 @@ class PenaltyContact(PressTerm):
         self.clock.walked[:] = saved["walked"]
 
     def _take_list(self, state: State) -> None:
-        """Switch to the new list: nodes that left it are outside, all are looked at anew."""
+        """Switch to the new list: nodes that left it are outside, all are evaluated anew."""
         n, before, near = state.node, self._ids, self.near.ids
         place = np.searchsorted(near, before)
         stays = near.take(place, mode="clip") == before if near.size else before < 0
@@ -192,15 +202,15 @@ class PenaltyContact(PressTerm):
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
-        looks = Looks.none_yet(near.size)
-        looks.across[place[stays]] = self._looks.across[stays]
-        self._ids, self._looks = near, looks
+        queries = DistanceQueries.none_yet(near.size)
+        queries.across[place[stays]] = self._looks.across[stays]
+        self._ids, self._looks = near, queries
         self._collect(state)
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
         near, n, moving = self.near.ids, state.node, self.near.ids
-        self.carriers = Carriers.of(np.repeat(near[:, None], 4, axis=1))
+        self.carriers = ContactPoints.of(np.repeat(near[:, None], 4, axis=1))
         if self.film_edges is None:
             self.carriers.stiffness[:] = n.contact_share[near] * self.law.of_nodes(
                 n.contact_area[near]
@@ -211,18 +221,18 @@ class PenaltyContact(PressTerm):
             moving = edges.with_ends_at(near)
         self.clock = Clock(moving, np.zeros(1), self._radius)
         tables = ContactTables(
-            on_edges=False,
+            on_border=False,
             rounding=self.law.rounding,
             tool=self.solid,
             law=self.law,
             clock=self.clock,
-            looks=self._looks,
-            carriers=self.carriers,
+            queries=self._looks,
+            contact_points=self.carriers,
             memory=Memory.of_nodes(state, near),
             nodes=ContactNodes.of(state),
             around=state.quads_at_nodes(),
         )
-        self.tables = self._hold(tables)
+        self.tables = self._address_of(tables)
 
 
 @kernel
@@ -233,12 +243,13 @@ def _within(
     cells: GridCells,
     empty_around: SmallInts,
     reach: float,
-    way: float,
+    distance: float,
     found: Ints,
 ) -> int:
-    """Write the nodes that may be within a way of the solid to found : (n,), return how many."""
+    """Write the nodes that may be this near to the solid to found : (n,), return how many."""
     pose, count = borrowed(pose), 0
     for n in ids:
+        # Without a branch: a node too far away is overwritten by the next one.
         found[count] = n
-        count += at_least(to_body(load(x, n), pose), reach, cells, empty_around) <= way
+        count += at_least(to_body(load(x, n), pose), reach, cells, empty_around) <= distance
     return count

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from shellcut.arrays import Floats, Ints
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.kept import saved_of
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
-from .contact_tables import Carriers
+from .contact_tables import ContactPoints
 
 
 class PressForces(NamedTuple):
@@ -25,7 +25,7 @@ class PressForces(NamedTuple):
     stored: float
     """Penalty energy k ∫ f dg at t_n [N·mm]."""
     n_touching: int
-    """Number of nodes in the tool; of points of the tool, or edges of the film, that press."""
+    """Number of nodes in the tool; of points of the tool, or segments of its border, that press."""
     deepest: float
     """Largest depth of them [mm]."""
 
@@ -43,10 +43,10 @@ class PressTerm(ForceTerm):
         Of the term.
     n_tooth : int
         Teeth of the tool.
-    carriers : Carriers
+    carriers : ContactPoints
         Where it presses.
     kept : ndarray, shape (n_row,), optional
-        Row that each of its list had in the one before, -1 for none; of nodes, which are told by
+        Row that each of its list had in the one before, -1 for none; of nodes, which are known by
         their ids, none.
     """
 
@@ -54,16 +54,16 @@ class PressTerm(ForceTerm):
         Booking("contact_work", WORK, -1.0),
         Booking("contact_work", ON_TOOL, -1.0),
     )
-    """What goes from the sums into the ledger."""
+    """What the energy balance gets from the sums."""
     tables: Any
-    """What its kernel takes, anew with each list."""
+    """Arguments of its kernel, anew with each list."""
     kept_names: ClassVar[tuple[str, ...]] = ("touch", "carriers")
     """Attributes that a checkpoint keeps, see :mod:`shellcut.numerics.kept`."""
 
-    def __init__(self, name: str, n_tooth: int, carriers: Carriers, kept: Ints | None) -> None:
+    def __init__(self, name: str, n_tooth: int, carriers: ContactPoints, kept: Ints | None) -> None:
         self.name, self.carriers, self.kept = name, carriers, kept
         self.touch = Touch.none(n_tooth, len(PressForces._fields) - 1)
-        self._touch = Holder()(self.touch)
+        self._touch = TableWriter()(self.touch)
 
     @property
     def forces(self) -> PressForces:
@@ -73,7 +73,7 @@ class PressTerm(ForceTerm):
         return PressForces(wrench, work, stored, int(n_touching), deepest)
 
     def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
+        """Return the penalty energy at the last evaluation, by its name in the balance [N·mm]."""
         return {"contact_stored": float(self.touch.sums[STORED])}
 
     def saved(self) -> dict[str, Any]:

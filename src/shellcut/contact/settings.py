@@ -10,13 +10,13 @@ quads, g_M = h/4. For other films they scale as follows:
 
 *lambda follows E h.* The film resists with forces of E h times strain times length. So with lambda
 in proportion to E h the depth depends neither on thickness nor on modulus: a film that tears at the
-strain eps pushes with about eps E h l on a node of quads of edge l and goes 4 eps E h / (lambda l)
-deep, 1 µm to 10 µm in the paper. The same holds for the step: lambda A over the node's mass rho h
-l² is (E / rho l²) lambda l² / (4 E h), in the same ratio to the film's own (E / rho l²) as in the
-paper for all h, E and rho. A fixed lambda would cost a film of 5 µm a third of its step, and be
+strain eps pushes with about eps E h l on a node of quads of edge l and penetrates by 4 eps E h /
+(lambda l), 1 µm to 10 µm in the paper. The same holds for the step: lambda A over the node's mass
+rho h l² is (E / rho l²) lambda l² / (4 E h), in the same ratio to the film's own (E / rho l²) as in
+the paper for all h, E and rho. A fixed lambda would cost a film of 5 µm a third of its step, and be
 soft for a film of 1 mm.
 
-*k is held between* ``SOFTEST`` *and* ``STIFFEST`` *times E h.* The contact is along a line, the
+*k is bounded by* ``SOFTEST`` *and* ``STIFFEST`` *times E h.* The contact is along a line, the
 flank of the cut; the share of a node is a length. With the area alone it would become soft as l
 goes to zero (depth as 1/l), and needlessly stiff as l grows, with a short step. Quads of 0.16 to
 1.1 mm are between the bounds.
@@ -30,8 +30,8 @@ other flank. It must not be loaded at once. Its size is compared with g_M: up to
 the force sets in so softly that it stores at most 1e-3 k g_M². The offset fades with the distance
 from where the node was in the tool when it jumped, as exp(-d² / 2 l²) with l of ``FADES_OVER``
 edges: 14 % is left after an edge. A node jumps by a fifth of an edge at most, twice what it may lie
-over the mid-plane; so the flank that it feels rises by 0.61 · 0.2 / 0.5, a quarter of the way, at
-most, and the contact is 6 % stiffer there.
+over the mid-plane; so the flank that it feels rises by 0.61 · 0.2 / 0.5, a quarter of the distance,
+at most, and the contact is 6 % stiffer there.
 
 *An impact* is a change of the depth by as much in one step, all of it by motion. The steps are
 stable for a node that rests on the spring, k dt² / m up to 3, but a node in contact for only a step
@@ -45,9 +45,9 @@ h l²), with the mass m that the force feels at the point and the edge length l 
 m is the same at every node, a fixed part of (E / rho l²), a tenth or so of the largest frequency²
 of the film: a sliver at a crack shortens the step as little as a whole node. At a split the halves
 share the mass, hence the stiffness, and at the same depth their forces and energies add up to what
-they were. It need not be stiffer: a point that comes at the speed v goes v / sqrt(k / m) deep, 9 µm
-at 10 m/s with edges of 0.4 mm and a wave speed of 1300 m/s, whatever the thickness. A film thinner
-than that is not passed: the side from which a point came is remembered.
+they were. It need not be stiffer: a point that arrives at the speed v penetrates by v / sqrt(k /
+m), 9 µm at 10 m/s with edges of 0.4 mm and a wave speed of 1300 m/s, whatever the thickness. A film
+thinner than that is not passed: the side from which a point came is remembered.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ the film, twice the depth at which the force has set in, at most a quarter of th
 thickness. The lip of a right angle that is lost with it is 0.8 g_M high."""
 
 FADES_OVER = 0.5
-"""Way in the tool over which the offset of a jump fades to exp(-½), over an edge of a quad."""
+"""Distance in the tool over which the offset of a jump fades to exp(-½), over an edge of a quad."""
 
 OF_FILM = 0.125
 """Stiffness of a whole node against other film, over E h."""
@@ -132,7 +132,7 @@ class Contact:
         bool | None,
         Option(
             "",
-            "whether rims and flanks touch the tool's edges between nodes; how deep they go in "
+            "whether borders and flanks touch the tool's edges between nodes; how deep they go in "
             "without is measured, and the verdict says so",
             unset="in the opening test only",
         ),
@@ -211,13 +211,14 @@ class SheetLaw(NamedTuple):
     """Parameters of the contact of points with sheets of film, for kernels."""
 
     thickness: float
-    """Distance from the mid-surface within which one touches: h of nodes, 0 of the tool [mm]."""
+    """Distance from the mid-surface within which a point touches: h of nodes, 0 of the tool
+    [mm]."""
     smoothing_depth: float
     """g_M [mm]."""
     capture: float = math.inf
     """Distance from the film beyond which a point of the tool has passed elsewhere [mm]."""
     undecided: float = math.inf
-    """Way after which one without a side is looked at again [mm]."""
+    """Distance moved after which a point without a side is evaluated again [mm]."""
 
 
 def film_stiffness(nodes: NodeTable, which: Ints, film: ShellMaterial) -> Floats:
@@ -247,14 +248,14 @@ def smoothed_integral(g: float, g_m: float) -> float:
 
 
 @inline
-def largest_rebound(put_in: float, way: float, pushed: float, mass: float, dt: float) -> float:
+def largest_rebound(put_in: float, moved: float, pushed: float, mass: float, dt: float) -> float:
     """Return the largest contact force that gives a node no more energy than it has put in [N].
 
-    Let way' = way + (pushed - f) dt²/m be the way of the node into the face over the next step if
-    the tool continues as it does. The spring receives ½ f way by f over the last step and returns
-    at least -½ f way' over the next. The condition
+    Let moved' = moved + (pushed - f) dt²/m be the motion of the node into the face over the next
+    step if the tool continues as it does. The spring receives ½ f moved by f over the last step and
+    returns at least -½ f moved' over the next. The condition
 
-        put_in + ½ f way + ½ f way' >= 0
+        put_in + ½ f moved + ½ f moved' >= 0
 
     holds for f up to the larger root of a quadratic equation.
 
@@ -263,15 +264,15 @@ def largest_rebound(put_in: float, way: float, pushed: float, mass: float, dt: f
     put_in : float
         Work done on the node's spring up to t_{n-1}, and by half the force at t_{n-1} over the last
         step [N·mm].
-    way : float
-        Way of the node into the face over the last step [mm].
+    moved : float
+        Motion of the node into the face over the last step [mm].
     pushed : float
         All other force on the node, into the face [N].
     mass, dt : float
         Mass of the node [t] and length of the step [s].
     """
     give = dt * dt / mass
-    linear = 2.0 * way + give * pushed
+    linear = 2.0 * moved + give * pushed
     root = linear * linear + 8.0 * give * put_in
     if root <= 0.0:
         return 0.0

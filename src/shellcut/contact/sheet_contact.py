@@ -2,32 +2,32 @@
 
 *Film with film*: flaps behind the blade, a fold on the sheet, loose pieces. Points are the nodes
 and the open flank points near cracks and notches, within ``_RINGS`` sides of them, and all nodes of
-pieces that nothing holds. Film that is near no crack and hangs together touches nothing.
+pieces without a support. Connected film that is near no crack touches nothing.
 
 *The tool*: nodes feel its faces; a corner of it that comes down between nodes feels the film here
-(:mod:`.contact_points`). The side of the film on which it first comes near, facing it, is its own;
+(:mod:`.tool_points`). The side of the film on which it is first near, facing it, is its own;
 when it has passed the film by g it presses with k_p f(g). k_p is the stiffness of a node there over
 the number of points that may press on its quads together: a single tip is as stiff as a node, and
 so are all points of a ball that are on one node's quads. It leaves film at a crack alone: quads
 with a node on a flank, and cut ones. There the blade is between the flanks; a corner of it that
-laps a little over a quad did not come through its face, and what holds the flanks apart are the
-nodes on the blade's faces. A point that slips off the rim, or whose film is cut, lets go, and
-what its spring held is lost.
+overlaps a quad a little did not come through its face. The flanks are kept apart by the nodes on
+the blade's faces. A point that slips off the border, or whose film is cut, loses contact, and the
+energy of its spring is lost.
 
-*Force.* A point inside a sheet by the depth D (:mod:`.look_at_quad`) gets k f(D) along its way out,
-the nodes of the quad the opposite by their shape functions: the gradient of k ∫f, in the nodes as
-in the tool.
+*Force.* A point inside a sheet by the depth D (:mod:`.quad_distance`) gets k f(D) in its outward
+direction, the nodes of the quad the opposite by their shape functions: the gradient of k ∫f, in the
+nodes as in the tool.
 
 *Search and waiting.* Pairs of points and quads (:mod:`.pair_search`) are listed until something may
-have moved by half of the margin (:class:`.near_nodes.ListAge`). A step adds to the way *walked*
-what points and film may have come nearer to each other. Of the points found, it looks only at those
-that may touch: a look says how far the point may go before it does, and until that has been walked
-it is skipped.
+have moved by half of the margin (:class:`.near_nodes.ListAge`). A step adds to the distance
+*walked* by how much points and film may have approached each other. Only those points found are
+evaluated that may touch: an evaluation tells how far the point may move before it does, and until
+that distance has been walked the point is skipped.
 
 *History.* A point remembers the side of a sheet that it is on, so that however deep it is pushed in
-it comes out where it went in. What it sees inside at first sight (film that starts so, a tip that
-moves on) does not press: that depth is an offset, which goes as they part. A new half of a split
-node has the memory of its other half.
+it comes out on the side where it entered. A depth at the first evaluation (film that starts so, a
+tip that moves on) does not press: it is an offset, which vanishes as they separate. A new half of a
+split node has the memory of its other half.
 
 *Impacts.* If the depth changes by more than a fifth of g_M in a step, the spring returns no more
 energy than was put in, as where nodes touch the tool (:func:`.settings.largest_rebound`), with the
@@ -43,16 +43,23 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.kept import take_over
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import Booking
 
-from .contact_points import contact_points
-from .contact_tables import Carriers, ContactNodes, Memory, Presses, SheetTables, ToolPoints, Waits
+from .contact_tables import (
+    ContactNodes,
+    ContactPoints,
+    Memory,
+    Presses,
+    SheetTables,
+    ToolPoints,
+    Waits,
+)
 from .film_outline import FilmOutline, Part
 from .near_nodes import ListAge
 from .pair_search import Pairs, PairSearch, Points
@@ -60,16 +67,17 @@ from .penalty_contact import PenaltyContact
 from .press_term import DEEPEST, STORED, WORK, PressTerm
 from .settings import STEEPEST, Contact, SheetLaw, film_stiffness
 from .sheet_press import add_sheet_forces, closest_of_pairs
+from .tool_points import tool_points
 
-# Sides from a crack within which nodes are looked at.
+# Sides from a crack within which nodes are evaluated.
 _RINGS = 2
 
 # Margin of the search over the edge length, of nodes and of points of the tool: it lasts for some
 # ten or a hundred steps.
 _MARGIN, _SLACK = 0.75, 0.6
 
-# Distance of a point of the tool from the film beyond which it does not touch it, and way after
-# which one that does not face it is looked at again, over the edge length.
+# Distance of a point of the tool from the film beyond which it does not touch it, and distance
+# moved after which a point that does not face the film is evaluated again, over the edge length.
 _CAPTURE, _UNDECIDED = 0.5, 0.02
 
 
@@ -115,7 +123,7 @@ class SheetContact(PressTerm):
         outline: FilmOutline,
     ) -> None:
         nothing = np.zeros(0, np.int64)
-        super().__init__(name, n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), nothing)
+        super().__init__(name, n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
         self._of_tool = n_tooth > 0
         self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
@@ -128,37 +136,37 @@ class SheetContact(PressTerm):
         self._age = ListAge(0.5 * margin, self._radius if self._of_tool else None)
         self._pose: Pose | None = None
         self._walked = 0.0
-        self._find, self._hold = PairSearch(), Holder()
+        self._find, self._address_of = PairSearch(), TableWriter()
         self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
         self.tables: SheetTables | None = None
-        """What the kernel takes, anew with each search."""
-        self.held: Any = None
-        """The same, laid out."""
+        """Arguments of the kernel, anew with each search."""
+        self.address: Any = None
+        """Their address."""
         self.deepest = 0.0
         """Largest depth so far [mm]."""
         self.n_looked = 0
-        """Points looked at so far, the work that it has cost."""
+        """Points evaluated so far, a measure of the work."""
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
         if self._age.is_over(state, pose, self._tracked):
             self._search(state, pose)
-        found = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
+        found = self._call.code(pose, before, state.dt, self._walked, self.address, self._touch)
         self._walked, n_looked = found
         self.deepest = max(self.deepest, float(self.touch.sums[DEEPEST]))
         self.n_looked += n_looked
 
     def point_of_sheet(self) -> Ints:
-        """Return the point of every carrier."""
+        """Return the point of every contact point."""
         return self._point_of_sheet
 
     def knows_side(self) -> Bools:
-        """Return of every carrier whether its point is known to be on one side of the sheet."""
+        """Return of every contact point whether its point has a known side of the sheet."""
         return np.asarray(self._memory.side != 0)
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
-        """Return the points that look for partners, the quads that may be, and film that moves.
+        """Return the points that need partners, the quads that may be, and film that moves.
 
         The last are the nodes whose motion makes the list of pairs old.
         """
@@ -172,7 +180,7 @@ class SheetContact(PressTerm):
 
     def _search(self, state: State, pose: Pose) -> None:
         """List the pairs anew."""
-        was, had, carried, met = self._pairs, self._memory, self.carriers, self._met
+        was, had, had_points, met = self._pairs, self._memory, self.carriers, self._met
         points, rows, self._tracked = self._near(state, pose)
         reach = self._margin + (self.law.capture if self._of_tool else self.law.thickness)
         self._pairs = self._find.find(points, rows, reach, state)
@@ -181,9 +189,9 @@ class SheetContact(PressTerm):
         to = np.flatnonzero(self.kept >= 0)
         of = self.kept[to]
         self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
-        self.carriers = Carriers.of(np.zeros((n_sheet, 4), np.int64))
+        self.carriers = ContactPoints.of(np.zeros((n_sheet, 4), np.int64))
         now = *self._memory[1:], *self.carriers, self._met
-        kept: Any = zip(now, (*had[1:], *carried, met), strict=True)
+        kept: Any = zip(now, (*had[1:], *had_points, met), strict=True)
         for new, old in kept if to.size else ():
             new[to] = old[of]
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
@@ -194,15 +202,16 @@ class SheetContact(PressTerm):
         self._lay_out(state)
 
     def _same_sheets(self, old: Pairs, state: State) -> Ints:
-        """Return for each sheet the one in old pairs with a common quad and the same point, or -1.
+        """Return for each sheet that of old pairs with a common quad and the same point, or -1.
 
         A node that is new has those of another half of its node at the same place.
         """
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
-        # There is nothing to remember of most sheets: nothing has come close, or got a side.
+        # There is nothing to remember of most sheets: their points have not come close, or got a
+        # side.
         of_old, of_new = self._sheet_of_pair, new.sheet_of_pair
-        held = self._memory.side != 0 if self._of_tool else self._met
-        met = np.flatnonzero(held[of_old])
+        known = self._memory.side != 0 if self._of_tool else self._met
+        met = np.flatnonzero(known[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
@@ -218,7 +227,7 @@ class SheetContact(PressTerm):
         wanted = point * n_row + new.row
         at = order[np.minimum(np.searchsorted(key[order], wanted), key.size - 1)]
         common = np.flatnonzero(key[at] == wanted)
-        # Of several old sheets that have become one, the one that presses most: it is written last.
+        # Of several old sheets that have become one, that which presses most: it is written last.
         pressed = self.carriers.pressure[of_old[at[common]]]
         common = common[np.argsort(pressed, kind="stable")]
         kept[of_new[common]] = of_old[at[common]]
@@ -250,10 +259,10 @@ class SheetContact(PressTerm):
             outline=self._outline.of(state),
             quads=quads,
             nodes=ContactNodes.of(state),
-            carriers=self.carriers,
+            contact_points=self.carriers,
             presses=self._presses,
         )
-        self.held = self._hold(self.tables)
+        self.address = self._address_of(self.tables)
 
     def _places(self, within: float = np.inf) -> Floats:
         """Return distance [mm] and weights of the closest place of every pair, (n_pair, 5).
@@ -262,7 +271,7 @@ class SheetContact(PressTerm):
         """
         found = np.zeros((len(self._pairs.row), 5))
         if self._pose is not None:
-            self._closest(self._pose, self.held, within, found)
+            self._closest(self._pose, self.address, within, found)
         return found
 
     # ---------------------------------------------------------------- restart
@@ -298,7 +307,7 @@ class PointContact(SheetContact):
             undecided=_UNDECIDED * edge_length,
         )
         tool = contact.tool
-        points = contact_points(tool, edge_length, contact.law.smoothing_depth)
+        points = tool_points(tool, edge_length, contact.law.smoothing_depth)
         super().__init__("points", law, points, tool.n_tooth, _SLACK * edge_length, FilmOutline())
         self.nodes = contact
         """The contact of nodes."""
@@ -378,7 +387,7 @@ class SelfContact(SheetContact):
         self._chosen_for = KnownTopology()
 
     def stiffness(self, _state: State, _counted: StiffnessBy) -> NodeStiffness:
-        """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
+        """Return the nodes that may press soon and a bound of its stiffness [N/mm].
 
         A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most
         k u_P² + k sum N_a u_a²: no more than 2 k at the point and 2 k N_a at the nodes. It is taken
@@ -398,7 +407,7 @@ class SelfContact(SheetContact):
         return node.ravel(), 2.0 * STEEPEST * k.ravel()
 
     def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
+        """Return the penalty energy at the last evaluation, by its name in the balance [N·mm]."""
         return {"self_contact_stored": float(self.touch.sums[STORED])}
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:

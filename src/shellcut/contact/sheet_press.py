@@ -1,7 +1,7 @@
 """The penalty of points on sheets of film: one kernel for nodes and for points of the tool.
 
-A point inside a sheet by the depth D (:mod:`.look_at_quad`) is pushed out with k f(D); the nodes of
-the quad take the opposite by their shape functions, and the tool what its points get. See
+A point inside a sheet by the depth D (:mod:`.quad_distance`) is pushed out with k f(D); the nodes
+of the quad take the opposite by their shape functions, and the tool what its points get. See
 :mod:`.sheet_contact`.
 """
 
@@ -18,21 +18,21 @@ from shellcut.tool.pose import Pose, to_space, turn, turn_back
 from shellcut.tool.touch import Touch, react
 
 from .contact_tables import ContactNodes, Presses, SheetTables
-from .look_at_quad import (
-    Way,
+from .near_nodes import largest_speed, tool_motion_bound
+from .press_kernel import is_fast, press
+from .quad_distance import (
+    Exit,
     closest_place,
     corners_of,
+    exit_from,
     nearest_on,
     normal_at,
     off_box,
     place_in,
     slopes_along,
-    way_out,
 )
-from .near_nodes import largest_speed, tool_way
-from .press_kernel import is_fast, press
 
-# Steps of the fastest node by which a point is looked at before it can touch.
+# Steps of the fastest node by which a point is evaluated before it can touch.
 _AHEAD = 4.0
 
 
@@ -42,19 +42,26 @@ def add_sheet_forces(
 ) -> tuple[float, int]:
     """Add the forces of all points on the sheets that they touch, and minus these, to the nodes.
 
-    walked : way that two things may have gone towards each other since the search [mm].  Writes
-    memory, waits, carriers, presses and touch, see :class:`.press_term.PressForces`.  Returns
-    the way walked and the number of points looked at.
+    walked : distance that two bodies may have moved towards each other since the search
+    [mm].  Writes memory, waits, contact points, presses and touch, see
+    :class:`.press_term.PressForces`.  Returns the distance walked and the number of points
+    evaluated.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
     wrench[:] = 0.0
     law, pairs, memory, waits = tables.law, tables.pairs, tables.memory, tables.waits
-    nodes, presses, carriers, rigid = tables.nodes, tables.presses, tables.carriers, tables.of_tool
+    nodes, presses, points, rigid = (
+        tables.nodes,
+        tables.presses,
+        tables.contact_points,
+        tables.of_tool,
+    )
     step = dt * largest_speed(tables.moving, nodes.velocity_half)
-    step += tool_way(pose, before, tables.radius) if rigid else step
+    step += tool_motion_bound(pose, before, tables.radius) if rigid else step
     walked += step
     ahead = _AHEAD * step
+    # Half the work of the last forces, before the new ones are written in their place.
     work, g_m = half_work_of(presses, nodes, dt), law.smoothing_depth
     stored = deepest = 0.0
     count = n_looked = 0
@@ -63,50 +70,53 @@ def add_sheet_forces(
             continue
         n_looked += 1
         point = pairs.point[i]
-        p, came, outward = _point_at(point, dt, pose, before, tables)
+        p, moved, outward = _point_at(point, dt, pose, before, tables)
         free = 1e300
         for sheet in range(pairs.first_sheet[i], pairs.first_sheet[i + 1]):
             band = ahead + (law.capture if rigid else law.thickness)
             near = nearest_on(p, sheet, band, walked, tables)
-            free = min(free, near.free + ahead)  # then one of them is in the band
+            free = min(free, near.free + ahead)  # beyond that one of them may be in the band
             first_sight = not tables.met[sheet]
             tables.met[sheet] = True
             if near.pair < 0:
                 _forget(sheet, 0, tables)
                 continue
-            way, off = way_out(p, outward, sheet, near, tables)
+            exit_point, off = exit_from(p, outward, sheet, near, tables)
             free = min(free, off)
-            if off > 0.0 or way.depth <= 0.0:
-                _forget(sheet, way.side, tables)
+            if off > 0.0 or exit_point.depth <= 0.0:
+                _forget(sheet, exit_point.side, tables)
                 continue
-            memory.side[sheet] = way.side
-            if first_sight:
-                memory.offset[sheet] = way.depth
+            memory.side[sheet] = exit_point.side
+            if first_sight:  # film that starts inside does not press
+                memory.offset[sheet] = exit_point.depth
             if first_sight or dt == 0.0:  # before the run film may be put anywhere: that is no jump
-                memory.depth[sheet] = way.depth
+                memory.depth[sheet] = exit_point.depth
             back, pushed, mass, k = (0.0, 0.0, 0.0), 0.0, 0.0, tables.stiffness[near.pair]
-            if is_fast(sheet, way.depth, g_m, memory):
-                back, pushed, mass = _approach(point, came, way, dt, tables)
-            out = way.direction
-            force, energy = press(sheet, way.depth, k, back, out, pushed, mass, dt, g_m, memory)
+            if is_fast(sheet, exit_point.depth, g_m, memory):
+                back, pushed, mass = _approach(point, moved, exit_point, dt, tables)
+            out = exit_point.direction
+            force, energy = press(
+                sheet, exit_point.depth, k, back, out, pushed, mass, dt, g_m, memory
+            )
             store(memory.force, sheet, scale(force, out))
             stored += energy
-            deepest = max(deepest, way.depth - memory.offset[sheet])
-            _press(count, point, force, way, tables)
+            deepest = max(deepest, exit_point.depth - memory.offset[sheet])
+            _press(count, point, force, exit_point, tables)
             weights, row = shape_functions(near.place.xi, near.place.eta), pairs.row[near.pair]
             for a in range(4):
-                carriers.node[sheet, a] = tables.quads[row, a]
-                carriers.weight[sheet, a] = weights[a]
-            carriers.stiffness[sheet], carriers.pressure[sheet] = k, force
+                points.node[sheet, a] = tables.quads[row, a]
+                points.weight[sheet, a] = weights[a]
+            points.stiffness[sheet], points.pressure[sheet] = k, force
             normal = scale(-1.0, out)
             if rigid:
-                q = corners_of(nodes.x, tables.quads, way.row)
-                carriers.tooth[sheet] = tables.points.tooth[point]
-                s = place_in(q, way.xi, way.eta)
-                react(scale(force, normal), s, carriers.tooth[sheet], pose, wrench)
+                q = corners_of(nodes.x, tables.quads, exit_point.row)
+                points.tooth[sheet] = tables.points.tooth[point]
+                s = place_in(q, exit_point.xi, exit_point.eta)
+                react(scale(force, normal), s, points.tooth[sheet], pose, wrench)
                 normal = turn_back(normal, pose)
-            store(carriers.normal, sheet, normal)
+            store(points.normal, sheet, normal)
             count += 1
+        # It is evaluated again some steps before it can touch.
         waits.point[i] = walked + max(free - ahead, 0.0)
     presses.n[0] = count
     work += half_work_of(presses, nodes, dt)
@@ -118,7 +128,7 @@ def add_sheet_forces(
 def _point_at(
     point: int, dt: float, pose: Pose, before: Pose, tables: SheetTables
 ) -> tuple[Vec3, Vec3, Vec3]:
-    """Return where a point is, its way over the last step [mm], and the tool's normal there."""
+    """Return where a point is, its motion over the last step [mm], and the tool's normal there."""
     if tables.of_tool:
         at = load(tables.points.place, point)
         p = to_space(at, pose)
@@ -129,27 +139,28 @@ def _point_at(
 
 @inline
 def _approach(
-    point: int, came: Vec3, way: Way, dt: float, tables: SheetTables
+    point: int, moved: Vec3, exit_point: Exit, dt: float, tables: SheetTables
 ) -> tuple[Vec3, float, float]:
-    """Return the way back of a point from a quad over the last step [mm].
+    """Return the motion of a point out of a quad over the last step [mm].
 
     And all other force that pushes them together [N], and the mass that moves between them [t].
     """
     tables = borrowed(tables)
     quads, nodes = tables.quads, tables.nodes
-    back, towards, give = scale(-1.0, came), (0.0, 0.0, 0.0), 0.0
+    back, towards, give = scale(-1.0, moved), (0.0, 0.0, 0.0), 0.0
     if not tables.of_tool and not nodes.supported[point]:
         give = 1.0 / nodes.contact_mass[point]
         towards = scale(-give, load(nodes.force, point))
-    weights = shape_functions(way.xi, way.eta)
+    weights = shape_functions(exit_point.xi, exit_point.eta)
+    # 1 / m_P + sum N_a²/m_a: what moves between point and quad; a point of the tool has no 1 / m_P.
     for a in range(4):
-        n, weight = quads[way.row, a], weights[a]
+        n, weight = quads[exit_point.row, a], weights[a]
         back = add_scaled(back, dt * weight, load(nodes.velocity_half, n))
         give += weight * weight * nodes.push[n, 0]
         towards = add_scaled(towards, weight * nodes.push[n, 0], load(nodes.force, n))
     if give == 0.0:
         return back, 0.0, 0.0
-    return back, dot(towards, way.direction) / give, 1.0 / give
+    return back, dot(towards, exit_point.direction) / give, 1.0 / give
 
 
 @always_inline
@@ -158,7 +169,7 @@ def _forget(sheet: int, side: int, tables: SheetTables) -> None:
     memory = tables.memory
     memory.side[sheet] = side
     memory.offset[sheet] = memory.depth[sheet] = memory.work[sheet] = 0.0
-    tables.carriers.pressure[sheet] = 0.0
+    tables.contact_points.pressure[sheet] = 0.0
 
 
 @inline
@@ -174,22 +185,24 @@ def half_work_of(presses: Presses, nodes: ContactNodes, dt: float) -> float:
 
 
 @inline
-def _press(at: int, point: int, force: float, way: Way, tables: SheetTables) -> None:
+def _press(at: int, point: int, force: float, exit_point: Exit, tables: SheetTables) -> None:
     """Add a force [N] on a node, and minus it on the quad; write both to row ``at`` of presses."""
     tables = borrowed(tables)
     quads, nodes, presses = tables.quads, tables.nodes, tables.presses
-    q = corners_of(nodes.x, quads, way.row)
-    n = normal_at(q, way.xi, way.eta)
-    weights, turns = shape_functions(way.xi, way.eta), (0.0, 0.0, 0.0, 0.0)
-    if way.lifted != 0.0:
-        turns = slopes_along(way.direction, way.xi, way.eta, q)
+    q = corners_of(nodes.x, quads, exit_point.row)
+    n = normal_at(q, exit_point.xi, exit_point.eta)
+    weights, turns = shape_functions(exit_point.xi, exit_point.eta), (0.0, 0.0, 0.0, 0.0)
+    if exit_point.lifted != 0.0:
+        turns = slopes_along(exit_point.direction, exit_point.xi, exit_point.eta, q)
     if tables.of_tool:  # what it gets is on the tool
         put_on(at, 0, 0, (0.0, 0.0, 0.0), nodes, presses)
     else:
-        put_on(at, 0, point, scale(force, way.direction), nodes, presses)
+        put_on(at, 0, point, scale(force, exit_point.direction), nodes, presses)
     for a in range(4):
-        back = combine(-force * weights[a], way.direction, force * way.lifted * turns[a], n)
-        put_on(at, a + 1, quads[way.row, a], back, nodes, presses)
+        back = combine(
+            -force * weights[a], exit_point.direction, force * exit_point.lifted * turns[a], n
+        )
+        put_on(at, a + 1, quads[exit_point.row, a], back, nodes, presses)
 
 
 @always_inline

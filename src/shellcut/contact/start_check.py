@@ -1,4 +1,4 @@
-"""The tool must start outside the film: no node lies in it, and it goes through no quad."""
+"""The tool must start outside the film: no node lies in it, and it passes through no quad."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from shellcut.tool.tool import Tool
 
 from .unfelt_depth import ToolWires
 
-# Of the tool's extent along its way: a start this far in is no small error of its place; of the
-# speed: an advance along the axis below it is none; steps of the search for a free start, along the
-# tool's extent and past the film.
+# Of the tool's extent along its direction of motion: a start this far in is no small error of its
+# place; of the speed: an advance along the axis below it is none; steps of the search for a free
+# start, along the tool's extent and past the film.
 _FAR, _ROUND_OFF, _STEPS = 0.25, 1e-9, (20, 40)
 
 
@@ -33,7 +33,7 @@ def check_tool_outside(
     mesh, tool, grid, pose
         The pose is that of the start.
     motion : Motion, optional
-        Tells how far back on its way the tool is free.
+        Tells how far back along its path the tool is free.
     """
     wires = ToolWires(tool)
 
@@ -51,32 +51,32 @@ def check_tool_outside(
         problems.append(f"the tool passes through quads {_some(pierced, centres)}")
     if not problems:
         return
-    way = _first_way(motion)
-    reach = float(np.ptp(product(pose.to_space(tool.vertices), way)))
-    past = 1.01 * (reach + float(np.ptp(product(mesh.nodes, way))))
+    along = _first_direction(motion)
+    reach = float(np.ptp(product(pose.to_space(tool.vertices), along)))
+    past = 1.01 * (reach + float(np.ptp(product(mesh.nodes, along))))
     fine, coarse = (
         np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
     )
-    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
-    starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
-    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
+    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film passes through it too
+    starts = (Pose(pose.rotation, pose.translation - s * along) for s in back)
+    touches = np.append(True, [any(ids.size for ids in overlap(start)) for start in starts])
     free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
     raise ValueError(
         f"the tool must start outside the sheet, but {' and '.join(problems)}: "
-        f"{_cure(-free * product(way, pose.rotation), reach)}"
+        f"{_cure(-free * product(along, pose.rotation), reach)}"
     )
 
 
-def _first_way(motion: Motion | None) -> Floats:
+def _first_direction(motion: Motion | None) -> Floats:
     # unit vector of the first advance, along the axis of a screw; 0 of a tool that only turns
     for time in 2.0 ** np.arange(-20, 1) if motion else ():  # from a microsecond to a second
-        spin, way = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
-        speed = float(norm(way))
+        spin, velocity = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
+        speed = float(norm(velocity))
         if spin.any():
             axis = unit(spin)
-            way = axis * (product(axis, way))
-        if (length := float(norm(way))) > _ROUND_OFF * speed:
-            return np.asarray(way / length)
+            velocity = axis * (product(axis, velocity))
+        if (length := float(norm(velocity))) > _ROUND_OFF * speed:
+            return np.asarray(velocity / length)
     return np.zeros(3)
 
 

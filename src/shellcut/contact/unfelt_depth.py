@@ -1,11 +1,11 @@
-"""Penetration that no contact feels: the tool in quads, edges in the tool.
+"""Penetration that no contact feels: the tool in quads, the film's border in the tool.
 
-Nodes feel the faces of the tool, and quads its corners and edges, at points
-(:mod:`.contact_points`). What goes through a quad between these, or without them, is measured
-during a run and reported.
+Nodes feel the faces of the tool, and quads its corners and edges, at points (:mod:`.tool_points`).
+A tool part that passes through a quad between these, or without them, is measured during a run and
+reported.
 
-A rim or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places on
-the edges (:mod:`.edge_contact`), if these touch; what goes deeper than is felt is measured, too.
+A border or a flank whose nodes lie beside a tooth may cross it between them. That is felt by places
+on the border (:mod:`.border_contact`), if these touch; depth beyond that is measured, too.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from shellcut.tool.rounded_depth import rounded_depth
 from shellcut.tool.signed_distance import signed_distance
 from shellcut.tool.tool import Tool
 
+from .border_contact import BorderContact
 from .contact_tables import ContactTool
-from .edge_contact import EdgeContact
-from .film_outline import FilmEdges, Part
+from .film_outline import FilmBorderSegments, Part
 from .penalty_contact import PenaltyContact
 from .settings import PenaltyLaw
 
@@ -36,7 +36,7 @@ from .settings import PenaltyLaw
 _BUNDLE = 64
 
 _PARTS = 16
-"""Of an edge of the film; its depth is looked up where these meet."""
+"""Of a segment of the film's border; its depth is evaluated where these meet."""
 
 # Fraction of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
@@ -118,52 +118,52 @@ def missed_penetration(
     noticed = n.halved | (n.contact_depth > 0.0)
     if felt is not None:
         noticed[felt] = True
-    looked = state.quads if rows is None else state.quads[rows]
-    quads, depth = wires.crossed_quads(n.x, looked, noticed, pose)
+    searched = state.quads if rows is None else state.quads[rows]
+    quads, depth = wires.crossed_quads(n.x, searched, noticed, pose)
     return quads.size, float(depth.max(initial=0.0))
 
 
 class FlankPenetration:
-    """Measures how deep edges of the film go into the tool unfelt.
+    """Measures how deep the film's border lies in the tool unfelt.
 
     Parameters
     ----------
     contact : PenaltyContact
         Of the nodes.
-    edges : EdgeContact or None
-        Of the film's edges, if that is switched on.
+    border : BorderContact or None
+        Of the film's border, if that is switched on.
     part_of : Callable
         Returns the polygon of a row that is cut.
     """
 
     def __init__(
-        self, contact: PenaltyContact, edges: EdgeContact | None, part_of: Callable[[int], Part]
+        self, contact: PenaltyContact, border: BorderContact | None, part_of: Callable[[int], Part]
     ) -> None:
-        self._contact, self._edges = contact, edges
-        self._film = contact.film_edges or FilmEdges(contact.law, part_of)
+        self._contact, self._border = contact, border
+        self._film = contact.film_edges or FilmBorderSegments(contact.law, part_of)
         self._deepest = BoundOnce(_deepest_unfelt)
 
     def largest(self, state: State, pose: Pose) -> float:
-        """Return by how much an edge is deeper between the points that touch than is felt [mm].
+        """Return by how much the border is deeper between the points that touch than is felt [mm].
 
         What is felt is interpolated between its ends and its places, if these touch. Edges that the
         blade goes through are left out: those with ends on both sides of it, or deeper below their
         own side than half of the tool's thickness, and closer to the other.
         """
-        contact, edges = self._contact, self._film.of(state)
-        rows = edges.near(contact.near.ids)
+        contact, segments = self._contact, self._film.of(state)
+        rows = segments.near(contact.near.ids)
         side, depth = state.node.contact_side, state.node.contact_depth
-        at = side[edges.node[rows]]
+        at = side[segments.node[rows]]
         rows, at = rows[at[:, 0] * at[:, 1] >= 0], at[at[:, 0] * at[:, 1] >= 0]
         first: Ints = np.zeros(rows.size + 1, np.int64)
         felt: Floats = np.zeros(0)
-        if self._edges is not None:
-            first, felt = self._edges.felt(edges.key[rows])
+        if self._border is not None:
+            first, felt = self._border.felt(segments.key[rows])
         return float(
             self._deepest(
-                edges.node[rows],
+                segments.node[rows],
                 np.where(at[:, 0] != 0, at[:, 0], at[:, 1]).astype(np.int64),
-                np.maximum(depth[edges.node[rows]], 0.0),
+                np.maximum(depth[segments.node[rows]], 0.0),
                 first,
                 felt,
                 state.node.x,
@@ -186,10 +186,10 @@ def _deepest_unfelt(
     tool: ContactTool,
     law: PenaltyLaw,
 ) -> float:
-    """Return how much deeper than is felt the deepest of some edges goes into the tool [mm].
+    """Return how much deeper than felt the deepest of some border segments is in the tool [mm].
 
     ends : (n, 2), nodes of all in x : (n_node, 3).  side : (n,), of the blade.  depth : (n, 2), of
-    the ends [mm].  first, felt : (n + 1,), (n_place,), of the places on each edge [mm].
+    the ends [mm].  first, felt : (n + 1,), (n_place,), of the places on each segment [mm].
     """
     pose, tool, law = borrowed(pose), borrowed(tool), borrowed(law)
     surface, deepest = tool.grid.surface, 0.0
@@ -250,8 +250,8 @@ def _deepest_crossings(
                 end = (wires.ends[k, 1, 0], wires.ends[k, 1, 1], wires.ends[k, 1, 2])
                 apart = False
                 for c in range(3):
-                    one, two = start[c], end[c]
-                    apart = apart or max(one, two) < low[c] or min(one, two) > high[c]
+                    p, q = start[c], end[c]
+                    apart = apart or max(p, q) < low[c] or min(p, q) > high[c]
                 if apart:
                     continue
                 depth[e] = max(

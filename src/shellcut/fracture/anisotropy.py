@@ -1,4 +1,4 @@
-"""A film that tears more easily one way than another: strength and energy by the crack's direction.
+"""A film that tears more easily in one direction than in another: strength and energy by direction.
 
 Drawn and rolled films part along the direction in which they were made (MD) at another G than
 across it (CD). With the angle theta between a crack and MD in the reference film,
@@ -7,9 +7,9 @@ across it (CD). With the angle theta between a crack and MD in the reference fil
     f(theta) = ½ (along + across) + ½ (along - across) cos 2 theta:
 
 the cohesive law times f, its openings being the same. A cable across a segment has the area f times
-that of the film that it holds, which is the same and needs nothing else.
+that of the film that it replaces, which is the same and needs nothing else.
 
-A crack that lacks energy then takes the direction where J · e / f is largest: with theta_T the
+A crack that lacks energy then runs in the direction where J · e / f is largest: with theta_T the
 direction of J, where G(theta) / cos(theta - theta_T) is least, (ln G)' = -tan(theta - theta_T). It
 follows from :mod:`.free_direction`, without any rule of its own.
 """
@@ -58,16 +58,16 @@ class Anisotropy:
     across: Annotated[float, Option("", "f of a crack across MD", above=0)] = 1.0
 
     def __post_init__(self) -> None:
-        way = np.asarray(self.direction, float)
-        if way.shape != (3,) or not np.isfinite(way).all() or not way.any():
+        along = np.asarray(self.direction, float)
+        if along.shape != (3,) or not np.isfinite(along).all() or not along.any():
             raise ValueError(f"direction must be a vector that is not zero, got {self.direction!r}")
 
-    def factors(self, ways: Floats, normal: Floats) -> Floats:
-        """Return f for cracks along some ways, shape (n,).
+    def factors(self, directions: Floats, normal: Floats) -> Floats:
+        """Return f for cracks along some directions, shape (n,).
 
         Parameters
         ----------
-        ways : ndarray, shape (n, 3)
+        directions : ndarray, shape (n, 3)
             In the reference sheet, of any length but 0.
         normal : ndarray, shape (3,)
             Unit normal of the sheet; where MD is along it, f is the mean of both.
@@ -75,7 +75,7 @@ class Anisotropy:
         md = unit(np.asarray(self.direction, float))
         md = md - product(md, normal) * normal
         size = product(md, md)
-        cosine = product(ways, md) ** 2 / np.einsum("ij,ij->i", ways, ways)
+        cosine = product(directions, md) ** 2 / np.einsum("ij,ij->i", directions, directions)
         twice = 2.0 * cosine - size
         return np.asarray(0.5 * (self.along + self.across + (self.along - self.across) * twice))
 

@@ -8,10 +8,10 @@ from .quad_polygon import Point
 
 
 class Pierced(NamedTuple):
-    """How a tool goes through the face of whole film."""
+    """How a tool pierces the face of whole film."""
 
     measure: float
-    """Force or stress over what the film carries."""
+    """Force or stress over that which the film carries."""
     force: float
     """On the cutting edge [N]."""
     delay: float
@@ -28,4 +28,4 @@ class Begun(NamedTuple):
     segment: int
     """Of the cutting edge."""
     pierced: Pierced | None = None
-    """None where nothing holds the film against the edge."""
+    """None where nothing supports the film against the edge."""

@@ -21,7 +21,7 @@ from .tip import Segment, Tip
 # Of the parametric square: a ray from there leaves a quad by two sides.
 _INNER = 0.75
 
-# Part of its direction that counts in where an edge goes.
+# Part of its direction that counts in where an edge moves.
 _ALONG = 1e-6
 
 
@@ -57,9 +57,9 @@ class BladeChords:
                 yield here, ahead
             for back in self._towards(state, *at, edge, tips, -1.0):
                 yield back, here
-        # Near a side to which both ways lead.
+        # Near a side to which both directions lead.
         yield from self._along_sides(state, starts, edge, NEAR)
-        # Beside a side that cannot be broken, at the rim.
+        # Beside a side that cannot be broken, at the border.
         for at_row, (xi, eta) in starts:
             inner = min(max(xi, -_INNER), _INNER), min(max(eta, -_INNER), _INNER)
             yield from self._through(state, at_row, inner, edge, tips)
@@ -74,13 +74,13 @@ class BladeChords:
     def _along_sides(
         self, state: State, starts: Sequence[tuple[int, Point]], edge: int, within: float
     ) -> Iterator[tuple[Segment, Segment]]:
-        """Yield the side of each row that an edge follows best: one way, and the other.
+        """Yield the side of each row that an edge follows best: in one direction, and in the other.
 
         starts : rows, and the place in each.  within : as of :meth:`.CrackPath.side_near`.
         """
-        way, lean = self._way(state, *starts[0], edge)
+        along, lean = self._direction(state, *starts[0], edge)
         for row, place in starts:
-            side = self._path.side_near(state, row, place, way, lean, within)
+            side = self._path.side_near(state, row, place, along, lean, within)
             if side is not None:
                 yield side.reversed(), side
 
@@ -112,17 +112,17 @@ class BladeChords:
 
         reach : as of :meth:`.BladeDrive.find`.
         """
-        way, lean = self._way(state, row, place, edge, reach)
-        segment = self._path.segment(state, row, place, way, lean)
+        along, lean = self._direction(state, row, place, edge, reach)
+        segment = self._path.segment(state, row, place, along, lean)
         if segment is None:
             return []
         gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*place))
         heading = product(gap, state.node.X[state.quads[row]])
         ends = self._film.oncoming(row, place, unit(heading), tips)
-        joined = self._path.segment(state, row, place, way, lean, ends) if ends else None
+        joined = self._path.segment(state, row, place, along, lean, ends) if ends else None
         return [segment] if joined is None else [joined, segment]
 
-    def _way(
+    def _direction(
         self, state: State, row: int, place: Point, edge: int, reach: float = 1.0
     ) -> tuple[Floats, Floats]:
         """Return the direction to where an edge will be from a place, or was, and its lean, (3,).
@@ -136,4 +136,4 @@ class BladeChords:
         back = segments[edge, BACK] + _ALONG * unit(segments[edge, VECTOR])
         heading = product(then.rotation[0], back) * -reach
         self._drive.direct(at.t[None], heading[None], at.T[None], size)
-        return then.ways[0, 0].copy(), then.lean[0].copy()
+        return then.directions[0, 0].copy(), then.lean[0].copy()

@@ -1,16 +1,15 @@
 """Which crack tips a cutting edge drives, and in which direction.
 
 A tip belongs to the segment of an edge that will meet it, near the mid-plane, or that has passed
-it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
-edge has passed goes on whatever the force there.
+it. It runs to where the edge will be when it is an edge length beyond the tip. A tip that the
+edge has passed advances whatever the force there.
 
 The motion is prescribed, so that this pose is known. A film that its supports move is met where it
 will be then: all poses are as seen from the film (:class:`.SeenFromFilm`), put to where it is now.
 
-On a circle of radius R the present mid-plane
-would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
-the mid-plane at the tip still by L²/2R in a segment of length L. Aimed at a point of the path, a
-segment ends within L²/8R of it.
+On a circle of radius R the present mid-plane would lead a tip that lies a distance a ahead of the
+edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and the mid-plane at the tip still by L²/2R in a
+segment of length L. Aimed at a point of the path, a segment ends within L²/8R of it.
 
 The direction is that to the trace of the mid-plane in the sheet, one edge length ahead; where that
 leads back out of the film ahead, because the film has been pushed far aside, less and less towards
@@ -27,8 +26,8 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, Vec3, product
 from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.tool.cutting_edge import (
     BACK,
@@ -51,24 +50,24 @@ _REACH = 0.5
 # How far ahead of the edge such a tip may be, likewise.
 _AHEAD = 20.0
 
-# Of the squared sine of the angle between mid-plane and sheet: below it the way in the sheet to the
-# mid-plane counts as that of a plane that leans by this, some 18 degrees from the sheet.
+# Of the squared sine of the angle between mid-plane and sheet: below it the direction in the sheet
+# to the mid-plane counts as that of a plane that leans by this, some 18 degrees from the sheet.
 LEAST = 0.1
 
 # Below this a vector has no direction: the mid-plane lies in the sheet to within round-off.
 TANGENT = 1e-12
 
 # How far the tool may turn until the edge meets the tip [rad]. Where it does, to second order, is
-# off by a sixth of this angle cubed times the radius of the way: 0.02 of the radius.
+# off by a sixth of this angle cubed times the radius of the path: 0.02 of the radius.
 _MOST_TURN = 0.5
 
 # Behind the edge, in local edge lengths, where a segment owns what it meets; far above round-off.
 _ON_EDGE = 1e-6
 
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
-LOOK_AHEAD = (1.0, 2.0, 4.0)
+AIM_AHEAD = (1.0, 2.0, 4.0)
 
-# Ticks of the motion of a film up to which it is followed for an edge that comes slowly.
+# Ticks of the motion of a film up to which it is followed for an edge that approaches slowly.
 _FORESEEN = 256
 
 # Turns in finding when an edge will be at the first of these, and how near is near enough.
@@ -94,8 +93,8 @@ class Driven(NamedTuple):
     time: Annotated[Floats, "(n_tip,)"]
     """Of the pose that is to be tried next [s]."""
     seeking: Annotated[Bools, "(n_tip,)"]
-    """Whether there is one."""
-    ways: Annotated[Floats, "(n_tip, n_way, 3)"]
+    """Whether there is such a pose."""
+    directions: Annotated[Floats, "(n_tip, n_direction, 3)"]
     """Unit directions in space in which the edge drives the tip, the best one first."""
     lean: Annotated[Floats, "(n_tip, 3)"]
     """Of the plane of the segment from the director."""
@@ -108,7 +107,7 @@ class BladeDrive:
         self.edges, self._film = edges, film
         self._seen = motion if film is None else SeenFromFilm(film, motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
-        self._held_edges, self._hold = Holder()(edges), Holder()
+        self._edges_address, self._address_of = TableWriter()(edges), TableWriter()
         self._allocate(0)
 
     def _allocate(self, n: int) -> None:
@@ -122,10 +121,10 @@ class BladeDrive:
             velocity=np.zeros((n, 3)),
             time=np.zeros(n),
             seeking=np.zeros(n, np.bool_),
-            ways=np.zeros((n, len(LOOK_AHEAD) + 1, 3)),
+            directions=np.zeros((n, len(AIM_AHEAD) + 1, 3)),
             lean=np.zeros((n, 3)),
         )
-        self._held = self._hold(self.driven)
+        self._driven_address = self._address_of(self.driven)
 
     def _seen_from_film(self, later: float, now: float) -> tuple[Floats, Floats, Floats, Floats]:
         """Return pose and twist of the tool at a time [s] as seen from the film, where it is now.
@@ -140,7 +139,7 @@ class BladeDrive:
         return product(Q, R), product(Q, r) + q, product(Q, spin), product(Q, velocity)
 
     def _foreseen(self, later: float, now: float) -> float:
-        """Return a time, or the last before it up to which the way of a moving film is followed."""
+        """Return a time, or the last before it up to which a moving film is followed."""
         return later if self._film is None else min(later, now + _FORESEEN * self._film.tick)
 
     def find(
@@ -149,7 +148,7 @@ class BladeDrive:
         size: Floats,
         time: float,
         edge: int = -1,
-        reach: float = LOOK_AHEAD[0],
+        reach: float = AIM_AHEAD[0],
     ) -> Driven:
         """Return which edge drives each tip, and its pose when it is beyond it.
 
@@ -158,7 +157,7 @@ class BladeDrive:
         x, size : (n_tip, 3), (n_tip,), where the tips are and local edge lengths there [mm].  time
         : now [s].  edge : segment that drives them all, if it is known.  reach : how far beyond, in
         edge lengths; negative: the earlier pose, in which the edge was still so far before the tip.
-        The present one where the edge rests or goes away from it.
+        The present pose where the edge rests or moves away from it.
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
@@ -169,7 +168,7 @@ class BladeDrive:
         found.time[:], found.seeking[:] = time, True
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
-        tried = x, size, self._held_edges, self._held, reach
+        tried = x, size, self._edges_address, self._driven_address, reach
         count = self._try_poses(*tried, edge < 0, True)
         for k in range(TURNS):
             if not count:
@@ -184,14 +183,14 @@ class BladeDrive:
         return found
 
     def direct(self, director: Floats, heading: Floats, reference: Floats, size: Floats) -> Driven:
-        """Return in which directions edges drive the tips that were asked for last.
+        """Return in which directions edges drive the tips of the last call of :meth:`find`.
 
         One that no edge drives is led straight on.
 
         director, reference : (n_tip, 3), unit directors there, now and in the reference film.
-        heading : (n_tip, 3), in which direction they came, of any length.  size : (n_tip,), [mm].
+        heading : (n_tip, 3), in which direction they ran, of any length.  size : (n_tip,), [mm].
         """
-        self._direct(director, heading, reference, size, self.edges.segments, self._held)
+        self._direct(director, heading, reference, size, self.edges.segments, self._driven_address)
         return self.driven
 
 
@@ -233,7 +232,7 @@ def _try_poses(
             found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
         left, speed = reach * size[i] - depth, dot(velocity, k)
         if more and abs(left) > NEAR * size[i] and speed < 0.0:
-            found.time[i] -= left / speed
+            found.time[i] -= left / speed  # to first order, the edge is beyond by ``reach`` then
             found.seeking[i] = True
             count += 1
     return count
@@ -253,30 +252,31 @@ def _direct(
     director, heading, reference : (n_tip, 3).  size : (n_tip,).  segments : of the edges.
     """
     found = borrowed(found)
-    n_way = found.ways.shape[1]
+    n_direction = found.directions.shape[1]
     for i in range(size.shape[0]):
         d, e = load(director, i), found.edge_of[i]
         if e < 0:
-            way = load(heading, i)
-            way = combine(1.0, way, -dot(way, d), d)
-            for nth in range(n_way):
-                store(found.ways[i], nth, scale(1.0 / max(norm(way), TANGENT), way))
+            along = load(heading, i)
+            along = combine(1.0, along, -dot(along, d), d)
+            for nth in range(n_direction):
+                store(found.directions[i], nth, scale(1.0 / max(norm(along), TANGENT), along))
             store(found.lean, i, (0.0, 0.0, 0.0))
             continue
         pose = Pose(found.rotation[i], found.translation[i])
         b = turn(segment_part(segments, e, NORMAL), pose)
         trace = cross(d, b)
+        # Of the two senses of the trace that in which the crack runs.
         sign = -1.0 if dot(trace, load(heading, i)) < 0.0 else 1.0
         trace = scale(sign / max(norm(trace), TANGENT), trace)
         sine = dot(b, load(reference, i))
         across = scale(1.0 / max(1.0 - sine * sine, LEAST), combine(1.0, b, -dot(b, d), d))
         store(found.lean, i, scale(sine, across))
         aside = scale(found.off[i], across)
-        for nth in range(n_way):
-            way = trace
-            if nth < n_way - 1:
-                way = combine(LOOK_AHEAD[nth] * size[i], trace, -1.0, aside)
-            store(found.ways[i], nth, scale(1.0 / max(norm(way), TANGENT), way))
+        for nth in range(n_direction):
+            along = trace
+            if nth < n_direction - 1:
+                along = combine(AIM_AHEAD[nth] * size[i], trace, -1.0, aside)
+            store(found.directions[i], nth, scale(1.0 / max(norm(along), TANGENT), along))
 
 
 @inline
@@ -303,7 +303,7 @@ def _nearest_edge(
         elif not passed and -_AHEAD * size < depth < 0.0 and -depth < nearest:
             back = segment_part(segments, k, BACK)
             approach = -dot(velocity, back)
-            # An edge that rests or goes away is taken to move along its mid-plane.
+            # An edge that rests or moves away is taken to move along its mid-plane.
             t = -depth / approach if approach > 0.0 else 0.0
             if t * norm(spin) > _MOST_TURN:
                 continue

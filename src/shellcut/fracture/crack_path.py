@@ -1,12 +1,11 @@
-"""Where a crack goes next: the segment through the row ahead to its boundary, and the tip there.
+"""Where a crack runs next: the segment through the row ahead to its boundary, and the tip there.
 
-From a tip a ray goes through the polygon of the row ahead, and :mod:`.ray_ahead` says where it
+From a tip a ray runs through the polygon of the row ahead, and :mod:`.ray_ahead` finds where it
 leaves that.
 
-A crack that has come to an earlier one goes on from the other flank of that. Several rows touch the
-place where the two meet. Film hangs together there where rows have the same nodes: the row into
-which the crack would go on, and those that hang together with it, are the other flank; all others
-lie behind.
+A crack that has reached an earlier one continues from the other flank of that. Several rows touch
+the place where the two meet. Film is connected there where rows have the same nodes: the row into
+which the crack would run, and those connected with it, are the other flank; all others lie behind.
 """
 
 from __future__ import annotations
@@ -17,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, product, unit
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import KnownTopology, State
 
 from .cut_film import CutFilm, End
@@ -29,7 +28,7 @@ from .rows_ahead import RowsAhead, table_of
 from .tip import Segment, Tip
 
 NEAR = 0.5
-"""Of the local edge length: nodes that are nearer to the mid-plane of a blade are on its way."""
+"""Of the local edge length: nodes that are nearer to the mid-plane of a blade are on its path."""
 
 _STRAIGHT_UP = np.zeros((1, 3))
 
@@ -40,9 +39,9 @@ class CrackPath:
     def __init__(self, film: CutFilm) -> None:
         self.film = film
         self._leave, self._known = BoundOnce(leave), KnownTopology()
-        self._held: dict[tuple[Tip, ...], Any] = {}  # rows ahead, laid out for the kernel
-        self._hold, self._aimed = Holder(), Aimed.of(1)
-        self._held_aimed = Holder()(self._aimed)
+        self._tables: dict[tuple[Tip, ...], Any] = {}  # rows ahead, laid out for the kernel
+        self._address_of, self._aimed = TableWriter(), Aimed.of(1)
+        self._aimed_address = TableWriter()(self._aimed)
 
     def segment_from(
         self,
@@ -58,17 +57,17 @@ class CrackPath:
         join.
         """
         if not self._known.is_of(state):
-            self._held.clear()
+            self._tables.clear()
             self._known.take(state)
         of = tip, *others
-        if of not in self._held:
+        if of not in self._tables:
             ahead = self.film.rows_ahead(tip)
             ends = [self.film.oncoming(row, entry, tip.heading, others) for row, entry in ahead]
-            self._held[of] = None
+            self._tables[of] = None
             if ahead:
-                self._held[of] = self._hold(table_of(state, self.film, ahead, ends))
-        held = self._held[of]
-        return None if held is None else self._segment(state, held, direction, lean)
+                self._tables[of] = self._address_of(table_of(state, self.film, ahead, ends))
+        table = self._tables[of]
+        return None if table is None else self._segment(state, table, direction, lean)
 
     def segment(
         self,
@@ -84,34 +83,34 @@ class CrackPath:
         lean : as of :meth:`segment_from`.  ends : of cracks in the row that it may join.
         """
         table = table_of(state, self.film, [(row, entry)], [ends])
-        return self._segment(state, self._hold(table), direction, lean)
+        return self._segment(state, self._address_of(table), direction, lean)
 
     def _segment(
         self,
         state: State,
-        held: Any,
+        address: Any,
         direction: Floats,
         lean: Floats | None,
     ) -> Segment | None:
         """Return the segment through the first row of a table into which a direction leads.
 
-        held : the rows ahead, laid out for the kernel.
+        address : of the table of the rows ahead.
         """
-        table: RowsAhead = held.table
+        table: RowsAhead = address.table
         self._leave(
-            held,
+            address,
             np.array([0, len(table.row)]),
             np.ascontiguousarray(direction).reshape(1, 1, 3),
             _STRAIGHT_UP if lean is None else np.ascontiguousarray(lean).reshape(1, 3),
             state.node.x,
             state.node.t,
-            self._held_aimed,
+            self._aimed_address,
         )
         return self.segment_of(table, self._aimed, 0)
 
     def segment_of(self, ahead: RowsAhead, aimed: Aimed, i: int) -> Segment | None:
         """Return the segment that the kernel has found from tip i, None if it has none."""
-        k, kind, j, nth = aimed.way[i].tolist()
+        k, kind, j, nth = aimed.target[i].tolist()
         if k < 0:
             return None
         row, (xi, eta), right = int(ahead.row[k]), ahead.entry[k].tolist(), float(aimed.right[i])
@@ -130,21 +129,21 @@ class CrackPath:
         state: State,
         row: int,
         place: Point,
-        way: Floats,
+        along: Floats,
         lean: Floats,
         within: float = NEAR,
     ) -> Segment | None:
         """Return the side of a row along which a plane through a place of it is best followed.
 
-        Both its ends lie within so many local edge lengths of the plane; the segment leads the way
-        of ``way``. None if no side does that can be broken.
+        Both its ends lie within so many local edge lengths of the plane; the segment leads in the
+        direction of ``along``. None if no side does that can be broken.
 
-        way, lean : as of :meth:`segment_from`.
+        along, lean : as of :meth:`segment_from`.
         """
         at = self.film.place_in(state, row, place)
-        normal = unit(np.cross(at.t - lean, way))
+        normal = unit(np.cross(at.t - lean, along))
         gaps = state.node.x[state.quads[row]] - at.x
-        off, far = np.abs(product(gaps, normal)), product(gaps, way)
+        off, far = np.abs(product(gaps, normal)), product(gaps, along)
         found, least = None, within * at.size
         for a in range(4):
             b = (a + 1) % 4
@@ -155,9 +154,9 @@ class CrackPath:
         return found
 
     def tip_at(self, end: Segment, heading: Floats) -> Tip | None:
-        """Return the tip at the end of a segment that has just been cut; None at a rim.
+        """Return the tip at the end of a segment that has just been cut; None at a border.
 
-        Where that has come to an earlier crack :meth:`tip_across` finds it.
+        Where the segment has reached an earlier crack :meth:`tip_across` finds it.
         """
         ring, quad = self.film.ring(end.row), self.film.topology.parent(end.row)
         if end.corner >= 0:
@@ -170,13 +169,13 @@ class CrackPath:
     def tip_across(self, state: State, end: Segment, heading: Floats) -> Tip | None:
         """Return the tip on the other flank of the crack at which a segment has ended.
 
-        None where there is no film beyond, at a rim.
+        None where there is no film beyond, at a border.
 
         heading : (3,), direction of the segment in the reference film.
         """
-        way = self.film.way_of(state, end)
+        along = self.film.direction_of(state, end)
         touching = self.film.rows_at(self.film.topology.parent(end.row), end.exit)
-        ahead = next((at for at in touching if self.segment(state, *at, way) is not None), None)
+        ahead = next((at for at in touching if self.segment(state, *at, along) is not None), None)
         if ahead is None:
             return None
         row, place = ahead

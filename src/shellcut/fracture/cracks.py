@@ -6,7 +6,7 @@ Read :meth:`Cracks.cut_due` first. Each stage has its file:
    due by the force at the tip (:mod:`.trial_cut`): :mod:`.tip_watch`;
 2. where the others run, and whether they are due: through quads (:mod:`.free_direction`), or along
    sides (:mod:`.side_tears`);
-3. the segment through the row ahead, and the tip at its end: :mod:`.crack_path`, which asks the
+3. the segment through the row ahead, and the tip at its end: :mod:`.crack_path`, which queries the
    film as it is cut (:mod:`.cut_film`);
 4. how a crack grows along a segment, and where tips are then (:mod:`.growth`), by a cut of the mesh
    (:mod:`.cuts`);
@@ -154,27 +154,29 @@ class Cracks:
         """
         for tip in tips:
             if not self._known.is_of(state):
-                self.growth.tips = [one for one in self.growth.tips if self._film.rows_ahead(one)]
+                self.growth.tips = [
+                    alive for alive in self.growth.tips if self._film.rows_ahead(alive)
+                ]
                 self._known.take(state)
             if tip not in self.growth.tips:
                 continue  # another crack has just joined it
             find = self._through_quads if self._sides is None else self._sides.best
             due = find(state, tip, self.growth.tips)
-            if due is None or due.measure < 1.0 or self._is_held(state, due.segment):
+            if due is None or due.measure < 1.0 or self._is_supported(state, due.segment):
                 continue
             self.growth.along(state, tip, due.segment, TEAR, due.measure, due.force)
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
         """Return along which segment a crack would run that no blade drives."""
-        ways = self._direction.ways(state, tip, tips)
-        found = (self._path.segment_from(state, tip, way, others=tips) for way in ways)
-        segment = next((one for one in found if one is not None), None)
+        directions = self._direction.directions(state, tip, tips)
+        found = (self._path.segment_from(state, tip, along, others=tips) for along in directions)
+        segment = next((segment for segment in found if segment is not None), None)
         if segment is None:
             return None
         return Due(segment, self._sums.of_tear(state, segment))
 
-    def _is_held(self, state: State, segment: Segment) -> bool:
-        """Whether moving supports hold the film together through which a segment would go."""
+    def _is_supported(self, state: State, segment: Segment) -> bool:
+        """Whether moving supports keep the film together through which a segment would run."""
         nodes = state.quads[segment.row]
         if self._film.sides_only:
             nodes = nodes[[corner_at(segment.entry)]]
@@ -182,23 +184,23 @@ class Cracks:
 
     def _advance_driven(self, state: State) -> bool:
         """Advance the cracks that a blade drives and that are due; return whether there are any."""
-        watch, went_on = self._watch, False
+        watch, advanced = self._watch, False
         self.growth.tips = watch.alive(state, self.growth.tips)
         due = watch.due(state, self.growth.tips)
-        for i, tip in [one for one in enumerate(self.growth.tips) if due[one[0]]]:
-            if went_on:  # a cut may change what the next one has ahead
+        for i, tip in [(i, tip) for i, tip in enumerate(self.growth.tips) if due[i]]:
+            if advanced:  # a cut may change what the next one has ahead
                 there = watch.alive(state, [tip]) if tip in self.growth.tips else []
                 i, due = 0, watch.due(state, there, self.growth.tips)
             if due[i:].any() and (segment := watch.segment(i)):
                 measure = float(watch.weighed.measure[i])
                 kind = "criterion" if measure >= 1.0 else "blade"
                 self.growth.along(state, tip, segment, kind, measure, watch.weighed.force[i])
-                went_on = True
-        return went_on
+                advanced = True
+        return advanced
 
     @property
     def tips(self) -> list[Tip]:
-        """Where cracks end and may go on."""
+        """Where cracks end and may run on."""
         return self.growth.tips
 
     def tip_nodes(self, state: State) -> Ints:

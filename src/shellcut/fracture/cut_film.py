@@ -40,7 +40,7 @@ from .quad_polygon import (
 from .tip import Place, Segment, Tip
 
 ONCOMING = -0.7
-"""Cosine of the headings of two cracks below which they come towards each other."""
+"""Cosine of the headings of two cracks below which they run towards each other."""
 
 
 class End(NamedTuple):
@@ -63,14 +63,14 @@ class CutFilm:
     shell : MITC4Shell
         Gives the nodes of the mesh at the corners of rows, and their sizes.
     sides_only : bool
-        Whether cracks go along sides of the mesh only.
+        Whether cracks run along sides of the mesh only.
     """
 
     def __init__(
         self, topology: CutTopology, shell: MITC4Shell, *, sides_only: bool = False
     ) -> None:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
-        # The mesh alone decides, and rows are asked about anew after every cut.
+        # It depends on the mesh alone, and rows are searched anew after every cut.
         self._parts_of = lru_cache(maxsize=1024)(self._heading_in)
 
     def ring(self, row: int) -> list[int]:
@@ -85,8 +85,8 @@ class CutFilm:
     def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
         """Return the rows into which a crack may run from its tip, and the tip's place in each.
 
-        At a node those come first into whose corner the crack's heading points, or nearly: where a
-        blade folds film at the tip, a row beside the crack says nothing of the way ahead.
+        At a node those are first into whose corner the crack's heading points, or nearly: where a
+        blade folds film at the tip, a row beside the crack says nothing of the direction ahead.
         """
         rows = self.rows_at_tip(tip)
         if tip.flank is None and tip.at_node:
@@ -105,15 +105,15 @@ class CutFilm:
         for row, side, up in topology.rows_beside(*tip.ends):
             if topology.parent(row) == tip.quad:
                 continue
-            s, held = tip.s if up else 1.0 - tip.s, span(topology.polygon(row), side)
-            if held is not None and held[0] < s - AWAY and held[1] > s + AWAY:
+            s, interval = tip.s if up else 1.0 - tip.s, span(topology.polygon(row), side)
+            if interval is not None and interval[0] < s - AWAY and interval[1] > s + AWAY:
                 found.append((row, on_side(side, s)))
         return found
 
     def rows_at(self, quad: int, place: Point) -> list[tuple[int, Point]]:
         """Return the rows whose film touches a place on the boundary of a row, and where it is.
 
-        The place is one of a quad of the mesh, whose own rows come first; at a corner and on a side
+        The place is one of a quad of the mesh, whose own rows are first; at a corner and on a side
         those of its neighbours touch it too.
         """
         topology, ring = self.topology, self.ring(quad)
@@ -141,7 +141,7 @@ class CutFilm:
         ]
 
     def oncoming(self, row: int, entry: Point, heading: Floats, others: Sequence[Tip]) -> list[End]:
-        """Return where cracks that come towards another end at the boundary of a row ahead of it.
+        """Return where cracks that run towards another end at the boundary of a row ahead of it.
 
         heading : (3,), of the other in the reference film; ``entry`` is its place in the row.
         """
@@ -180,19 +180,19 @@ class CutFilm:
             return None
         s = tip.s if ring[side] == a else 1.0 - tip.s
         known = self.topology.crossings(ring[side], ring[(side + 1) % 4])
-        return on_side(side, next((one for one in known if abs(one - s) < AWAY), s))
+        return on_side(side, next((crossing for crossing in known if abs(crossing - s) < AWAY), s))
 
     def may_break(self, row: int, start: int, end: int) -> bool:
         """Return whether a crack may run along a side: whole film on both sides of it."""
         topology, ring = self.topology, self.ring(row)
         a, b = ring[start], ring[end]
-        quads = {topology.parent(one) for one, _, _ in topology.rows_beside(a, b)}
+        quads = {topology.parent(beside) for beside, _, _ in topology.rows_beside(a, b)}
         if len(quads) < 2 or topology.is_broken(a, b):
             return False
         return self.sides_only or not topology.crossings(a, b)
 
     def between(self, tip: Tip, other: Tip) -> Segment | None:
-        """Return the segment along a side from a tip to another; None if they do not lie on one.
+        """Return the segment along a side from a tip to another; None if on no common side.
 
         One of the tips may be at its end; no third crack may cross it between them.
         """
@@ -200,11 +200,11 @@ class CutFilm:
             return None
         side = other.ends if tip.at_node else tip.ends
         places = []
-        for one in (tip, other):
-            if one.at_node and one.ends[0] in side:
-                places.append(float(side.index(one.ends[0])))
-            elif one.ends == side:
-                places.append(one.s)
+        for end in (tip, other):
+            if end.at_node and end.ends[0] in side:
+                places.append(float(side.index(end.ends[0])))
+            elif end.ends == side:
+                places.append(end.s)
         if len(places) < 2:
             return None
         low, high = min(places), max(places)
@@ -233,7 +233,7 @@ class CutFilm:
         before = product(np.array(shape_functions(*place)), state.node.X[state.quads[row]])
         return abs(float(product(at.x - before, at.T)))
 
-    def way_of(self, state: State, segment: Segment) -> Floats:
+    def direction_of(self, state: State, segment: Segment) -> Floats:
         """Return the unit direction of a segment in space, shape (3,)."""
         gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
         return unit(product(gap, state.node.x[state.quads[segment.row]]))
@@ -243,10 +243,10 @@ class CutFilm:
         film = self._shell.reference
         return unit(product(shape_functions(*place), film.t[film.quads[row]]))
 
-    def carried_on(self, row: int, place: Point, heading: Floats) -> Floats:
+    def heading_weights(self, row: int, place: Point, heading: Floats) -> Floats:
         """Return weights of a row's nodes that give, of their positions, a heading, shape (4,).
 
-        The heading is a direction in the reference film behind a tip. It goes on into the tangent
+        The heading is a direction in the reference film behind a tip. It continues into the tangent
         plane of the row ahead, by projection, and moves with that row: as the line of film ahead of
         the tip that lay in its direction.
         """

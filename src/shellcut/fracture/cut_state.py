@@ -1,7 +1,7 @@
 """Carry out cuts: copies of quads, and nodes for the classes of their corners.
 
 All copies start where the quad was: position, director, velocity and spin of a new node are those
-of the node it comes from, and its mass and rotary inertia are summed over its own copies. Mass,
+of the node it was split from, and its mass and rotary inertia are summed over its own copies. Mass,
 momentum, angular momentum, kinetic and strain energy of the film stay as they were, to round-off.
 
 A sliver would be so light that the cables at its flank set the time step. So a part gets
@@ -9,7 +9,7 @@ A sliver would be so light that the cables at its flank set the time step. So a 
 is that of film a hair's breadth further. The largest frequency of the other part grows by the
 square root of 1 / (1 - LEAST_MASS), 2.6 %, that of the sliver falls.
 
-A node without film at its corner is *virtual*: nothing holds it, nothing touches it. Which of the
+A node without film at its corner is *virtual*: it has no film and no contact. Which of the
 classes keeps the old node makes no difference to the solution; it is the first one with film, so
 that what users know of a node by its id stays where the film is.
 """
@@ -51,7 +51,7 @@ def cut_row(state: State, shell: MITC4Shell, topology: CutTopology, segment: Seg
     state, shell, topology : State, MITC4Shell, CutTopology
         Written.
     segment : Segment
-        Its row keeps what lies to the right of the way from entry to exit.
+        Its row keeps what lies to the right of the line from entry to exit.
     """
     row = segment.row
     new = topology.cut(row, segment.entry, segment.exit)
@@ -87,8 +87,8 @@ def rows_along(
     (start, stop), rows, chords = part, [-1, -1], [(CORNERS[0], CORNERS[0])] * 2
     for row, k, up in topology.rows_beside(*side):
         first, last = (start, stop) if up else (1.0 - start, 1.0 - stop)
-        held = span(topology.polygon(row), k)
-        if held is not None and held[0] < 0.5 * (first + last) < held[1]:
+        interval = span(topology.polygon(row), k)
+        if interval is not None and interval[0] < 0.5 * (first + last) < interval[1]:
             # A quad's sides run counter-clockwise: its film lies to their left.
             rows[up], chords[up] = row, (on_side(k, first), on_side(k, last))
     return rows, chords

@@ -9,13 +9,13 @@ is one rule ([Molino2004], with the scaled copies of [Song2006]):
     overlap on that side by some length and it is not broken.
 
 The nodes around a node of the mesh are then the classes of (copy, corner) that are joined by a
-chain of such sides. Closed tips, rims, splits at nodes, T-junctions and cuts of what is cut already
-all follow from it:
+chain of such sides. Closed tips, borders, splits at nodes, T-junctions and cuts of what is cut
+already all follow from it:
 
 * at a tip on a side, the neighbour ahead is whole and overlaps both copies: they share the two
   nodes of that side, and the crack is closed there;
 * a crack along a side of the mesh breaks that side, and cuts no quad. The node at its far end
-  holds on: its other sides keep its quads together until one of these breaks, too;
+  stays connected: its other sides keep its quads together until one of these breaks, too;
 * so does a part of a side between two cracks that end on it: no polygons overlap there.
 
 Nothing else records the crack. A cut only ever divides classes, it never joins them.
@@ -73,15 +73,15 @@ class CutTopology:
         return row if row < n else self._parents[row - n]
 
     def rows_of(self, quad: int) -> list[int]:
-        """Return the rows that hold the film of a quad of the mesh, ascending."""
+        """Return the rows that carry the film of a quad of the mesh, ascending."""
         return self._rows.get(quad, [quad])
 
     def polygon(self, row: int) -> Polygon:
-        """Return which part of its quad a row holds."""
+        """Return which part of its quad a row carries."""
         return self._polygons.get(row, WHOLE)
 
     def cut_rows(self) -> list[int]:
-        """Return the rows that hold a part of their quad only, ascending."""
+        """Return the rows that carry a part of their quad only, ascending."""
         return sorted(self._polygons)
 
     def opened_rows(self) -> list[int]:
@@ -91,7 +91,7 @@ class CutTopology:
         return sorted(rows.union(self._polygons))
 
     def cut(self, row: int, start: Point, end: Point) -> int:
-        """Cut a row along a chord: it keeps what lies to the right, a new row takes the left.
+        """Cut a row along a chord: it keeps what lies to the right, a new row gets the left.
 
         Parameters
         ----------
@@ -118,8 +118,8 @@ class CutTopology:
         found = set()
         for row, side, up in self.rows_beside(a, b):
             # A whole quad lies on all of its sides.
-            if row in self._polygons and (held := span(self.polygon(row), side)) is not None:
-                found |= {s if up else 1.0 - s for s in held}
+            if row in self._polygons and (interval := span(self.polygon(row), side)) is not None:
+                found |= {s if up else 1.0 - s for s in interval}
         return sorted(s for s in found if _OVERLAP < s < 1.0 - _OVERLAP)
 
     def mend(self, row: int, new: int, polygon: Polygon) -> None:
@@ -200,8 +200,8 @@ class CutTopology:
         for far, sides in ends.items():
             if len(sides) < 2 or self.is_broken(node, far):
                 continue
-            (one, side), (other, other_side) = sides
-            for row in self.rows_of(one):
+            (own, side), (other, other_side) = sides
+            for row in self.rows_of(own):
                 for beside in self.rows_of(other):
                     if self._overlap(row, side, beside, other_side):
                         i, j = sorted((find(place[row]), find(place[beside])))
@@ -220,11 +220,11 @@ class CutTopology:
         mine, yours = self.polygon(row), self.polygon(beside)
         if mine is WHOLE and yours is WHOLE:
             return True
-        one, other = span(mine, side), span(yours, other_side)
-        if one is None or other is None:
+        own, opposite = span(mine, side), span(yours, other_side)
+        if own is None or opposite is None:
             return False
-        # Both quads are counter-clockwise: what one goes up the other goes down.
-        low, high = max(one[0], 1.0 - other[1]), min(one[1], 1.0 - other[0])
+        # Both quads are counter-clockwise: a side that one runs up the other runs down.
+        low, high = max(own[0], 1.0 - opposite[1]), min(own[1], 1.0 - opposite[0])
         overlap = high - low
         if self._broken and overlap > _OVERLAP:
             ring = self._quads[self.parent(row)].tolist()
@@ -243,8 +243,8 @@ class CutTopology:
             "n_point": np.array([len(p.points) for p in polygons], np.int64),
             "points": np.array([q for p in polygons for q in p.points]).reshape(-1, 2),
             "sides": np.array([side for p in polygons for side in p.sides], np.int64),
-            "broken_sides": np.array([one[:2] for one in broken], np.int64).reshape(-1, 2),
-            "broken_parts": np.array([one[2:] for one in broken], float).reshape(-1, 2),
+            "broken_sides": np.array([entry[:2] for entry in broken], np.int64).reshape(-1, 2),
+            "broken_parts": np.array([entry[2:] for entry in broken], float).reshape(-1, 2),
         }
 
     def restore(self, saved: dict[str, Any]) -> None:

@@ -2,7 +2,7 @@
 
 A cut along a segment divides a quad or breaks a side, gives the flanks nodes of their own where
 they part (:mod:`.cut_state`), lays cables across it (:mod:`.segment_cables`) and writes it down.
-Where a crack goes, and when, is asked elsewhere: :mod:`.cracks`.
+Where a crack runs, and when, is decided elsewhere: :mod:`.cracks`.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Cut(NamedTuple):
 class Cuts:
     """Cuts a film and joins the flanks by cables, so many across each segment.
 
-    The loads learn which part of a quad each copy holds.
+    The loads learn which part of a quad each copy carries.
     """
 
     def __init__(
@@ -121,29 +121,30 @@ class Cuts:
             nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
         )
         if minus != plus and corner_at(chords[0][0]) >= 0:
-            node, twin = sorted(minus | plus)
-            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=twin)
+            node, duplicate = sorted(minus | plus)
+            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=duplicate)
 
     def hand_over(
         self, state: State, cut: Cut, forces: Sequence[Floats], first: int, *, exactly: bool
     ) -> None:
-        """Let new cables take over the forces that held the nodes that have parted.
+        """Let new cables take over the forces between the nodes that have parted.
 
-        How much they pull more or less goes into the record of the cut, the last one, along a side.
+        The difference of their pull is written to the record of the cut, the last one, along a
+        side.
 
         forces : (3,) each, what the plus side pulled the minus side with at start and stop [N].
         first : of the new cables.  exactly : whether they begin with that force, whatever their law
         says.
         """
         c, new = state.cable, slice(first, state.n_cable)
-        # How much of each cable's force comes to the start and to the stop.
+        # The parts of each cable's force at the start and at the stop.
         part = np.stack([1.0 - c.share[new], c.share[new]])
         pull, more = self._strength * c.area[new, None] * c.m[new], np.zeros((2, 3))
         for end, force in enumerate(forces):
             if cut.is_open(state, end):
                 more[end] = force - product(part[end], pull)
         if exactly:
-            # An end that is closed goes on with the same: it is the next tip.
+            # A closed end gets the same: it is the next tip.
             more = np.stack([more[k] if more[k].any() else more[1 - k] for k in (0, 1)])
             at_ends = product(pseudo_inverse(product(part, part.T), _ALIKE), more)
             c.start_force[new] = product(part.T, at_ends)
@@ -154,7 +155,7 @@ class Cuts:
         state.split_log[-1] = replace(state.split_log[-1], force_jump=jump)
 
     def _share_loads(self, rows: list[int]) -> None:
-        """Tell the loads which part of their quad some rows hold."""
+        """Tell the loads which part of their quad some rows carry."""
         if self._loads is None:
             return
         for row in rows:
@@ -174,8 +175,8 @@ class Cuts:
 
 def _length(state: State, segment: Segment) -> float:
     """Return the length of a segment in the reference film [mm]."""
-    way = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
-    return float(norm(product(way, state.node.X[state.quads[segment.row]])))
+    gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
+    return float(norm(product(gap, state.node.X[state.quads[segment.row]])))
 
 
 def _write_down(

@@ -1,11 +1,11 @@
 """The film as it is drawn: polygons of quads and copies, and the flanks of cracks between them.
 
-Pictures and result files show of a copy what it holds, not its virtual nodes. A corner of its
-polygon at a corner of the quad is the node there; any other is a point of its own, interpolated
-from the copy's nodes. Two copies in neighbouring quads share a point on their common side if they
-share both its nodes: where a crack is closed the drawing is, too. Where one of two neighbours has
-a point on their side that the other has not, the other gets one there, and so do the two flanks of
-a crack: outlines meet point by point.
+Pictures and result files show of a copy the film that it carries, not its virtual nodes. A corner
+of its polygon at a corner of the quad is the node there; any other is a point of its own,
+interpolated from the copy's nodes. Two copies in neighbouring quads share a point on their common
+side if they share both its nodes: where a crack is closed the drawing is, too. Where one of two
+neighbours has a point on their side that the other has not, the other gets one there, and so do the
+two flanks of a crack: outlines meet point by point.
 
 Crack edges are found as along edges of the mesh: two edges with one polygon each that were one
 before the cut.
@@ -34,7 +34,7 @@ from .quad_polygon import (
     side_at,
 )
 
-# Places on one side, or in one quad, that agree so far in its parametric length are one.
+# Places on one side, or in one quad, that agree so far in its parametric length are the same.
 _DIGITS = 6
 _SAME = 1e-6
 
@@ -84,7 +84,8 @@ class _Outlines:
         # were in the film before it was cut.
         self._points: dict[tuple[float, ...], int] = {}
         self._references: dict[tuple[float, ...], int] = {}
-        # Places on sides of the mesh, as fractions of the way from the lower origin of its nodes.
+        # Places on sides of the mesh, as fractions of the distance from the lower origin of its
+        # nodes.
         self._on: dict[tuple[int, int], list[float]] = {}
         self._in_quad: dict[int, list[Point]] = {}
 
@@ -151,7 +152,7 @@ class _Outlines:
             return int(self._id[ring[corner]])
         side = side_at(place)
         if side < 0:
-            at = tuple(round(one, _DIGITS) for one in place)
+            at = tuple(round(coordinate, _DIGITS) for coordinate in place)
             parent = self._topology.parent(row)
             weight = shape_functions(*place)
             return self._numbered((row, *at), ring, weight, (parent, *at))

@@ -1,9 +1,9 @@
-"""Where a cutting edge goes through film that nothing holds against it.
+"""Where a cutting edge enters film that nothing supports against it.
 
-At the rim of the film, or at the flank of another cut, an edge cuts what it goes through. So it
-does everywhere if the tool's points do not press. Film at a flank is left alone, for the edge runs
-between the flanks of its own cut; a blade that crosses an earlier cut begins anew in the row behind
-it.
+At the border of the film, or at the flank of another cut, an edge cuts the film that it enters. So
+it does everywhere if the tool's points do not press. Film at a flank is left alone, for the edge
+runs between the flanks of its own cut; a blade that crosses an earlier cut begins anew in the row
+behind it.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kept import Kept
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
@@ -39,15 +39,15 @@ NEAR_A_TIP = 2.0
 """A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives
 it."""
 
-# Sine of the angle to the film up to which an edge lies on it, and enters over no rim.
+# Sine of the angle to the film up to which an edge lies on it, and enters over no border.
 _FLAT = 0.1
 
-# Rows that are looked at, a tooth.
+# Rows that are tested, for each tooth.
 _CANDIDATES = 4
 
 
 class EnteredFilm(Kept):
-    """Finds whole rows that cutting edges go through.
+    """Finds whole rows that cutting edges enter.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class EnteredFilm(Kept):
     chain : ndarray, shape (n_edge,)
         Which edge each segment belongs to.
     everywhere : bool
-        Whether no point of the tool presses on the film, whose face then holds nothing.
+        Whether no point of the tool presses on the film, whose face then gives no support.
     """
 
     kept_names = ("_near",)
@@ -79,24 +79,24 @@ class EnteredFilm(Kept):
     ) -> None:
         self._area, self._chain, self._everywhere = shell.area, chain, everywhere
         size = float(np.sqrt(shell.area.max()))
-        self._at_rim, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
+        self._at_border, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         quad = table_of(state, film, [(0, (0.0, 0.0))], [()])  # of any whole quad
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
         ends = [both[chain == c] for c in range(int(chain.max()) + 1)]
-        self._low = np.array([one.min(axis=(0, 1)) - size for one in ends])
-        self._high = np.array([one.max(axis=(0, 1)) + size for one in ends])
+        self._low = np.array([chain_ends.min(axis=(0, 1)) - size for chain_ends in ends])
+        self._high = np.array([chain_ends.max(axis=(0, 1)) + size for chain_ends in ends])
         n_most = len(ends) * _CANDIDATES
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
         self._place = np.zeros((n_most, 2))
         self._rows = self._first = np.zeros(0, np.int64)
         self._listed = -1  # search whose nodes the rows are of
         self._near = NearNodes(self._low, self._high, size)
-        self._held = Holder()(edges), Holder()(quad), Holder()(Aimed.of(2))
+        self._addresses = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
         self._find = BoundOnce(_entered)
 
     def entered_rows(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
-        """Return where edges go through whole rows that their mid-planes would part.
+        """Return where edges enter whole rows that their mid-planes would part.
 
         tips : (n, 3), where the cracks end that an edge drives [mm].
         """
@@ -104,7 +104,7 @@ class EnteredFilm(Kept):
         if self._listed != self._near.n_search:
             self._list(state)
         row, segment, place = self._row, self._segment, self._place
-        edges, quad, chord = self._held
+        edges, quad, chord = self._addresses
         n_found = self._find(
             state.node.x,
             state.node.t,
@@ -130,7 +130,7 @@ class EnteredFilm(Kept):
         ]
 
     def leads_out(self, state: State, back: Segment) -> bool:
-        """Return whether an edge has come into a row over the rim, or over a flank next to it.
+        """Return whether an edge has entered a row over the border, or over a flank next to it.
 
         back : leads to where it was.
         """
@@ -138,14 +138,15 @@ class EnteredFilm(Kept):
         return bool(self._open[state.quads[back.row, list(side)]].all())
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take over :meth:`saved`; rows are listed when they are asked for."""
+        """Take over :meth:`saved`; rows are listed when they are needed."""
         super().restore(saved)
         self._listed = -1
 
     def _list(self, state: State) -> None:
         """List the whole rows near the tool without a node at a flank, by their first nodes.
 
-        Those at the rim and next to rows at a flank; all of them if the tool's points do not press.
+        Those at the border and next to rows at a flank; all of them if the tool's points do not
+        press.
         """
         self._listed = self._near.n_search
         quads, near = state.quads, np.zeros(state.n_node, np.bool_)
@@ -153,7 +154,7 @@ class EnteredFilm(Kept):
         at_flank = state.node.halved[quads].any(axis=1)
         may = near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0) & ~at_flank
         self._open = np.full(state.n_node, self._everywhere)
-        self._open[self._at_rim] = self._open[quads[at_flank]] = True
+        self._open[self._at_border] = self._open[quads[at_flank]] = True
         may &= self._open[quads].any(axis=1)
         self._rows = np.flatnonzero(may)
         self._first = quads[self._rows, 0].astype(np.int64)
@@ -161,7 +162,7 @@ class EnteredFilm(Kept):
 
 @inline
 def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
-    """Return whether a segment goes through a triangle, and the weights of b and c there."""
+    """Return whether a segment crosses a triangle, and the weights of b and c there."""
     normal, vector = cross(sub(b, a), sub(c, a)), sub(end, start)
     d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
     area, rise = dot(normal, normal), d0 - d1
@@ -202,21 +203,21 @@ def parts_quad(
     trace = cross(at(quad, 0, xi, eta, t), normal)
     trace = scale(1.0 / length(trace), trace)
     for i in range(2):
-        way = scale(2.0 * i - 1.0, trace)
-        if not through(quad, 0, i, x, t, way, upright, False, chord):
+        along = scale(2.0 * i - 1.0, trace)
+        if not through(quad, 0, i, x, t, along, upright, False, chord):
             return False
     together = False
     for side in range(4):
         together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
-    at_corners = chord.way[0, KIND] == AT_POINT and chord.way[1, KIND] == AT_POINT
-    return not together or (at_corners and chord.way[0, PLACE] != chord.way[1, PLACE])
+    at_corners = chord.target[0, KIND] == AT_POINT and chord.target[1, KIND] == AT_POINT
+    return not together or (at_corners and chord.target[0, PLACE] != chord.target[1, PLACE])
 
 
 @inline
 def _is_on(chord: Aimed, i: int, side: int) -> bool:
     """Return whether a ray ends on a side of a whole quad."""
-    end: int = chord.way[i, PLACE]
-    return end == side or (bool(chord.way[i, KIND] == AT_POINT) and end == (side + 1) % 4)
+    end: int = chord.target[i, PLACE]
+    return end == side or (bool(chord.target[i, KIND] == AT_POINT) and end == (side + 1) % 4)
 
 
 @kernel
@@ -239,7 +240,7 @@ def _entered(
     segment: Ints,
     place: Floats,
 ) -> int:
-    """Write the rows that edges go through, their segments and the places in them; return how many.
+    """Write the rows that edges enter, their segments and the places in them; return how many.
 
     whole, first : (n,), rows and their first nodes.  chain : (n_edge,), of each segment.  low,
     high : (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
@@ -268,6 +269,7 @@ def _entered(
                     continue
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))
+                # The quad as two triangles, whose weights give its xi and eta.
                 hit, w1, w2 = _weights(start, end, corner, second, third)
                 xi, eta = 2.0 * (w1 + w2) - 1.0, 2.0 * w2 - 1.0
                 if not hit:

@@ -1,6 +1,6 @@
 """Points on the flanks of a crack through quads: tied to the nodes of a copy.
 
-Cables hold the flanks, and the blade touches them, where a crack crosses a side: not at nodes. Such
+Cables join the flanks, and the blade touches them, where a crack crosses a side: not at nodes. Such
 a point P of a copy follows its nodes by the shape functions N_a at its place,
 
     x_P = sum N_a x_a,   v_P = sum N_a v_a,   and a force F at P acts as N_a F on node a,
@@ -21,8 +21,8 @@ from shellcut.contact.film_outline import SLIVER, first_at_places
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add_scaled, load, store
 from shellcut.state import KnownTopology, State
 
@@ -45,7 +45,7 @@ class FlankPoints:
     def __init__(self) -> None:
         self._known = KnownTopology()
         self._tied: _Tied | None = None
-        self._hold = Holder()
+        self._address_of = TableWriter()
         self._interpolate = BoundOnce(_interpolate)
         self._hand_on = BoundOnce(_hand_on)
 
@@ -60,7 +60,7 @@ class FlankPoints:
     def _of(self, state: State) -> _Tied:
         if self._tied is None or not self._known.is_of(state):
             f = state.flank
-            self._tied = self._hold(_Tied(f.count, f.node, f.nodes, f.weight))
+            self._tied = self._address_of(_Tied(f.count, f.node, f.nodes, f.weight))
             self._known.take(state)
         return self._tied
 
@@ -96,9 +96,9 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
 def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     """Tie all flank points to the nodes that their copies have now.
 
-    Contact sees those that have parted from their twins, of several at one place the first. Its
-    film is that of the first two: which side of the blade a sliver lies on shows in the copy beyond
-    the side.
+    Contact treats those that have parted from their counterparts, of several at one place the
+    first. Its film is that of the first two: which side of the blade a sliver lies on shows in the
+    copy beyond the side.
 
     The contact area of one is a quarter of its quad's. It presses with as much of it, and the nodes
     around with as much of theirs, as the film can bear without shortening the step
@@ -123,8 +123,8 @@ def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     near = np.isin(f.nodes[: f.count], state.quads[changed]).any(axis=1)
     anew = near | ~sliver
     n.quads[node[anew], 0], n.n_quad_at[node[anew]] = row[anew], 1
-    held = np.sort(np.where(f.weight[: f.count] > UNUSED, f.nodes[: f.count], -1), axis=1)
-    touched = np.flatnonzero((held != held[f.twin[: f.count]]).any(axis=1))
+    tied_to = np.sort(np.where(f.weight[: f.count] > UNUSED, f.nodes[: f.count], -1), axis=1)
+    touched = np.flatnonzero((tied_to != tied_to[f.twin[: f.count]]).any(axis=1))
     at = first_at_places(f.nodes[touched], f.weight[touched])
     again = np.flatnonzero(at < np.arange(touched.size))
     seen = (f.weight[touched] > UNUSED).sum(axis=1) > 1  # a corner is a node itself
@@ -136,19 +136,19 @@ def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     first, other = first[anew[first]], other[anew[first]]
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
     for k in np.flatnonzero(sliver & near).tolist():
-        _look_around(state, k)
+        _find_film_around(state, k)
     mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
     n.contact_area[node] = 0.25 * areas[row]
     _share_springs(state, node, density)
 
 
-def _look_around(state: State, k: int) -> None:
+def _find_film_around(state: State, k: int) -> None:
     """Give a flank point on a sliver the film around it that lies on its side of the flank.
 
     The nodes of a sliver swing, so that it does not show on which side of the blade the film lies.
-    Close to its tip a crack is closed, and the film of both flanks hangs together: which rows lie
-    on which side of the flank is asked in the reference film.
+    Close to its tip a crack is closed, and the film of both flanks is connected: which rows lie
+    on which side of the flank is decided in the reference film.
     """
     f, n, quad = state.flank, state.node, state.quad
     masters = f.nodes[k][f.weight[k] > UNUSED]
@@ -201,7 +201,7 @@ def _share_springs(state: State, node: Ints, density: float) -> None:
 
 
 def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:
-    """Return which nodes hold what stiffness [N/mm], that of flank points being their copies'.
+    """Return which nodes have what stiffness [N/mm], that of flank points being their copies'.
 
     A spring k at P stores ½ k (sum N_a u_a)² along its direction, at most ½ sum k N_a u_a²: the N_a
     weigh a mean (Jensen). So it is no stiffer than springs k N_a at its nodes, and those of several

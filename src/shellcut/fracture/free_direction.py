@@ -1,4 +1,4 @@
-"""Where a crack goes that no blade drives: where most is released and most is pulled.
+"""The direction of a crack that no blade drives: most energy released, largest pull.
 
 A crack needs energy, G h per mm, and it needs stress, sigma_F, where it is to open. A sharp tip has
 stress enough and lacks energy; film under an even stress has energy enough and lacks stress. With
@@ -7,15 +7,15 @@ it in the sheet, the measure of both,
 
     phi(e) = J(e) / R + (p(e) / sigma_F)²,
 
-is 1 when the crack runs: a crack of length a under a stress p in a large sheet has
-J = pi a p² h / E, and phi = 1 with R = G h is the rule p² (pi a + E G / sigma_F²) = E G, good for
-short and long cracks ([ElHaddad1979]). R is what the crack takes up now, which is less than G h
-until its process zone has grown. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is 1,
-so R follows: the energy has to make up for what the stress leaves open,
+is 1 when the crack runs: a crack of length a under a stress p in a large sheet has J = pi a p² h /
+E, and phi = 1 with R = G h is the rule p² (pi a + E G / sigma_F²) = E G, good for short and long
+cracks ([ElHaddad1979]). R is the energy that the crack absorbs now, which is less than G h until
+its process zone has grown. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is 1, so R
+follows: the energy has to make up for what the stress leaves open,
 
     phi(e) = (1 - s) J(e) / max J + (p(e) / sigma_F)²,    s = max (p / sigma_F)² <= 1.
 
-**The crack takes the direction where phi is largest.** Far from strength, s = 0, it runs along J:
+**The crack runs in the direction where phi is largest.** Far from strength, s = 0, it runs along J:
 so does a tear out of the plane, where the energy does not depend on the stress ahead. Under even
 tension, s = 1, it runs across the largest principal stress. Nothing else enters. Where strength and
 energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
@@ -27,18 +27,18 @@ a fold, which pulls most along the tears beside it, would turn them from where e
 sigma is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far
 as it pulls: over the quads ahead, weighted by the area of their film and a Gaussian as wide as the
 process zone is long, and ``AVERAGE`` edge lengths at least: nearer than that stress is what the
-cables hold. Their mean distance is sqrt(pi / 2) of that width. On a curved film each stress is
+cables carry. Their mean distance is sqrt(pi / 2) of that width. On a curved film each stress is
 first turned into the sheet at the tip by the least rotation that takes one normal to the other: the
 mean of tensors in planes that lean against each other would lose the part across the lean. Film
-that does not hang together with the tip's counts for neither J nor p.
+that is not connected to the film at the tip counts for neither J nor p.
 
-All film goes along that is no farther from the tip than the cables hold, measured along the crack,
-so that J is what goes into all of the process zone. Over that length film bends that is torn out of
-its plane, more on one flank than on the other. A smaller domain misses that and turns J aside; what
-its cables give would make up for the part of J along the crack only, for a line that moves sideways
-keeps its length.
-Where another edge of the film or another tip is nearer than ``LEAST`` no domain is left to tell
-where energy is released, and J is taken to lie along the crack.
+All film moves along with the tip that is no farther from it than the cables carry, measured along
+the crack, so that J is the energy that flows into all of the process zone. Over that length film
+bends that is torn out of its plane, more on one flank than on the other. A smaller domain misses
+that and turns J aside; what its cables give would make up for the part of J along the crack only,
+for a line that moves sideways keeps its length. Where another part of the border or another tip is
+nearer than ``LEAST`` no domain is left to tell where energy is released, and J is taken to lie
+along the crack.
 
 What a film would give back is not known if its law keeps a history and cannot be frozen; there the
 stress decides alone.
@@ -62,7 +62,7 @@ from shellcut.state import BROKEN, KnownTopology, State
 
 from .anisotropy import Anisotropy
 from .cut_film import CutFilm
-from .film_edges import GAP, FilmEdges
+from .film_border import GAP, FilmBorder
 from .sheet_stress import sheet_stress
 from .tip import Tip
 from .tip_domain import TipDomain
@@ -72,16 +72,16 @@ AVERAGE = 2.5
 """Least standard deviation of the weights around a tip, in local edge lengths."""
 
 FALL = 2
-"""Local edge lengths over which the film around a tip comes to stay, and least radius within which
-all of it goes along."""
+"""Local edge lengths over which the motion of the film around a tip falls to zero, and least radius
+within which all of it moves along."""
 
 LEAST = 1.5
-"""Local edge lengths between a tip and what does not go along with it, below which no domain shows
-where energy is released: the crack keeps its way."""
+"""Local edge lengths between a tip and what does not move along with it, below which no domain
+shows where energy is released: the crack keeps its direction."""
 
 _ALONG = np.array([1.0, 0.0])
 
-# Of 1 + c, for film folded back onto itself, where no rotation is the least one.
+# Of 1 + c, for film folded back onto itself, where no least rotation exists.
 _FOLDED = 1e-3
 
 # Quads farther than this many standard deviations have no weight.
@@ -89,7 +89,7 @@ _FAR = 2.5
 
 # Forward directions that are compared; between them phi is a parabola, exact to 1e-4 degrees.
 _ANGLES = np.radians(np.linspace(-90.0, 90.0, 361))
-_WAYS = np.stack([each(math.cos, _ANGLES), each(math.sin, _ANGLES)], axis=1)
+_DIRECTIONS = np.stack([each(math.cos, _ANGLES), each(math.sin, _ANGLES)], axis=1)
 
 # A force below this is none.
 _TINY = float(np.finfo(float).tiny)
@@ -109,14 +109,14 @@ class _Ahead(NamedTuple):
     """Weights that give, of the positions of their nodes, what has become of two unit vectors of
     the reference sheet at the tip, forward and to the left, in the mean; shape (2, n_row, 4)."""
     factors: Floats
-    """On strength and energy in the directions compared, shape (n_way,)."""
+    """On strength and energy in the directions compared, shape (n_direction,)."""
     force: TipForce | None
     straight: bool
-    """Whether no domain shows where energy is released, and the crack keeps its way."""
+    """Whether no domain shows where energy is released, and the crack keeps its direction."""
     quads: Ints
     """Rows ahead whose stress counts, shape (n,)."""
     weight: Floats
-    """Of each, their sum being one, shape (n,)."""
+    """Of each, their sum being 1, shape (n,)."""
     distance: float
     """Of a large sheet the mean distance with these weights [mm]."""
 
@@ -148,12 +148,12 @@ class FreeDirection:
         self._zone_of /= 8.0 * (law.strength * shell.material.thickness) ** 2
         self._anisotropy = anisotropy
         self._known = KnownTopology()
-        self._edges = FilmEdges(shell, film.topology)
+        self._border = FilmBorder(shell, film.topology)
         self._behind: dict[Tip, tuple[Ints, Floats]] = {}
         self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
-    def ways(self, state: State, tip: Tip, tips: Sequence[Tip] = ()) -> Iterator[Floats]:
-        """Yield unit directions in space, shape (3,): the best one, then others by their phi.
+    def directions(self, state: State, tip: Tip, tips: Sequence[Tip] = ()) -> Iterator[Floats]:
+        """Yield unit directions in space, shape (3,): the best first, then others by their phi.
 
         Parameters
         ----------
@@ -167,21 +167,21 @@ class FreeDirection:
         if not self._known.is_of(state):
             self._ahead.clear()
             self._behind.clear()
-            self._edges.find()
+            self._border.find()
             self._known.take(state)
         key = tip, self._zone(state, tip)
         if key not in self._ahead:
-            self._ahead[key] = self._look(state, *key, tips)
+            self._ahead[key] = self._surroundings(state, *key, tips)
         ahead = self._ahead[key]
         nodes = state.quads[ahead.rows].ravel()
         t = unit(product(ahead.weights.ravel(), state.node.t[nodes]))
         moved = product(ahead.base.reshape(2, -1), state.node.x[nodes])
-        ways = product(_WAYS, moved)
-        stress = self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)
+        directions = product(_DIRECTIONS, moved)
+        stress = self._pull(state, ahead, t, directions) / (ahead.factors * self._strength)
         phi = stress**2
         if ahead.force is not None or ahead.straight:
             force = _ALONG if ahead.force is None else ahead.force.of(state)
-            released = product(_WAYS, force) / ahead.factors
+            released = product(_DIRECTIONS, force) / ahead.factors
             most = max(float(np.abs(released).max()), _TINY)
             if ahead.force is not None:
                 top = max(float(stress.max()), _TINY)
@@ -190,7 +190,7 @@ class FreeDirection:
         angle = _between(phi, int(np.argmax(phi)))
         yield unit(product(np.array([math.cos(angle), math.sin(angle)]), moved))
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
-            yield unit(ways[k])
+            yield unit(directions[k])
 
     def _zone(self, state: State, tip: Tip) -> int:
         """Return how far back cables hold the flanks of a tip, in local edge lengths, rounded up.
@@ -199,30 +199,30 @@ class FreeDirection:
         """
         if tip not in self._behind:
             place, size = self._film.at_tip(tip, state.node.X), self._size(tip)
-            self._behind[tip] = self._edges.cables_behind(state, place, size)
+            self._behind[tip] = self._border.cables_behind(state, place, size)
         cables, back = self._behind[tip]
         back = back[state.cable.status[cables] != BROKEN]
         apart = np.diff(back, prepend=0.0) > GAP
         zone = back[: np.argmax(apart)] if apart.any() else back
         return int(np.ceil(zone.max(initial=FALL)))
 
-    def _look(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
+    def _surroundings(self, state: State, tip: Tip, zone: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
         rows = self._film.rows_at_tip(tip)
-        share, carried = 1.0 / len(rows), self._film.carried_on
+        share, continued = 1.0 / len(rows), self._film.heading_weights
         T = unit(np.sum([self._film.reference_director(*at) for at in rows], axis=0))
         forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._film.at_tip(tip, state.node.X), self._size(tip)
-        others = [self._film.at_tip(one, state.node.X) for one in tips if one is not tip]
+        others = [self._film.at_tip(other, state.node.X) for other in tips if other is not tip]
         domain = TipDomain.of(
             state,
             self._shell,
-            self._edges,
+            self._border,
             place,
             base,
             (zone * size, (zone + FALL) * size),
-            [one for one, _ in rows],
+            [row for row, _ in rows],
             np.array(others).reshape(-1, 3),
         )
         known, force = gives_back(self._shell.material), None
@@ -233,7 +233,7 @@ class FreeDirection:
         return _Ahead(
             rows=np.array([row for row, _ in rows]),
             weights=share * np.array([shape_functions(*entry) for _, entry in rows]),
-            base=share * np.array([[carried(*at, way) for at in rows] for way in base]),
+            base=share * np.array([[continued(*at, along) for at in rows] for along in base]),
             factors=self._factors(base, T),
             force=force,
             straight=known and force is None,
@@ -260,25 +260,25 @@ class FreeDirection:
         return near, weight / max(float(weight.sum()), _TINY)
 
     def _factors(self, base: Floats, T: Floats) -> Floats:
-        """Return the factors on strength and energy in the directions compared, shape (n_way,)."""
+        """Return the factors on strength and energy in these directions, shape (n_direction,)."""
         if self._anisotropy is None:
-            return np.ones(len(_WAYS))
-        return self._anisotropy.factors(product(_WAYS, base), T)
+            return np.ones(len(_DIRECTIONS))
+        return self._anisotropy.factors(product(_DIRECTIONS, base), T)
 
-    def _pull(self, state: State, ahead: _Ahead, t: Floats, ways: Floats) -> Floats:
-        """Return how much the mean stress ahead pulls across some ways [MPa], shape (n,).
+    def _pull(self, state: State, ahead: _Ahead, t: Floats, directions: Floats) -> Floats:
+        """Return how much the mean stress ahead pulls across some directions [MPa], shape (n,).
 
-        t : (3,), unit director.  ways : (n, 3), in the sheet, of any length.
+        t : (3,), unit director.  directions : (n, 3), in the sheet, of any length.
         """
         if not ahead.quads.size:
-            return np.zeros(len(ways))
+            return np.zeros(len(directions))
         stress = self._shell.stress(state, ahead.quads, place="mid")
         turn = _turns(corner_normals(state.node.x[state.quads[ahead.quads]]), t)
         stress = product(turn, stress, turn.transpose(0, 2, 1))
         mean = np.einsum("i,ijk->jk", ahead.weight, stress)
         values, vectors = symmetric_eigen(mean)
         pulling = product(vectors * np.maximum(values, 0.0), vectors.T)
-        across = unit(np.cross(t, ways))
+        across = unit(np.cross(t, directions))
         return np.asarray(np.linalg.norm(product(across, pulling), axis=1))
 
 

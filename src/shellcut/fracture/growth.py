@@ -28,7 +28,7 @@ class Growth:
     cuts : Cuts
         Carries the cuts out.
     path : CrackPath
-        Where cracks go.
+        Where cracks run.
     sums : TrialSums
         The force that holds together what is cut along a side.
     exactly : bool
@@ -40,7 +40,7 @@ class Growth:
     ) -> None:
         self.cuts, self.path = cuts, path
         self.tips = tips_of_notches(state)
-        """Where cracks end and may go on."""
+        """Where cracks end and may run on."""
         self._sums, self._exactly = sums, exactly
 
     def along(
@@ -93,23 +93,23 @@ class Growth:
             chord = Segment(row, start, stop, side, end, along_side=True)
         return self.cut(state, chord, kind, measure)
 
-    def end_at(self, state: State, segment: Segment, cut: Cut, end: int, came: Floats) -> None:
-        """Put a tip where the crack goes on from an end of what has been cut."""
-        tip = self.tip_after(state, segment, cut, end, came)
+    def end_at(self, state: State, segment: Segment, cut: Cut, end: int, ran_along: Floats) -> None:
+        """Put a tip where the crack continues from an end of what has been cut."""
+        tip = self.tip_after(state, segment, cut, end, ran_along)
         if tip is not None:
             self.tips.append(tip)
 
     def tip_after(
-        self, state: State, segment: Segment, cut: Cut, end: int, came: Floats
+        self, state: State, segment: Segment, cut: Cut, end: int, ran_along: Floats
     ) -> Tip | None:
-        """Return the tip at an end of what has been cut, None at a rim.
+        """Return the tip at an end of what has been cut, None at a border.
 
-        Where the crack is open there it has come to a rim or to another crack, whose tip there is
-        one no more: it goes on from the other flank, unless that crack has come towards it; the two
-        are one then. Tips of other cracks at that place stay.
+        Where the crack is open there it has reached a border or another crack, whose tip there is a
+        tip no more: it continues from the other flank, unless that crack ran towards it; the two
+        are the same crack then. Tips of other cracks at that place stay.
 
-        segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.  came : (3,),
-        heading before the cut.
+        segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.  ran_along :
+        (3,), heading before the cut.
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
@@ -119,12 +119,12 @@ class Growth:
         near = _SAME_PLACE * self.path.film.size(segment.row)
         gaps = [norm(self.path.film.at_tip(tip, state.node.X) - here) for tip in self.tips]
         there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
-        joined = min(there, key=lambda tip: float(product(tip.heading, came)), default=None)
-        if joined is not None and product(joined.heading, came) < ONCOMING:
+        joined = min(there, key=lambda tip: float(product(tip.heading, ran_along)), default=None)
+        if joined is not None and product(joined.heading, ran_along) < ONCOMING:
             self.tips.remove(joined)
             return None
         if cut.kind == TEAR:
-            return None  # it ends at the edges of the film
+            return None  # it ends at the border of the film
         self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
         return self.path.tip_across(state, segment, heading)
 

@@ -27,15 +27,15 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
     line, before = NotchLine(points), len(state.split_log)
     tip = _slit(growth, state, line)
     for start, stop in itertools.pairwise(points):
-        # The line may have more than its first point before the rim.
-        tip = tip or _rim_tip(state, start, stop)
+        # The line may have more than its first point before the border.
+        tip = tip or _border_tip(state, start, stop)
         if tip is not None or row_at(state, stop) is not None:
             break
     if tip is None:
         raise ValueError(
-            f"a notch must begin within a quad or at the rim, but its line from "
+            f"a notch must begin within a quad or at the border, but its line from "
             f"{points[0].tolist()} to {stop.tolist()} mm begins on a side of quads or crosses "
-            "no side of the rim: move its first point"
+            "no side of the border: move its first point"
         )
     going: Tip | None = tip
     at: Place | None = None
@@ -43,8 +43,8 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
         at = film.place_in(state, *ahead[0])
         here = film.at_tip(going, state.node.X)
         quads = state.node.X[state.quads[[row for row, _ in ahead]]]
-        way, lean = line.direction(here, at, quads)
-        segment = path.segment_from(state, going, way, lean, growth.tips)
+        along, lean = line.direction(here, at, quads)
+        segment = path.segment_from(state, going, along, lean, growth.tips)
         if segment is None:
             break
         cut = growth.cut(state, segment, NOTCH, 0.0)
@@ -64,21 +64,21 @@ def cut_notch(growth: Growth, state: State, points: Floats) -> None:
     if further is not None and row_at(state, further) is not None:
         raise ValueError(
             f"a notch must be a line that quads can follow, got one from {points[0].tolist()} "
-            f"mm that ends after {here.tolist()} mm although its line goes on in the film: it "
-            "turns too sharply there, or comes to a hole or a cut; take a finer mesh, round "
+            f"mm that ends after {here.tolist()} mm although its line continues in the film: it "
+            "turns too sharply there, or reaches a hole or a cut; take a finer mesh, round "
             "the corner, or notch the rest by itself"
         )
 
 
 def _slit(growth: Growth, state: State, line: NotchLine) -> Tip | None:
-    """Cut the quad in which a notch within the film begins; return the tip where it goes on."""
+    """Cut the quad in which a notch within the film begins; return the tip where it continues."""
     path, film, found = growth.path, growth.path.film, row_at(state, line.start)
     if found is None or growth.cuts.topology.polygon(found[0]) != WHOLE:
         return None
     row, place = found
     at = film.place_in(state, row, place)
-    way, lean = line.direction(line.start, at, state.node.X[state.quads[[row]]])
-    back, ahead = (path.segment(state, row, place, w, lean) for w in (-way, way))
+    along, lean = line.direction(line.start, at, state.node.X[state.quads[[row]]])
+    back, ahead = (path.segment(state, row, place, w, lean) for w in (-along, along))
     if back is None or ahead is None:
         return None
     cut = growth.through(state, back, ahead, NOTCH)
@@ -90,27 +90,27 @@ def _slit(growth: Growth, state: State, line: NotchLine) -> Tip | None:
     return growth.tip_after(state, ahead, cut, 1, cut.heading)
 
 
-def _rim_tip(state: State, start: Floats, end: Floats) -> Tip | None:
-    """Return a tip on the rim where a line between two points first crosses it.
+def _border_tip(state: State, start: Floats, end: Floats) -> Tip | None:
+    """Return a tip on the border where a line between two points first crosses it.
 
     Seen along the film's normal there: on a curved film the line leaves the sheet, and a side
-    of the rim is crossed from which it is nearer than the side is long.
+    of the border is crossed from which it is nearer than the side is long.
     """
-    way = end - start
+    along = end - start
     best, found = np.inf, None
     for a, b in boundary_edges(state).tolist():
         A, B = state.node.X[[a, b]]
         size, n = float(norm(A - B)), state.node.t[a] + state.node.t[b]
         n = unit(n)
-        in_sheet = np.stack([way, A - B, A - start], axis=1)
+        in_sheet = np.stack([along, A - B, A - start], axis=1)
         in_sheet -= np.outer(n, product(n, in_sheet))
         base, gap = in_sheet[:, :2], in_sheet[:, 2]
         ahead, s = least_squares(base, gap)
         miss = norm(product(base, (ahead, s)) - gap)
         on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
-        height = abs(product(A + s * (B - A) - start - ahead * way, n))
+        height = abs(product(A + s * (B - A) - start - ahead * along, n))
         if on_it and height < size and -AWAY < ahead < min(best, 1.0 + AWAY):
-            best, direction = ahead, unit(way)
+            best, direction = ahead, unit(along)
             at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
             if at_end is not None:
                 found = Tip((at_end, at_end), 0.0, -1, direction)

@@ -18,13 +18,13 @@ _ON_SIDE = 1e-9
 """Of a segment's length: a notch that ends closer than this before a side or node ends there."""
 
 _NEAREST = 16
-"""Quads, by their middle, in which a point is looked for."""
+"""Quads, by their middle, in which a point is searched."""
 
 _OFF = 0.25
 """Of an edge: a point that lies higher above the film is not in it."""
 
 _FAR = 10.0
-"""|xi| or |eta| of a point that is not in the quad whatever comes of further steps."""
+"""|xi| or |eta| of a point that is not in the quad whatever further steps give."""
 
 _INSIDE = 1.0 + 1e-6
 """Largest |xi|, |eta| of a point in a quad."""
@@ -33,7 +33,7 @@ _REACH = 3.0
 """Of an edge: how far ahead of a tip a line is followed."""
 
 _STEPS = _REACH * np.arange(1, 61) / 60.0
-"""Of an edge: how far ahead of a tip it is looked where a line leaves a quad."""
+"""Of an edge: distances ahead of a tip at which it is tested where a line leaves a quad."""
 
 _GRAZES = 4
 """Of the places at ``_STEPS``: a line that is outside a quad for fewer has not left it."""
@@ -43,7 +43,7 @@ _MORE = 1.5
 
 
 class NotchLine:
-    """Where a notch goes on from its tip, and whether it has come to its end.
+    """Where a notch continues from its tip, and whether it has reached its end.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ class NotchLine:
         """[mm], shape (3,)."""
         self._corners, self._lengths = points, np.linalg.norm(legs, axis=1)
         self._units = legs / self._lengths[:, None]
-        self._way = np.append(0.0, np.cumsum(self._lengths))
+        self._distances = np.append(0.0, np.cumsum(self._lengths))
         self._across: Floats | None = None
-        self._gone = 0.0
+        self._followed = 0.0
 
     def direction(self, here: Floats, at: Place, quads: Floats) -> tuple[Floats, Floats | None]:
-        """Return in which direction a notch goes on, and how its plane leans from the director.
+        """Return in which direction a notch continues, and how its plane leans from the director.
 
         A straight line keeps its plane. Through more points it aims at where the line leaves the
         quad ahead in which it stays longest, or else at the line an edge ahead.
@@ -78,9 +78,9 @@ class NotchLine:
         """
         if len(self._units) > 1:
             self._follow(here, at.size)
-            places = [self._at(self._gone + part * at.size) for part in _STEPS]
+            places = [self._at(self._followed + part * at.size) for part in _STEPS]
             stays = max((_stay(places, corners) for corners in quads), default=0)
-            target = places[stays - 1] if stays else self._at(self._gone + at.size)
+            target = places[stays - 1] if stays else self._at(self._followed + at.size)
             return (target - here) / norm(target - here), None
         across = self._across = (
             np.cross(at.t, self._units[0]) if self._across is None else self._across
@@ -88,14 +88,14 @@ class NotchLine:
         return np.cross(across, at.t), product(at.t, across) / product(across, across) * across
 
     def ends(self, here: Floats, length: float, *, at_cut: bool) -> bool:
-        """Return whether a tip has come to the end, after a segment of some length [mm].
+        """Return whether a tip has reached the end, after a segment of some length [mm].
 
-        A line that ends where it began goes on by as much if it is not yet at an earlier cut, its
+        A line that ends where it began continues by as much if it is not yet at an earlier cut, its
         own first segment.
         """
         if len(self._units) > 1:
             self._follow(here, length)
-            short = self._way[-1] - self._gone
+            short = self._distances[-1] - self._followed
             if not at_cut and (self._corners[0] == self._corners[-1]).all():
                 short += length
         else:
@@ -107,33 +107,33 @@ class NotchLine:
 
         None of a straight line, too: it may leave the film.
         """
-        ahead = self._gone + _MORE * size
-        return self._at(ahead) if len(self._units) > 1 and ahead < self._way[-1] else None
+        ahead = self._followed + _MORE * size
+        return self._at(ahead) if len(self._units) > 1 and ahead < self._distances[-1] else None
 
     def _follow(self, here: Floats, size: float) -> None:
-        """Go on along the line to the point that is nearest to a tip, a few edges at most.
+        """Move on along the line to the point that is nearest to a tip, a few edges at most.
 
-        So a line that comes back to where it began is not followed from there again. The first tip
-        may be on any leg: a line may begin outside the rim.
+        So a line that returns to where it began is not followed from there again. The first tip
+        may be on any leg: a line may begin outside the film.
         """
-        gone = min(self._gone, float(self._way[-1]))
-        reach = _REACH * size if self._gone else np.inf
-        near = (self._way[1:] >= gone) & (self._way[:-1] <= gone + reach)
+        followed = min(self._followed, float(self._distances[-1]))
+        reach = _REACH * size if self._followed else np.inf
+        near = (self._distances[1:] >= followed) & (self._distances[:-1] <= followed + reach)
         legs = np.flatnonzero(near)
         along = ((here - self._corners[legs]) * self._units[legs]).sum(axis=1)
-        least, most = np.maximum(self._gone - self._way[legs], 0.0), self._lengths[legs]
+        least, most = np.maximum(self._followed - self._distances[legs], 0.0), self._lengths[legs]
         most = np.where(legs == len(self._lengths) - 1, np.inf, most)
         on = np.clip(along, least, most)
         k = int(norm(self._corners[legs] + on[:, None] * self._units[legs] - here).argmin())
-        self._gone = float(self._way[legs[k]] + on[k])
+        self._followed = float(self._distances[legs[k]] + on[k])
 
-    def _at(self, way: float) -> Floats:
-        """Return the point of the line at some way from its start, shape (3,); straight on after.
+    def _at(self, distance: float) -> Floats:
+        """Return the point of the line at a distance from its start, shape (3,).
 
-        Ways before the end are those of its legs.
+        Along its legs, and beyond the end straight on.
         """
-        k = min(int(np.searchsorted(self._way, way, side="right")), len(self._units)) - 1
-        return np.asarray(self._corners[k] + (way - self._way[k]) * self._units[k])
+        k = min(int(np.searchsorted(self._distances, distance, side="right")), len(self._units)) - 1
+        return np.asarray(self._corners[k] + (distance - self._distances[k]) * self._units[k])
 
 
 def _stay(places: Sequence[Floats], corners: Floats) -> int:

@@ -1,4 +1,4 @@
-"""Edges with one quad: the rim of a film, and the flanks of cracks along sides of the mesh.
+"""Edges with one quad: the border of a film, and the flanks of cracks along sides of the mesh.
 
 Where a crack has parted a side the film has two edges with one quad each, whose ends have the same
 ``origin``. Everything here follows from the quads and ``origin``; nothing else records the crack.
@@ -41,9 +41,9 @@ def crack_edges(polygons: Ints, origin: Ints) -> Ints:
 
 
 def crack_tips(state: State) -> dict[int, int]:
-    """Return all nodes at which a crack or notch ends, ascending, and where it came from.
+    """Return all nodes at which a crack or notch ends, ascending, and the node before it.
 
-    There the two flanks of its last edge meet; of several cracks at a node it is one.
+    There the two flanks of its last edge meet; for several cracks at a node it is one of them.
     """
     flanks = crack_edges(state.quads, state.node.origin[: state.n_node])
     edge, end = np.nonzero(flanks[:, 0] == flanks[:, 1])

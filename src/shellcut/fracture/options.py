@@ -9,12 +9,12 @@ When a crack at its tip runs, by two measures that reach 1:
     sigma_I / sigma_F with the stress recovered at the mid-surface, the paper's
     (:mod:`.side_tears`).
 
-Cracks run from their tips and from where a cutting edge goes through whole film. [Frangi2010] says
+Cracks run from their tips and from where a cutting edge enters whole film. [Frangi2010] says
 any node, which would also part nodes beside the cut.
 
 **The blade-cut rule** (:mod:`.blade_drive`) differs from [Frangi2010]: a tip that a cutting edge
-has passed runs whatever the stress, for a sheet under a blade hangs on the cables and its tip may
-stay below the strength while the blade runs on; film that the edge goes through is cut
+has passed runs whatever the stress, for a sheet under a blade is carried by the cables and its tip
+may stay below the strength while the blade runs on; film that the edge enters is cut
 (:mod:`.pierce`). The rule knows the blade's geometry and the nodes' positions; there is no list of
 nodes of an expected path.
 """
@@ -36,7 +36,7 @@ _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_sta
 _ONLY_THROUGH_QUADS = ("anisotropy",)
 
 
-NO_IMPRINT = "cracks go through the quads of any mesh: take path = 'free', or leave it out"
+NO_IMPRINT = "cracks run through the quads of any mesh: take path = 'free', or leave it out"
 """What to write for the path ``"imprint"`` of earlier versions."""
 
 
@@ -47,7 +47,7 @@ class Fracture:
 
     Left out, the path is ``"free"``, or ``"edges"`` where another option exists for these only:
     ``criterion``, ``blade_cut``, ``turn_limit_deg`` or ``equilibrium_start`` that differ from their
-    defaults. A ready model takes ``"edges"`` too where edges lie under the whole path.
+    defaults. A ready model accepts ``"edges"`` too where edges lie under the whole path.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Fracture:
             below=180,
         ),
     ] = 57.0
-    check_every: Annotated[int, Option("", "steps between two looks at the cracks", least=1)] = 10
+    check_every: Annotated[int, Option("", "steps between two checks of the cracks", least=1)] = 10
     equilibrium_start: Annotated[
         bool,
         Option(
@@ -89,7 +89,7 @@ class Fracture:
         Path | None,
         Option(
             "",
-            "where cracks go: free through the quads, or along edges",
+            "where cracks run: free through the quads, or along edges",
             unset="edges if they lie under the whole path or another option needs them, else free",
         ),
     ] = None
@@ -107,8 +107,8 @@ class Fracture:
         float | None,
         Option(
             "N",
-            "on the tip of a cutting edge, end, apex or lowest place of an arc, at which it goes "
-            "through whole film",
+            "on the tip of a cutting edge, end, apex or lowest place of an arc, at which it "
+            "pierces whole film",
             above=0,
             unset="from thickness, strength and the radii of the edge",
         ),
@@ -119,14 +119,12 @@ class Fracture:
             raise ValueError("; ".join(problems))
 
     def _contradictions(self) -> Iterator[str]:
-        """Yield what does not go with the path, or with another option."""
+        """Yield what does not fit the path or another option."""
         of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
         if self.path == "free":
             for name in of_edges:
                 needed = type(self).__dataclass_fields__[name].default
-                yield (
-                    f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"
-                )
+                yield (f"path = 'free' fits {name} = {needed!r} only, got {getattr(self, name)!r}")
         elif self.path is not None:
             for name in of_quads:
                 yield f"{name} is of cracks through the quads only: take path='free'"

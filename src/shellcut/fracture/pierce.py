@@ -1,7 +1,7 @@
 """Where a cut begins in film that no crack has reached, and the first quad of it.
 
-*On its face* the film parts where a tool presses hard enough (:mod:`.pressed_film`), *at its rim*
-and at the flank of another cut where an edge goes through it (:mod:`.entered_film`).
+*On its face* the film parts where a tool presses hard enough (:mod:`.pressed_film`), *at its
+border* and at the flank of another cut where an edge enters it (:mod:`.entered_film`).
 
 The quad is cut along the trace of the mid-plane of the blade (:mod:`.blade_chords`): a short crack
 with a closed tip at either end.
@@ -40,11 +40,11 @@ class Pierce(Kept):
     growth : Growth
         Cuts the film.
     drive : BladeDrive
-        Where edges go.
+        Where edges move.
     shell : MITC4Shell
         The film.
     limits : PierceLimits
-        What the film carries on its face.
+        The load that the film carries on its face.
     points : PointContact, optional
         By which the tool presses on the film.
     tool, motion : Tool, Motion
@@ -75,7 +75,7 @@ class Pierce(Kept):
             self._pressed = PressedFilm(film, shell, edges, limits, points, tool, motion)
 
     def begin_cuts(self, state: State, pose: Pose, driven: Floats, work: float) -> None:
-        """Cut the film that an edge goes through away from the tips that it drives.
+        """Cut the film that an edge enters away from the tips that it drives.
 
         Parameters
         ----------
@@ -103,7 +103,7 @@ class Pierce(Kept):
         growth, pierced = self._growth, begun.pierced
         kind, measure = ("blade", 0.0) if pierced is None else ("puncture", pierced.measure)
         for back, ahead in self._chords.chords(state, begun, growth.tips):
-            # What nothing holds is cut only from where the edge has come in.
+            # Unsupported film is cut only from where the edge has entered.
             if pierced is None and not self._entered.leads_out(state, back):
                 continue
             cut = growth.through(state, back, ahead, kind, measure)

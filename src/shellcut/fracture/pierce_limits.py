@@ -1,4 +1,4 @@
-"""What whole film carries under each point of a tool, and along its cutting edges."""
+"""The load that whole film carries under each point of a tool, and along its cutting edges."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .puncture import Puncture, edge_bluntness
 
 
 class PlaceLimits(NamedTuple):
-    """What the film carries under each point of the tool."""
+    """The load that the film carries under each point of the tool."""
 
     force: Floats
     """F_p, inf where the edge is straight, shape (n_of_tool,) [N]."""
@@ -25,7 +25,7 @@ class PlaceLimits(NamedTuple):
 
 
 class PierceLimits(NamedTuple):
-    """What whole film carries."""
+    """The load that whole film carries."""
 
     puncture: Puncture
     """Under a tip."""
@@ -35,7 +35,7 @@ class PierceLimits(NamedTuple):
     """The user's own force of a tip, in place of F_p [N]."""
 
     def at_points(self, points: ToolPoints, tool: Tool) -> PlaceLimits:
-        """Return what it carries under the points of a tool."""
+        """Return the load that it carries under the points of a tool."""
         film, edge_radius = self.puncture, tool.edge_radius
         length = norm(tool.vertices[tool.edges[:, 1]] - tool.vertices[tool.edges[:, 0]])
         longest = np.bincount(tool.edge_chain, length)[tool.edge_chain[points.segment]]

@@ -1,4 +1,4 @@
-"""Where the face of whole film has reached what it carries under a tip or an edge.
+"""Where a tip or an edge loads the face of whole film up to what it carries.
 
 A tooth that comes down in the middle of the sheet presses it by its contact points. The film parts
 under a tip, or the lowest place of an arc, once all that presses it there carries F_p
@@ -35,15 +35,15 @@ from .entered_film import NEAR_A_TIP
 from .pierce_limits import PierceLimits, PlaceLimits
 from .pressing_tips import PressingTips
 
-# Cosine of the angle between forces that press the film the same way.
-_SAME_WAY = 0.5
+# Cosine of the angle between forces that press the film in the same direction.
+_SAME_DIRECTION = 0.5
 
-# Edge lengths from a tip that faces the film within which an edge has not come over a rim.
+# Edge lengths from a tip that faces the film within which an edge has not crossed a border.
 _JUST_THERE = 0.1
 
 
 class PressedFilm(Kept):
-    """Finds whole rows that a tool goes through on their face.
+    """Finds whole rows that a tool pierces on their face.
 
     Parameters
     ----------
@@ -102,12 +102,12 @@ class PressedFilm(Kept):
     def _begun(
         self, state: State, pose: Pose, tips: Floats, i: int, of_edge: float, on_tip: float
     ) -> Begun | None:
-        """Return where carrier i goes through whole film away from the tips, if it does.
+        """Return where contact point i pierces whole film away from the tips, if it does.
 
         of_edge : force on the whole edge [N].  on_tip : all that presses there, of a tip [N].
         """
-        carriers, k = self._points.carriers, int(self._points.point_of_sheet()[i])
-        nodes, weights = carriers.node[i], carriers.weight[i]
+        contact_points, k = self._points.carriers, int(self._points.point_of_sheet()[i])
+        nodes, weights = contact_points.node[i], contact_points.weight[i]
         there = state.node.quads[nodes[0], : state.node.n_quad_at[nodes[0]]]
         rows = there[(state.quads[there] == nodes).all(axis=1)].tolist()
         if not rows:  # it has been cut since it was pressed
@@ -135,7 +135,7 @@ class PressedFilm(Kept):
     def not_on_face(self, state: State, pose: Pose, begun: Sequence[Begun]) -> list[Begun]:
         """Return those of some places near which no tip of their edge is still on the face.
 
-        Within an edge length if it presses. Else it is there if it has just come to the face: a tip
+        Within an edge length if it presses. Else it is there if it has just reached the face: a tip
         in the film's plane is above or below it by round-off, or by what it moves in a step.
         """
         if not begun:
@@ -147,11 +147,11 @@ class PressedFilm(Kept):
         at, chain = pose.to_space(on.place[point[tips]]), self._chain[on.segment[point[tips]]]
         near = np.where(presses[tips], 1.0, _JUST_THERE)
         clear = []
-        for one in begun:
-            gap = norm(at - self._film.place_in(state, one.row, one.place).x)
-            of_edge = chain == self._chain[one.segment]
-            if not (of_edge & (gap < near * self._film.size(one.row))).any():
-                clear.append(one)
+        for start in begun:
+            gap = norm(at - self._film.place_in(state, start.row, start.place).x)
+            of_edge = chain == self._chain[start.segment]
+            if not (of_edge & (gap < near * self._film.size(start.row))).any():
+                clear.append(start)
         return clear
 
     def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
@@ -159,16 +159,16 @@ class PressedFilm(Kept):
         nodes = state.quads[row]
         t = unit(state.node.t[nodes].sum(axis=0))
         normal = product(pose.rotation, self._edges.segments[segment, NORMAL])
-        way = unit(normal - product(normal, t) * t)
+        across = unit(normal - product(normal, t) * t)
         stress = self._shell.stress(state, np.array([row]), place="nominal")[0]
-        return float(product(product(stress, way), way))
+        return float(product(product(stress, across), across))
 
 
 class _Loads(NamedTuple):
     """All that presses on the film at its points, and at its nodes."""
 
     sheet: Ints
-    """Row among the carriers of points, -1 of a node, shape (n_load,)."""
+    """Row among the contact points, -1 of a node, shape (n_load,)."""
     place: Floats
     """In the body frame, shape (n_load, 3) [mm]."""
     normal: Floats
@@ -198,7 +198,7 @@ class _Loads(NamedTuple):
     def on_tips(
         cls, points: PointContact, limits: PlaceLimits, length: float, state: State, pose: Pose
     ) -> dict[int, float]:
-        """Return what presses on each place of a tip or an arc [N], by its row among the carriers.
+        """Return the force on each place of a tip or an arc [N], by its row of contact points.
 
         length : L of the film [mm].
         """
@@ -216,12 +216,12 @@ class _Loads(NamedTuple):
         return found
 
     def near(self, sheet: int, length: float, wide: float) -> float:
-        """Return what presses the film the same way within a length of a point [N].
+        """Return what presses the film in the same direction within a length of a point [N].
 
         Of the points of its own arc within ``wide``, too [mm].
         """
         own = int(np.flatnonzero(self.sheet == sheet)[0])
         gap = norm(self.place - self.place[own])
         of_arc = (self.arc >= 0) & (self.arc == self.arc[own]) & (gap <= wide)
-        alike = product(self.normal, self.normal[own]) > _SAME_WAY
+        alike = product(self.normal, self.normal[own]) > _SAME_DIRECTION
         return float(self.force[alike & ((gap <= length) | of_arc)].sum())

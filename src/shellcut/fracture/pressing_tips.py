@@ -2,10 +2,11 @@
 
 Where a tip meets the film, its mesh takes up the speed node by node. A node of the mass m that the
 tip meets at the speed v gets the impulse m v, or 2 m v if it rebounds, within the time that the
-penalty's spring takes, so the contact force peaks at v sqrt(k m). That says nothing about what the
-film carries: a sheet that bends answers with 8 sqrt(D rho h) v from the first, which is 0.61 of
-(v/c) E/sigma_F of F_p, 2 % at 0.5 m/s in the film of the opening test. A node has more mass the
-larger its quads are, and the peak over F_p goes with v and with the edge length over the thickness.
+penalty's spring needs, so the contact force peaks at v sqrt(k m). That says nothing about what the
+film carries: a sheet that bends answers with 8 sqrt(D rho h) v from the first moment, which is 0.61
+of (v/c) E/sigma_F of F_p, 2 % at 0.5 m/s in the film of the opening test. A node has more mass the
+larger its quads are, and the peak over F_p grows with v and with the edge length over the
+thickness.
 
 An impulse is no force until it is spread over a time. The mean force F on a tip follows
 
@@ -16,7 +17,7 @@ at most, and what the film carries for longer than T counts in full. Slow tips a
 short T, down to less than a step. What the sheet itself answers at once is no matter of the mesh:
 T is shorter by its share of F_p, and where that alone pierces, the force needs no mean. It is late
 by T. This *delay* over the time for which the
-tip has pressed goes with m v²; the verdict judges it (``DELAY_LIMIT``).
+tip has pressed grows with m v²; the verdict judges it (``DELAY_LIMIT``).
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class PressingTips(Kept):
 
         Costs nothing where no tip presses or has just pressed.
 
-        loads : by their rows among the carriers [N].
+        loads : by their rows among the contact points [N].
         """
         steps, self._step = state.step - self._step, state.step
         of = self._of_point
@@ -99,15 +100,16 @@ class PressingTips(Kept):
 
     def _delay(self, state: State, pose: Pose, rows: Ints) -> Floats:
         """Return T at the present speed of some tips that press [s]."""
-        carriers, n = self._points.carriers, state.node
-        node, weight = carriers.node[rows], carriers.weight[rows]
+        contact_points, n = self._points.carriers, state.node
+        node, weight = contact_points.node[rows], contact_points.weight[rows]
         place = self._points.points.place[self._points.point_of_sheet()[rows]]
         spin, velocity = self._motion.twist(state.time)
         velocity = velocity + np.cross(spin, product(place, pose.rotation.T))
         film = product(weight[:, None], n.velocity_half[node])[:, 0]
         gap = state.pace * velocity - film
-        speed = np.abs((gap * product(carriers.normal[rows], pose.rotation.T)).sum(axis=1))
-        # What moves at the place is no more than all that carry it; held nodes do not move.
+        speed = np.abs((gap * product(contact_points.normal[rows], pose.rotation.T)).sum(axis=1))
+        # What moves at the place is no more than the nodes that carry it; supported nodes do not
+        # move.
         free = (weight > 0.0) & (n.push[node, 0] > 0.0)
         most = np.where(free, n.mass[node], 0.0).sum(axis=1)
         gives = (weight * weight * n.push[node, 0]).sum(axis=1)

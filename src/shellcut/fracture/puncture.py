@@ -1,4 +1,4 @@
-"""The force at which a tip goes through whole film.
+"""The force at which a tip pierces whole film.
 
 Near a tip that presses it, a film takes the shape that its bending and its tension give it, over
 the length L = sqrt(D / N), far less than the film is wide. Axisymmetric Föppl-von Kármán plates
@@ -11,8 +11,8 @@ the stretching stiffness B = E h. The film parts when its tension there is sigma
 
     F_s = (2 pi / CENTRE) sigma_F h sqrt(D / B),      of one layer 3.96 sigma_F h² at nu = 0.3,
 
-whatever E and however the film is held. A blunt tip of the radius rho parts a membrane that lies
-around it at F_m = 4 pi rho (sigma_F h)² / B. In between
+whatever E and however the film is supported. A blunt tip of the radius rho parts a membrane that
+lies around it at F_m = 4 pi rho (sigma_F h)² / B. In between
 
     F_p = sqrt(F_s² + F_m²)
 
@@ -26,7 +26,7 @@ in x and y the largest tension at its top is that on a ball of
 
 within 7 % for all r / R, R/6 where the edge is sharp.
 
-*Axes.* A film with the stiffnesses B_1 > B_2 along its axes is an isotropic one in coordinates
+*Axes.* A film with the stiffnesses B_1 > B_2 along its axes is an isotropic film in coordinates
 stretched by (B_1 / B_2)^(1/4) across the first, if its shear modulus is that of such a film: its
 tensions at the tip are as sqrt(B_1) to sqrt(B_2). So it parts across the stiff axis, and B is the
 largest of all directions; D is the root of D_11 D_22 in its axes. Layers count by B and D of the
@@ -162,7 +162,7 @@ def _stiffnesses(film: ShellMaterial, secants: Floats) -> tuple[float, float]:
     """
     z, weight, materials = film.thickness_points()
     share = np.repeat(secants, len(z) // len(secants))
-    laws = share[:, None, None] * np.array([one.plane_stress() for one in materials])
+    laws = share[:, None, None] * np.array([law.plane_stress() for law in materials])
     membrane = np.einsum("i,ijk->jk", weight, laws)
     coupling = np.einsum("i,ijk->jk", weight * z, laws)
     second = np.einsum("i,ijk->jk", weight * z * z, laws)

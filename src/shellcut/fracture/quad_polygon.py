@@ -1,13 +1,13 @@
-"""The part of a quad that a copy holds: a convex polygon in the parametric square, and its share.
+"""The part of a quad that a copy carries: a convex polygon in the parametric square, and its share.
 
 A crack crosses a quad along a straight chord in xi, eta. Each chord divides the polygon of a copy
 in two, so the polygons stay convex however often a quad is cut. An edge of a polygon lies either on
-a side of the quad, where the film goes on in the neighbour, or on a flank.
+a side of the quad, where the film continues in the neighbour, or on a flank.
 
 The share of a copy is its part of the quad's area. With n the unit normal at the centre, the
 density J = n · (a_1 x a_2) is linear in xi and eta, so that its integral over a polygon is exact:
 the sum over triangles of their area times J at their centroid. On a flat quad that is the area in
-space; on a warped one it is the area seen along n. The shares of all copies sum to one.
+space; on a warped one it is the area seen along n. The shares of all copies sum to 1.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _SAME = 1e-9
 AWAY = 1e-6
 """Of the parametric square, or of a side of it: far above round-off."""
 
-# Gauss points and weights of the two ways through a triangle.
+# Gauss points and weights of the two directions through a triangle.
 _LINE_POINTS = [np.polynomial.legendre.leggauss(n) for n in (3, 2)]
 
 # Of the parametric square: a quarter of an edge, clear of the mid-plane of a blade in the cut.
@@ -64,7 +64,7 @@ WHOLE = Polygon(CORNERS, (0, 1, 2, 3))
 
 
 def on_side(side: int, s: float) -> Point:
-    """Return the point of a side at the fraction s of the way from its first corner."""
+    """Return the point of a side at the fraction s of its length from its first corner."""
     start, end = CORNERS[side], CORNERS[(side + 1) % 4]
     c = 2.0 * s - 1.0  # exact at the ends and symmetric about the middle
     return (
@@ -74,7 +74,7 @@ def on_side(side: int, s: float) -> Point:
 
 
 def along_side(side: int, point: Point) -> float:
-    """Return the fraction of the way along a side at which a point of it lies."""
+    """Return the fraction of a side's length at which a point of it lies."""
     start, end = CORNERS[side], CORNERS[(side + 1) % 4]
     c = point[0] if start[0] != end[0] else point[1]
     return 0.5 * (1.0 + (c if (start[0] + start[1] < end[0] + end[1]) else -c))
@@ -126,7 +126,7 @@ def side_of(polygon: Polygon, point: Point) -> int | None:
     return None
 
 
-def holds(polygon: Polygon, point: Point) -> bool:
+def contains(polygon: Polygon, point: Point) -> bool:
     """Return whether a point lies in a polygon or on its boundary."""
     return all(_cross(a, b, point) > -_SAME for a, b, _ in edges(polygon))
 
@@ -138,12 +138,12 @@ def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
 
 
 def between(a: Point, b: Point, share: float) -> Point:
-    """Return the point at a share of the way from a to b."""
+    """Return the point at a fraction of the distance from a to b."""
     return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
 
 
 def fraction_between(a: Point, b: Point, point: Point) -> float | None:
-    """Return where a point lies between a and b, as a fraction of the way; None if elsewhere."""
+    """Return at which fraction from a to b a point lies; None if elsewhere."""
     d, gap = (b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1])
     length = hypot(*d)
     along = (d[0] * gap[0] + d[1] * gap[1]) / length
@@ -158,7 +158,7 @@ def is_on(point: Point, a: Point, b: Point) -> bool:
 
 
 def beyond(a: Point, b: Point) -> list[int]:
-    """Return the corners of the quad to the right of the way from a to b, outside its film."""
+    """Return the corners of the quad to the right of the line from a to b, outside its film."""
     return [c for c in range(4) if _cross(a, b, CORNERS[c]) < -_SAME]
 
 
@@ -224,7 +224,7 @@ def density(X: Floats) -> tuple[float, float, float]:
 
 
 def share_of(polygon: Polygon, J: tuple[float, float, float]) -> float:
-    """Return which part of its quad's area a polygon holds, J as of :func:`density`."""
+    """Return which part of its quad's area a polygon covers, J as of :func:`density`."""
     return _integral(polygon, J) / (4.0 * J[0])
 
 
@@ -243,15 +243,15 @@ def film_moments(polygon: Polygon) -> Floats:
     a, b, c = points[0], points[1:-1], points[2:]
     (u, by_u), (v, by_v) = _LINE_POINTS
     u, v = 0.5 * (u[:, None] + 1.0), 0.5 * (v + 1.0)
-    # From a the way u to the opposite side, there v from b to c; the density is 2 A u.
+    # u runs from a to the opposite side, v along that from b to c; the density is 2 A u.
     towards = (b - a)[:, None, None] + v[:, None] * (c - b)[:, None, None]
     at = a + u[..., None] * towards
     twice_area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     weights = 0.25 * twice_area[:, None, None] * (u * by_u[:, None] * by_v)
     xi, eta = at[..., 0].ravel(), at[..., 1].ravel()
     N = 0.25 * np.array([(1.0 + x * xi) * (1.0 + y * eta) for x, y in CORNERS])
-    one = weights.ravel()
-    return np.asarray(product(N, np.stack([one, one * xi, one * eta], axis=1)))
+    weight = weights.ravel()
+    return np.asarray(product(N, np.stack([weight, weight * xi, weight * eta], axis=1)))
 
 
 def spans(polygon: Polygon) -> Floats:

@@ -4,7 +4,7 @@ A ray lies in the plane along its direction and the director at the tip, from wh
 lean: sides are straight in space, chords of the parametric square are not. Its segment ends, in
 this order (without any of these rules some cuts failed):
 
-1. where a crack that comes towards it ends, within ``JOIN`` edge lengths, measured across the ray;
+1. where a crack that runs towards it ends, within ``JOIN`` edge lengths, measured across the ray;
 2. on a crossing of another crack within ``MERGE``; if that crack leads there from the tip, there is
    nothing left to cut;
 3. at a corner within ``SNAP``, if it is not on the side where the segment begins; from a
@@ -40,7 +40,7 @@ from .rows_ahead import NO_SIDE, RowsAhead
 from .tip import Segment
 
 JOIN = 0.3
-"""Ends of cracks that come towards a tip are met if nearer than this, in edge lengths across the
+"""Ends of cracks that run towards a tip are met if nearer than this, in edge lengths across the
 ray: the two would run past each other with a strip between them that no mesh resolves."""
 
 MERGE = 0.15
@@ -51,19 +51,19 @@ SNAP = 0.05
 them."""
 
 ALONG = 1.0 / 3.0
-"""Of the way ahead: a flank that leads to such a point no farther beside the ray is a crack along
-it."""
+"""Of the distance ahead: a flank that leads to such a point no farther beside the ray is a crack
+along it."""
 
 GRAZE = 0.2
-"""Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
-side of it, runs along that side, and the segment passes the corner on the near side."""
+"""Of the distance ahead: a ray that misses a corner at the end of the tip's own side by less, on
+the far side of it, runs along that side, and the segment passes the corner on the near side."""
 
 AT_POINT, ALONG_SIDE, AT_END, AT_CROSSING, ON_SIDE, ON_FLANK = range(6)
 """Where a segment ends: at a point of the polygon, the same along a side of the mesh, where an
 oncoming crack does, on a crossing of another crack, on a side between crossings, on a flank."""
 
 AHEAD, KIND, PLACE, NTH = range(4)
-"""Columns of :attr:`Aimed.way`."""
+"""Columns of :attr:`Aimed.target`."""
 
 
 Ray: TypeAlias = tuple[Vec3, Vec3, Vec3]
@@ -73,7 +73,7 @@ Ray: TypeAlias = tuple[Vec3, Vec3, Vec3]
 class Aimed(NamedTuple):
     """Where the segments from tips lead, written by :func:`leave`."""
 
-    way: Annotated[Ints, "(n_tip, 4)"]
+    target: Annotated[Ints, "(n_tip, 4)"]
     """AHEAD: which row, -1 if the tip has none. KIND: where it ends, AT_POINT to ON_FLANK. PLACE:
     at which point or edge. NTH: on which side of the quad at a point or end, else at or after how
     many crossings of the edge from the last one."""
@@ -87,16 +87,16 @@ class Aimed(NamedTuple):
     @classmethod
     def of(cls, n: int) -> Aimed:
         """Return the table of n tips without segments."""
-        way, nodes = np.full((n, 4), -1), np.zeros((n, 4), np.int64)
-        return cls(way, nodes, np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(n))
+        target, nodes = np.full((n, 4), -1), np.zeros((n, 4), np.int64)
+        return cls(target, nodes, np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(n))
 
     @classmethod
     def along(cls, state: State, segments: Sequence[Segment]) -> Aimed:
-        """Return the table of some segments, whose ways are not asked for."""
+        """Return the table of some segments, whose targets are not needed."""
         found = cls.of(len(segments))
-        for i, one in enumerate(segments):
-            found.nodes[i], found.right[i] = state.quads[one.row], one.right
-            found.entry[i], found.exit[i] = one.entry, one.exit
+        for i, segment in enumerate(segments):
+            found.nodes[i], found.right[i] = state.quads[segment.row], segment.right
+            found.entry[i], found.exit[i] = segment.entry, segment.exit
         return found
 
 
@@ -104,7 +104,7 @@ class Aimed(NamedTuple):
 def leave(
     ahead: RowsAhead,
     start: Ints,
-    ways: Floats,
+    directions: Floats,
     lean: Floats,
     x: Floats,
     t: Floats,
@@ -112,24 +112,25 @@ def leave(
 ) -> int:
     """Write the segments from all tips; return how many there are.
 
-    start : (n_tip + 1,), first row ahead of each tip, and the end.  ways : (n_tip, n_way, 3), unit
-    directions, the best one first.  lean : (n_tip, 3), of the planes from the director.  x, t :
-    (n_node, 3).
+    start : (n_tip + 1,), first row ahead of each tip, and the end.  directions : (n_tip,
+    n_direction, 3), unit directions, the best first.  lean : (n_tip, 3), of the planes from the
+    director.  x, t : (n_node, 3).
     """
     ahead, aimed = borrowed(ahead), borrowed(aimed)
     count = 0
     for i in range(lean.shape[0]):
         _end_at(aimed, i, 0, 0, 0, 0.0, 0.0)
-        aimed.way[i, AHEAD] = -1
-        for turn in range(ways.shape[1]):
-            way = ways[i, turn, 0], ways[i, turn, 1], ways[i, turn, 2]
+        aimed.target[i, AHEAD] = -1
+        for turn in range(directions.shape[1]):
+            heading = directions[i, turn, 0], directions[i, turn, 1], directions[i, turn, 2]
+            # Ends of oncoming cracks are the first rule, in all rows ahead.
             for joining in (True, False):
                 for k in range(start[i], start[i + 1]):
-                    if aimed.way[i, AHEAD] < 0 and through(
-                        ahead, k, i, x, t, way, load(lean, i), joining, aimed
+                    if aimed.target[i, AHEAD] < 0 and through(
+                        ahead, k, i, x, t, heading, load(lean, i), joining, aimed
                     ):
-                        aimed.way[i, AHEAD] = k
-        k = aimed.way[i, AHEAD]
+                        aimed.target[i, AHEAD] = k
+        k = aimed.target[i, AHEAD]
         if k >= 0:
             for a in range(4):
                 aimed.nodes[i, a] = ahead.nodes[k, a]
@@ -146,7 +147,7 @@ def through(
     i: int,
     x: Floats,
     t: Floats,
-    way: Vec3,
+    heading: Vec3,
     lean: Vec3,
     joining: bool,
     aimed: Aimed,
@@ -157,15 +158,15 @@ def through(
     """
     here = at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
     director = at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t)
-    normal = cross(sub(scale(1.0 / norm(director), director), lean), way)
+    normal = cross(sub(scale(1.0 / norm(director), director), lean), heading)
     if norm(normal) < AWAY:
         return False
     normal = scale(1.0 / norm(normal), normal)
     if joining:
-        return _to_an_end(ahead, k, i, (here, normal, way), x, aimed)
+        return _to_an_end(ahead, k, i, (here, normal, heading), x, aimed)
     n, hit, along, best, first_is_nearer = ahead.n_point[k], -1, 0.0, np.inf, True
     for j in range(n):
-        if ahead.on_edge[k, j]:
+        if ahead.on_edge[k, j]:  # the ray begins on it
             continue
         start = _gap(ahead, k, j, x, here)
         b = (j + 1) % n
@@ -174,16 +175,17 @@ def through(
         if off_a * off_b > 0.0 or off_a == off_b:
             continue
         s = off_a / (off_a - off_b)
-        far = dot(start, way) + s * (dot(stop, way) - dot(start, way))
+        far = dot(start, heading) + s * (dot(stop, heading) - dot(start, heading))
         if 0.0 < far < best:
             best, hit, along, first_is_nearer = far, j, s, abs(off_a) <= abs(off_b)
     if ahead.sides_only:
-        return hit >= 0 and _along_a_side(ahead, k, i, (here, normal, way), x, aimed)
+        return hit >= 0 and _along_a_side(ahead, k, i, (here, normal, heading), x, aimed)
     if hit < 0:
-        return _past_a_corner(ahead, k, i, (here, normal, way), x, aimed)
+        return _past_a_corner(ahead, k, i, (here, normal, heading), x, aimed)
     for end in range(2):
         j = (hit + (end if first_is_nearer else 1 - end)) % n
         gap = _gap(ahead, k, j, x, here)
+        # Other points than corners are crossings of another crack.
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
@@ -193,7 +195,8 @@ def through(
             side = ahead.side[k, hit] if through else ahead.common[k, j]
             _end_at(aimed, i, kind, j, side, ahead.point[k, j, 0], ahead.point[k, j, 1])
             return True
-        if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
+        # The crack that leads there runs along the ray: there is nothing left to cut.
+        if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, heading):
             return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)
 
@@ -201,20 +204,20 @@ def through(
 @inline
 def _end_at(aimed: Aimed, i: int, kind: int, place: int, nth: int, xi: float, eta: float) -> None:
     """Write where the segment of tip i ends."""
-    aimed.way[i, KIND], aimed.way[i, PLACE], aimed.way[i, NTH] = kind, place, nth
+    aimed.target[i, KIND], aimed.target[i, PLACE], aimed.target[i, NTH] = kind, place, nth
     aimed.exit[i, 0], aimed.exit[i, 1] = xi, eta
 
 
 @inline
 def _along_a_side(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i along the side of row k at the least angle to the ray."""
-    here, normal, way = ray
+    here, normal, heading = ray
     least, found = np.inf, False
     for j in range(ahead.n_point[k]):
         if not ahead.breaks[k, j]:
             continue
         gap = _gap(ahead, k, j, x, here)
-        off, far = abs(dot(gap, normal)), dot(gap, way)
+        off, far = abs(dot(gap, normal)), dot(gap, heading)
         if far > 0.0 and off < least * far:
             least, found = off / far, True
             xi, eta = ahead.point[k, j, 0], ahead.point[k, j, 1]
@@ -225,12 +228,12 @@ def _along_a_side(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: 
 @inline
 def _to_an_end(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i through row k to where an oncoming crack ends near the ray."""
-    here, normal, way = ray
+    here, normal, heading = ray
     nearest, found = JOIN * ahead.size[k], False
     for c in range(ahead.first_end[k], ahead.first_end[k + 1]):
         gap = sub(at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
         off = abs(dot(gap, normal))
-        if off < nearest and dot(gap, way) > 0.0:
+        if off < nearest and dot(gap, heading) > 0.0:
             nearest, found = off, True
             xi, eta = ahead.end[c, 0], ahead.end[c, 1]
             _end_at(aimed, i, AT_END, ahead.end_edge[c], ahead.end_side[c], xi, eta)
@@ -240,7 +243,7 @@ def _to_an_end(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aim
 @inline
 def _past_a_corner(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed: Aimed) -> bool:
     """Write the segment of tip i that passes a corner of row k along whose side the ray runs."""
-    here, normal, way = ray
+    here, normal, heading = ray
     n, on, count = ahead.n_point[k], -1, 0
     for j in range(n):
         if ahead.on_edge[k, j]:
@@ -252,7 +255,7 @@ def _past_a_corner(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed:
         edge = (on + n - 1) % n if end else j
         side = ahead.side[k, edge]
         gap = _gap(ahead, k, j, x, here)
-        off, far = abs(dot(gap, normal)), dot(gap, way)
+        off, far = abs(dot(gap, normal)), dot(gap, heading)
         if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
             continue
         a, b = ahead.point[k, edge], ahead.point[k, (edge + 1) % n]
@@ -281,8 +284,8 @@ def _onto_edge(
     if side != FLANK:
         s_a, s_b = _along(side, a[0], a[1]), _along(side, b[0], b[1])
         s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
-        one, other = load(x, ahead.nodes[k, side]), load(x, ahead.nodes[k, (side + 1) % 4])
-        reach = MERGE * ahead.size[k] / norm(sub(other, one))
+        first, second = load(x, ahead.nodes[k, side]), load(x, ahead.nodes[k, (side + 1) % 4])
+        reach = MERGE * ahead.size[k] / norm(sub(second, first))
         kind, own = ON_SIDE, s
         for c in range(ahead.crossing[k, hit, 0], ahead.crossing[k, hit, 1]):
             known = ahead.known[c]
@@ -312,7 +315,7 @@ def _on_edge_of_entry(ahead: RowsAhead, k: int, xi: float, eta: float) -> bool:
 @inline
 def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
     """Return which part of its row lies to the right of the segment of tip i."""
-    k, kind, last = aimed.way[i, AHEAD], aimed.way[i, KIND], aimed.way[i, PLACE]
+    k, kind, last = aimed.target[i, AHEAD], aimed.target[i, KIND], aimed.target[i, PLACE]
     n = ahead.n_point[k]
     if kind == ALONG_SIDE:
         return 1.0
@@ -334,7 +337,7 @@ def _share_to_the_right(ahead: RowsAhead, aimed: Aimed, i: int) -> float:
 
 @inline
 def _gap(ahead: RowsAhead, k: int, j: int, x: Floats, here: Vec3) -> Vec3:
-    """Return the way from a place to point j of the polygon of row k."""
+    """Return the vector from a place to point j of the polygon of row k."""
     return sub(at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
 
 
@@ -349,6 +352,6 @@ def at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
 
 @inline
 def _along(side: int, xi: float, eta: float) -> float:
-    """Return the fraction of the way along a side at which a point of it lies."""
+    """Return the fraction of a side's length at which a point of it lies."""
     c = xi if side % 2 == 0 else eta
     return 0.5 * (1.0 + (c if side < 2 else -c))

@@ -20,10 +20,10 @@ from .quad_polygon import (
     Point,
     Polygon,
     common_side,
+    contains,
     corner_at,
     density,
     edges,
-    holds,
     is_on,
     on_side,
     share_of,
@@ -44,7 +44,7 @@ class Tips(NamedTuple):
     size: Annotated[Floats, "(n_tip,)"]
     """Local edge length [mm]."""
     forward: Annotated[Floats, "(n_tip, 4)"]
-    """Weights that give of their positions in which direction it came."""
+    """Weights that give of their positions in which direction it ran."""
     reference: Annotated[Floats, "(n_tip, 3)"]
     """Unit director there in the reference film."""
     start: Annotated[Ints, "(n_tip + 1,)"]
@@ -84,7 +84,7 @@ class RowsAhead(NamedTuple):
     can_meet: Annotated[Bools, "(n_crossing,)"]
     """Whether a segment may end there."""
     first_end: Annotated[Ints, "(n_ahead + 1,)"]
-    """First end of a crack that comes towards the tip of each row, and the end of them."""
+    """First end of a crack that runs towards the tip of each row, and the end of them."""
     end: Annotated[Floats, "(n_end, 2)"]
     """Their film."""
     end_edge: Annotated[Ints, "(n_end,)"]
@@ -92,7 +92,7 @@ class RowsAhead(NamedTuple):
     end_side: Annotated[Ints, "(n_end,)"]
     """Side of the quad on which it lies, or FLANK."""
     sides_only: bool
-    """Whether cracks go along sides of the mesh only."""
+    """Whether cracks run along sides of the mesh only."""
 
 
 def tips_of(
@@ -114,7 +114,7 @@ def tips_of(
         weight=np.array([shape_functions(*entry) for _, entry in first]),
         size=np.array([film.size(row) for row, _ in first]),
         forward=np.array(
-            [film.carried_on(*at, tip.heading) for at, tip in zip(first, tips, strict=True)]
+            [film.heading_weights(*at, tip.heading) for at, tip in zip(first, tips, strict=True)]
         ),
         reference=np.array([film.reference_director(*at) for at in first]),
         start=np.cumsum([0, *map(len, ahead)]),
@@ -130,7 +130,7 @@ def table_of(
 ) -> RowsAhead:
     """Return the table of some rows and the place of a tip in each.
 
-    ends : of the cracks that come towards the tip, row by row.
+    ends : of the cracks that run towards the tip, row by row.
     """
     rows = [row for row, _ in every]
     X = state.node.X[state.quads[rows]]
@@ -196,7 +196,7 @@ def _fill(
         if side != FLANK and not film.sides_only:
             for s in reversed(film.topology.crossings(ring[side], ring[(side + 1) % 4])):
                 place = on_side(side, s)
-                can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None
+                can_meet = contains(polygon, place) and common_side(polygon, entry, place) is None
                 known.append((s, can_meet))
         table.crossing[k, j, 1] = len(known)
 

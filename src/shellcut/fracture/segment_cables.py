@@ -1,8 +1,8 @@
 """The cables across the segments of a crack: fibres, evenly along each of them.
 
-A segment of length L is held by n fibres, the k-th at s_k = (k + 1/2)/n of its way, each with the
-area h L/n. On either flank the segment runs straight between two points a and b, where it begins
-and where it ends: a node where the crack runs through a corner, else a flank point
+A segment of length L is joined by n fibres, the k-th at s_k = (k + 1/2)/n of its length, each with
+the area h L/n. On either flank the segment runs straight between two points a and b, where it
+begins and where it ends: a node where the crack runs through a corner, else a flank point
 (:mod:`shellcut.fracture.flank_points`). The end of a fibre follows them, and hands its force on,
 
     x = (1 - s) x_a + s x_b,    v = (1 - s) v_a + s v_b,    F_a = (1 - s) F,    F_b = s F,
@@ -10,15 +10,16 @@ and where it ends: a node where the crack runs through a corner, else a flank po
 so that F · v is the power at a and b, and sum and moment of the forces are those of F.
 
 All fibres of a segment are made as soon as it is cut, closed as the crack still is at its tip, and
-take up force along all of it while it opens. Where the blade comes before the flanks part, as on
+take up force along all of it while it opens. Where the blade arrives before the flanks part, as on
 the chord through a quad in which a cut begins, its edge bends them one after the other. Their m is
 the normal to the segment in the sheet at that moment.
 
 Midpoints sum up the work of an opening that is linear along the segment but for 1/(4 n²) of what
 it is at the middle.
 
-When a copy is cut again, the ends of a fibre go with the part that holds its place; a flank point
-that goes with the other part gets a *stand-in* there for these fibres, which touches nothing.
+When a copy is cut again, the ends of a fibre belong to the part that contains its place; a flank
+point that belongs to the other part gets a *stand-in* there for these fibres, which touches
+nothing.
 """
 
 from __future__ import annotations
@@ -35,10 +36,10 @@ from shellcut.state import NOT_MET, KnownTopology, State
 from .anisotropy import Anisotropy, factor_along
 from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
-from .quad_polygon import UNUSED, Point, between, corner_at, holds
+from .quad_polygon import UNUSED, Point, between, contains, corner_at
 
 BEFORE_AN_EDGE = 6
-"""Cables of a segment where an edge comes to them one after the other."""
+"""Cables of a segment where an edge reaches them one after the other."""
 
 AT_ENDS = 0
 """Cables of a segment, one at each end, where nothing passes along it."""
@@ -46,7 +47,7 @@ AT_ENDS = 0
 # Of the segment: where a flank point belongs when its copy is cut again.
 _INWARD = 0.15
 
-# A fibre may lie on the new cut; a hair further shows to which part it goes.
+# A fibre may lie on the new cut; a hair further shows to which part it belongs.
 _HAIR = 1e-3
 
 
@@ -54,7 +55,7 @@ class SegmentCables:
     """Lays cables across segments, and keeps them at their nodes.
 
     count : fibres of a segment, evenly along it; 0: two cables at its ends.  anisotropy : of the
-    film; a cable's area is that of the film it holds times f.
+    film; a cable's area is that of the film it replaces times f.
     """
 
     def __init__(
@@ -91,10 +92,10 @@ class SegmentCables:
         ]
         for end, pair in enumerate(ends):
             if corner_at(chords[0][end]) < 0:
-                one, other = (int(np.flatnonzero(f.node[: f.count] == k)[-1]) for k in pair)
-                f.twin[one], f.twin[other] = other, one
+                minus, plus = (int(np.flatnonzero(f.node[: f.count] == k)[-1]) for k in pair)
+                f.twin[minus], f.twin[plus] = plus, minus
         (start, _), (stop, _) = ends
-        way = n.x[stop] - n.x[start]
+        along = n.x[stop] - n.x[start]
         area = self._material.thickness * length
         area *= factor_along(self._anisotropy, n.X[state.quads[rows[0]]], chords[0])
         count, share = len(self._shares), self._shares[:, None]
@@ -103,7 +104,7 @@ class SegmentCables:
         c.ends[new], c.far[new] = ends
         c.length[new], c.area[new] = length / count, area / count
         c.edge[new], c.birth[new] = NOT_MET, state.time
-        m = unit(np.cross((1.0 - share) * n.t[start] + share * n.t[stop], way))
+        m = unit(np.cross((1.0 - share) * n.t[start] + share * n.t[stop], along))
         c.m[new], c.branch[new, 0], c.branch[new, 1] = m, m, -m
         # What they are about to exert, which the next trial cut may count. Both ends of each move
         # alike yet: no work is done.
@@ -115,11 +116,11 @@ class SegmentCables:
         part, f, c = topology.polygon(new), state.flank, state.cable
         for k in np.flatnonzero(f.row[: f.count] == row).tolist():
             xi, eta = f.inward[k].tolist()
-            if holds(part, (xi, eta)):
+            if contains(part, (xi, eta)):
                 f.row[k] = new
         for k, side in np.argwhere(c.row[: c.count] == row).tolist():
             start, stop = c.chord[k, side].tolist()
-            if holds(part, between(start, stop, float(c.share[k]) + _HAIR)):
+            if contains(part, between(start, stop, float(c.share[k]) + _HAIR)):
                 c.row[k, side] = new
         self._stand_in(state, (row, new))
 

@@ -1,4 +1,4 @@
-"""The stress of a sheet with a crack, told from the stress that the crack adds ahead of its tip.
+"""The stress of a sheet with a crack, from the stress that the crack adds ahead of its tip.
 
 A crack of length 2a under a stress p, with zones at its ends that carry the strength sigma_F, has
 ([Dugdale1960]; the stress ahead by [Tada2000]), with phi = pi p / 2 sigma_F and b = a sec phi,

@@ -1,9 +1,9 @@
 """Where and when a crack runs along sides of the mesh that no blade drives.
 
-From its tip, a node, it may go on along every side that has whole film on both sides of it and by
+From its tip, a node, it may run on along every side that has whole film on both sides of it and by
 which it does not turn too sharply; if all sides turn by more, along those that turn least, for a
 crack must not stop for want of mesh lines. Each of them is tried (:mod:`.trial_cut`). With the
-force F at the tip and the chord c from where the crack came to where it would go, m being the
+force F at the tip and the chord c from where the crack ran from to where it would go, m being the
 normal to c in the sheet, the measure is
 
     F · m / (sigma_F h (L_in + L_out) / 2),
@@ -62,20 +62,21 @@ class LargestStress:
 
         others : all tips, whose patches lie on both flanks.
         """
-        nodes, ends = (self._film.nodes_of(state, one) for one in (tips, others))
+        nodes, ends = (self._film.nodes_of(state, group) for group in (tips, others))
         found: NodalStress = recover(state, self._shell, nodes, tips=ends.tolist())
         self.n_borrowed += found.n_borrowed
         return found.principal / self._strength, found.direction
 
 
 class _Tried(NamedTuple):
-    """Sides along which a crack may go on from its tip, and the trial cuts along them."""
+    """Sides along which a crack may run on from its tip, and the trial cuts along them."""
 
     segments: list[Segment]
     nodes: Ints
     """Of their rows, and of the row whose director counts, shape (n_side + 1, 4)."""
-    ways: Floats
-    """Weights that give of their positions the vectors along them, and the way the crack came."""
+    vectors: Floats
+    """Weights that give of their positions the vectors along them, and the direction of the
+    crack."""
     corner: int
     """Of that last row, at which the tip is."""
     sums: TrialSums
@@ -126,30 +127,30 @@ class SideTears:
         if not segments:
             return None
         sums.weigh(state)
-        ways = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
-        chord = ways[:-1] + weighed.behind[:, None] * unit(ways[-1])
+        vectors = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
+        chord = vectors[:-1] + weighed.behind[:, None] * unit(vectors[-1])
         a, b, c = state.node.t[nodes[-1, corner]].tolist()
         m = product(chord, np.array([[0.0, c, -b], [-c, 0.0, a], [b, -a, 0.0]]))  # t x chord
         size = norm(m)
         pull = (weighed.pull * m).sum(axis=1) / size
         if self.stress is None:
             k = int(np.argmax(pull / size))
-            held = 0.5 * (weighed.behind[k] + weighed.length[k]) * self._trial_cut.carried
-            return Due(segments[k], float(pull[k] / held), weighed.force[k])
+            carried = 0.5 * (weighed.behind[k] + weighed.length[k]) * self._trial_cut.carried
+            return Due(segments[k], float(pull[k] / carried), weighed.force[k])
         measure, direction = self.stress.at(state, [tip], tips)
         k = int(np.argmin(np.abs(product(chord, direction[0])) / size))
         return Due(segments[k], float(measure[0]), weighed.force[k])
 
     def _try(self, state: State, tip: Tip) -> _Tried:
-        """Return the sides along which a crack may go on, each with its trial cut."""
+        """Return the sides along which a crack may run on, each with its trial cut."""
         segments = self._sides(state, tip)
         sums, weighed = TrialSums(self._trial_cut), Weighed.of(len(segments))
-        trials = [(i, self._trial_cut.pairs(state, one)) for i, one in enumerate(segments)]
+        trials = [(i, self._trial_cut.pairs(state, segment)) for i, segment in enumerate(segments)]
         sums.take(trials, Aimed.along(state, segments), weighed)
         row, entry = self._film.rows_ahead(tip)[0]
-        ways = [*map(_weights, segments), self._film.carried_on(row, entry, tip.heading)]
-        nodes = state.quads[[*(one.row for one in segments), row]]
-        return _Tried(segments, nodes, np.array(ways), corner_at(entry), sums, weighed)
+        vectors = [*map(_weights, segments), self._film.heading_weights(row, entry, tip.heading)]
+        nodes = state.quads[[*(segment.row for segment in segments), row]]
+        return _Tried(segments, nodes, np.array(vectors), corner_at(entry), sums, weighed)
 
     def _sides(self, state: State, tip: Tip) -> list[Segment]:
         """Return the sides by which a crack turns by no more than it may."""
@@ -160,10 +161,12 @@ class SideTears:
                 if ring[end] not in found and self._film.may_break(row, start, end):
                     found[ring[end]] = Segment(row, entry, CORNERS[end], side, end, along_side=True)
         sides = list(found.values())
-        ways = [unit(product(_weights(one), state.node.X[state.quads[one.row]])) for one in sides]
-        turns = [float(product(way, tip.heading)) for way in ways]
+        along = [
+            unit(product(_weights(side), state.node.X[state.quads[side.row]])) for side in sides
+        ]
+        turns = [float(product(unit_vector, tip.heading)) for unit_vector in along]
         least = min(self._cos_limit, max(turns, default=1.0)) - _SAME_TURN
-        return [one for one, cosine in zip(sides, turns, strict=True) if cosine >= least]
+        return [side for side, cosine in zip(sides, turns, strict=True) if cosine >= least]
 
 
 def _weights(segment: Segment) -> Floats:

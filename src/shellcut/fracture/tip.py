@@ -25,9 +25,10 @@ class Tip:
     ends: tuple[int, int]
     """Nodes of the mesh at the ends of the side, ascending; twice the same at a node."""
     s: float
-    """Way along the side from its first node."""
+    """Fraction of the side from its first node."""
     quad: int
-    """Of the mesh, from which it came, -1 of a notch; of a tip on a flank the quad of its place."""
+    """Quad of the mesh from which the crack came, -1 of a notch; of a tip on a flank the quad of
+    its place."""
     heading: Floats
     """Unit direction in which it came, in the reference film, shape (3,)."""
     flank: Point | None = None
@@ -83,7 +84,7 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
 
 @dataclass(frozen=True)
 class Segment:
-    """A straight way of a crack through a row."""
+    """A straight piece of a crack's path through a row."""
 
     row: int
     entry: Point
@@ -98,7 +99,7 @@ class Segment:
     """Share of the row to the right of it, 1 along a side."""
 
     def reversed(self) -> Segment:
-        """Return the same along a side the other way."""
+        """Return the same along a side in the other direction."""
         corner = corner_at(self.entry)
         return Segment(self.row, self.exit, self.entry, self.side, corner, self.along_side)
 

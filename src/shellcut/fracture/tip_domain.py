@@ -1,15 +1,16 @@
 """The film that slides with the tip of a crack, and how far: the domain of the force on the tip.
 
-The domain is the film that hangs together around the tip: quads and copies that share nodes, so
-that none lies beyond a flank. In it q is 1 around the tip and falls to 0 at what does not go along
-when this tip advances: the film farther off, every edge of the film but the flanks of the crack
-itself, the tips of other cracks, and held nodes. With d the distance from the tip, b that from the
-nearest of these, and r and R the radii within which all film goes along and beyond which all stays,
+The domain is the connected film around the tip: quads and copies that share nodes, so that none
+lies beyond a flank. In it q is 1 around the tip and falls to 0 at what does not move along when
+this tip advances: the film farther off, all of the film's border but the flanks of the crack
+itself, the tips of other cracks, and supported nodes. With d the distance from the tip, b that from
+the nearest of these, and r and R the radii within which all film moves along and beyond which all
+stays,
 
     q = min(1, 2 b / (b + d), (R - d) / (R - r)).
 
-The crack's own flanks (:meth:`.FilmEdges.way_back`) slide as the film on both sides of them does: b
-counts through them, so q has no jump there, which would stretch the cables.
+The crack's own flanks (:meth:`.FilmBorder.path_back`) slide as the film on both sides of them does:
+b counts through them, so q has no jump there, which would stretch the cables.
 
 Of a copy the corners beyond an edge that stays lie outside the film: there b counts as negative, so
 that q vanishes on that edge.
@@ -26,19 +27,19 @@ from shellcut.arrays import Floats, Ints, norm, off_segments, product
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .film_edges import SAME, FilmEdges
+from .film_border import SAME, FilmBorder
 
 AROUND = 1.6
-"""Radius within which film is looked for, over R."""
+"""Radius within which film is searched, over R."""
 
 
 class TipDomain(NamedTuple):
     """The film around a tip, as long as topology and tips stay the same."""
 
     rows: Ints
-    """Quads and copies that hang together within ``AROUND`` R, shape (n,)."""
+    """Quads and copies connected within ``AROUND`` R, shape (n,)."""
     q: Floats
-    """How far their corners go along, shape (n, 4)."""
+    """How far their corners move along, shape (n, 4)."""
     room: float
     """From the tip to the nearest place that stays [mm], R at most."""
 
@@ -47,7 +48,7 @@ class TipDomain(NamedTuple):
         cls,
         state: State,
         shell: MITC4Shell,
-        film: FilmEdges,
+        film: FilmBorder,
         place: Floats,
         base: Floats,
         radii: tuple[float, float],
@@ -58,7 +59,7 @@ class TipDomain(NamedTuple):
 
         Parameters
         ----------
-        state, shell, film : State, MITC4Shell, FilmEdges
+        state, shell, film : State, MITC4Shell, FilmBorder
             The film as it is cut.
         place : ndarray, shape (3,)
             Of the tip in the reference film [mm].
@@ -75,15 +76,15 @@ class TipDomain(NamedTuple):
         rows = _film_around(state, shell, place, np.cross(*base), AROUND * reach, ahead)
         X = shell.reference.x[shell.reference.quads[rows]]
         own = np.zeros(len(film.row), np.bool_)
-        for flanks, _, stop in film.way_back(place):
+        for flanks, _, stop in film.path_back(place):
             own[flanks] = True
             if stop >= reach:
                 break
         here = np.isin(film.row, rows) & ~own
         nodes = state.quads[rows]
         in_sheet = np.abs(base).max(axis=0) > SAME
-        held = (state.node.support[nodes, :3] & in_sheet).any(axis=2)
-        points = np.concatenate([tips, X[held]])
+        supported = (state.node.support[nodes, :3] & in_sheet).any(axis=2)
+        points = np.concatenate([tips, X[supported]])
         still = np.concatenate([film.ends[here], np.repeat(points[:, None], 2, axis=1)])
         d = np.linalg.norm(X - place, axis=2)
         b = np.full_like(d, reach)
@@ -100,7 +101,7 @@ class TipDomain(NamedTuple):
 def _film_around(
     state: State, shell: MITC4Shell, place: Floats, T: Floats, radius: float, ahead: Sequence[int]
 ) -> Ints:
-    """Return the rows within a radius of a place that hang together with some, shape (n,)."""
+    """Return the rows within a radius of a place connected with some, shape (n,)."""
     film = shell.reference
     gap = np.linalg.norm(film.x[film.quads].mean(axis=1) - place, axis=1)
     # The far wall of a tube is not around the tip.

@@ -2,31 +2,31 @@
 
 Let the mesh slide through the film, by q(X) e along the reference, q being 1 around the tip and
 falling to 0 at the border of its domain (:mod:`.tip_domain`). The film stays where it is in space:
-a node comes to film that is q dx/de farther, dx/de being what e has become there. Where the film is
-smooth the mesh then only describes it anew, and its energy Pi does not change. But the tip goes
+a node moves to film that is q dx/de farther, dx/de being what e has become there. Where the film is
+smooth the mesh then only describes it anew, and its energy Pi does not change. But the tip moves
 along with the mesh, and
 
     J · e = - dPi / d(slide)
 
-is the energy released per mm of a crack along e [N], whichever way the flanks part. J is a vector
-of the sheet: the J-integral and its companion across the crack, with membrane, bending and
+is the energy released per mm of a crack along e [N], in whichever direction the flanks part. J is a
+vector of the sheet: the J-integral and its companion across the crack, with membrane, bending and
 transverse shear alike ([Eshelby1951]; on meshes [MuellerMaugin2002]). For two legs that are pulled
 out of the sheet J is the rate at which their ends part, times the force on them.
 
 As the film stays, nothing that acts on it does work: loads, supports, a tool and the cables that
 its edge bends, inertia. So it does not matter how much of that lies in the domain. The straight
-cables of the process zone go along with the tip, by their work F · (q dx/de) at both ends; J then
-is the energy that goes into them, too: in steady tearing J = G h. The crack's own flanks slide with
-the mesh, no other edge. Across the crack that adds film to one flank and takes it from the other:
-J · e has the difference of their energies per area times the reach in it, none where both sides are
-alike.
+cables of the process zone move along with the tip, by their work F · (q dx/de) at both ends; J then
+is the energy that flows into them, too: in steady tearing J = G h. The crack's own flanks slide
+with the mesh, no other edge. Across the crack that adds film to one flank and removes it from the
+other: J · e has the difference of their energies per area times the reach in it, none where both
+sides are alike.
 
 The energy psi is what the film would give back: what has flowed stays where it is in the film. A
-point that slides comes to film that has flowed differently, which adds the stress times the slope
-of the plastic strain there to J (:mod:`shellcut.mitc4.sliding_points`). With it J is what goes into
-the process zone, however the film around has flowed ([Simha2008]). A law that keeps a history and
-names no ``frozen`` law has no such energy: for it a force is refused, and :mod:`.free_direction`
-takes the stress ahead alone.
+point that slides moves to film that has flowed differently, which adds the stress times the slope
+of the plastic strain there to J (:mod:`shellcut.mitc4.sliding_points`). With it J is what flows
+into the process zone, however the film around has flowed ([Simha2008]). A law that keeps a history
+and names no ``frozen`` law has no such energy: for it a force is refused, and
+:mod:`.free_direction` uses the stress ahead alone.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class TipForce:
         return np.asarray(self._of_cables(state, become) - changes)
 
     def _of_cables(self, state: State, become: Floats) -> Floats:
-        """Return what straight cables do that go along with the tip [N], shape (n_slide,)."""
+        """Return what straight cables do that move along with the tip [N], shape (n_slide,)."""
         moves, (point, nodes) = self._q_at[:, None] * become, self._tied
         moves[:, point] = np.einsum("fa,kfai->kfi", self._q_tied, become[:, nodes])
         cables = state.cable

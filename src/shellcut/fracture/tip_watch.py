@@ -1,9 +1,10 @@
-"""Which of the cracks that blades drive are due, and along which segments: asked often.
+"""Which of the cracks that blades drive are due, and along which segments: a check that runs often.
 
-What lasts as long as the topology is found once; the rest is done by a few kernels for all tips.
+What depends on the topology only is found once; a few kernels do the rest for all tips.
 
-A tip that no edge drives is tried straight ahead. If that comes near to what a tear takes, it is
-asked now and then where it would run, which takes as long as a hundred of these trials.
+A tip that no edge drives is tried straight ahead. If the force is close to that of a tear, the
+direction in which it would run is searched now and then, which costs as much as a hundred of these
+trials.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import combine, load, norm
 from shellcut.state import KnownTopology, State
 
@@ -28,11 +29,12 @@ from .tip import Segment, Tip
 from .trial_cut import Pair, TrialCut, TrialSums, Weighed
 
 NEAR = 0.8
-"""Of what a tear takes straight ahead: from there on it may be due in another direction, in which
+"""Of the force of a tear straight ahead: from there on it may be due in another direction, in which
 the force is up to 1.2 times as large."""
 
 _SELDOM = 5
-"""In every such check a tip is asked that is near, but not due straight ahead."""
+"""In every such check the direction of a tip is searched that is near, but not due straight
+ahead."""
 
 
 class TipWatch:
@@ -58,43 +60,43 @@ class TipWatch:
         self._known = KnownTopology()
         self._table: Tips
         self._ahead: RowsAhead
-        self._held: tuple[Tips, RowsAhead, Aimed]
-        self._hold = Holder(), Holder(), Holder()
+        self._addresses: tuple[Tips, RowsAhead, Aimed]
+        self._address_of = TableWriter(), TableWriter(), TableWriter()
         self._director: Floats
         self._heading: Floats
         self._aimed: Aimed
         self.weighed: Weighed
-        """What the trial cuts of tips with a segment had at the last question."""
+        """What the trial cuts of tips with a segment had at the last check."""
         self._tips: list[Tip] = []
         self._sums = TrialSums(trial_cut)
         self._place_tips, self._leave = BoundOnce(_place_tips), BoundOnce(leave)
         self._pairs: dict[tuple[int, bytes], list[Pair]] = {}
-        self._way = b""
+        self._targets = b""
         self.x: Floats = np.zeros((0, 3))
-        """Where the tips were at the last question [mm], shape (n_tip, 3)."""
+        """Where the tips were at the last check [mm], shape (n_tip, 3)."""
         self._due: Bools = np.zeros(0, np.bool_)
 
     def alive(self, state: State, tips: list[Tip]) -> list[Tip]:
-        """Return the tips with film ahead: not at a rim, nor where another crack came across."""
+        """Return the tips with film ahead: not at a border, nor where another crack crossed."""
         if self._is_of(state, tips):
             return tips
         return [tip for tip in tips if self._path.film.rows_ahead(tip)]
 
     def driven_places(self) -> Floats:
-        """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
+        """Return where tips were that an edge drives, at the last check [mm], shape (n, 3)."""
         return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
     def may_tear(self, nth: int) -> list[Tip]:
-        """Return the tips to ask in the n-th check: no edge drives them, and they may be due.
+        """Return the tips to search in the n-th check: no edge drives them, and they may be due.
 
         A tip that an edge would lead back out of the film ahead, or that has none straight ahead,
-        is not weighed: it is asked now and then.
+        is not weighed: it is searched now and then.
         """
         if not self._tips:
             return []
         seldom = nth % _SELDOM == 0
         near = (self._drive.driven.edge_of < 0) & (self.weighed.size >= (NEAR if seldom else 1.0))
-        near |= seldom & (self._aimed.way[:, AHEAD] < 0)
+        near |= seldom & (self._aimed.target[:, AHEAD] < 0)
         return [self._tips[i] for i in np.flatnonzero(near).tolist()]
 
     def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
@@ -107,21 +109,21 @@ class TipWatch:
             return self._due[:0]
         self._follow(state, tips, others)
         n, table, drive = state.node, self._table, self._drive
-        held, ahead, aimed = self._held
-        self._place_tips(held, n.x, n.t, self.x, self._director, self._heading)
+        tips_table, ahead, aimed = self._addresses
+        self._place_tips(tips_table, n.x, n.t, self.x, self._director, self._heading)
         self._due[:] = False
         driven = drive.find(self.x, table.size, state.time)
         drive.direct(self._director, self._heading, table.reference, table.size)
-        if self._leave(ahead, table.start, driven.ways, driven.lean, n.x, n.t, aimed):
-            way = self._aimed.way.tobytes()
-            if way != self._way:
-                self._way = way
+        if self._leave(ahead, table.start, driven.directions, driven.lean, n.x, n.t, aimed):
+            targets = self._aimed.target.tobytes()
+            if targets != self._targets:
+                self._targets = targets
                 self._sums.take(self._trials(state), self._aimed, self.weighed)
             self._sums.weigh(state)
             if self._stress is not None:
                 stress, _ = self._stress.at(state, tips, [*tips, *others])
                 self.weighed.measure[:] = self.weighed.size[:] = stress
-            drives = (self._aimed.way[:, AHEAD] >= 0) & (driven.edge_of >= 0)
+            drives = (self._aimed.target[:, AHEAD] >= 0) & (driven.edge_of >= 0)
             self._due[:] = drives & (driven.passed | (self.weighed.measure >= 1.0))
         return self._due
 
@@ -139,27 +141,26 @@ class TipWatch:
         self._table, self._ahead = tips_of(state, self._path.film, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
         self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
-        hold_tips, hold_ahead, hold_aimed = self._hold
-        held = hold_tips(self._table), hold_ahead(self._ahead), hold_aimed(self._aimed)
-        self._held = held
+        of_tips, of_ahead, of_aimed = self._address_of
+        self._addresses = of_tips(self._table), of_ahead(self._ahead), of_aimed(self._aimed)
         self._pairs.clear()
-        self._way = b""
+        self._targets = b""
 
     def _trials(self, state: State) -> list[tuple[int, list[Pair]]]:
         """Return the trial cuts of the tips that have a segment, see :meth:`.TrialSums.take`."""
         trials = []
-        for i, way in enumerate(self._aimed.way):
+        for i, target in enumerate(self._aimed.target):
             segment = self.segment(i)
             if segment is None:
                 continue
-            key = i, way.tobytes()
+            key = i, target.tobytes()
             if key not in self._pairs:
                 self._pairs[key] = self._trial_cut.pairs(state, segment)
             trials.append((i, self._pairs[key]))
         return trials
 
     def segment(self, i: int) -> Segment | None:
-        """Return the segment of a tip at the last question, None if it had none."""
+        """Return the segment of a tip at the last check, None if it had none."""
         return self._path.segment_of(self._ahead, self._aimed, i)
 
 

@@ -1,4 +1,4 @@
-"""The trial cut: by what force the flanks ahead of a tip hold each other, and when it is due.
+"""The trial cut: by what force the flanks ahead of a tip pull on each other, and when it is due.
 
 The cut is tried on the topology, the classes of corners on both sides are read off, and it is
 mended again (:class:`TrialCut`): they last as long as the topology. Positions, forces and the
@@ -15,8 +15,9 @@ B is the pull of the cables behind the tip, m the normal to the segment in the s
 to the plus side, L_in and L_out the lengths of the segments that meet at the tip. At a node F_c is
 the nodal force parted between the two sides.
 
-A tear pulls whichever way it opens: |F| stands in place of F · m in (4), and where the flanks press
-on each other, F · m < 0, but F opens the crack the way the film behind has parted,
+A tear pulls in whichever direction it opens: |F| replaces F · m in (4), and where the
+flanks press on each other, F · m < 0, but F opens the crack in the direction in which the film
+behind has parted,
 
     (5)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
 
@@ -36,15 +37,15 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
 from .anisotropy import Anisotropy, factor_along
 from .cut_state import parted, rows_along, side_under
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, Point, between, divide, holds
+from .quad_polygon import UNUSED, Point, between, contains, divide
 from .ray_ahead import Aimed
 from .tip import Segment
 
@@ -58,7 +59,7 @@ class Link(NamedTuple):
     cable: int
     end: int
     share: float
-    """Of its force that goes with the class."""
+    """Of its force that acts on the class."""
     at_tip: float
     """Of its force that is handed on where the flanks have not parted: at the tip."""
 
@@ -116,7 +117,7 @@ class TrialCut:
         return force
 
     def pairs(self, state: State, segment: Segment) -> list[Pair]:
-        """Return the classes on both sides of a trial cut, at the corners that hold its tip."""
+        """Return the classes on both sides of a trial cut, at the corners that carry its tip."""
         ring = self._shell.mesh_quads[segment.row].tolist()
         weights = shape_functions(*segment.entry)
         corners = [c for c in range(4) if weights[c] > UNUSED]
@@ -160,20 +161,20 @@ class TrialCut:
         corner = np.array([corner for _, corner in members])
         mine = [tried[row][1] for row, _ in members if row in tried]
 
-        def holds_place(row: int, place: Point) -> bool:
+        def has_place(row: int, place: Point) -> bool:
             """Return whether the side has a place: of the row that is tried it is one part."""
-            return row != segment.row or all(holds(part, place) for part in mine)
+            return row != segment.row or all(contains(part, place) for part in mine)
 
         c, cables, opened = state.cable, [], dict[tuple[float, ...], bool]()
-        among, holding = np.zeros(new, np.bool_), np.flatnonzero(c.status[: c.count] != BROKEN)
+        among, intact = np.zeros(new, np.bool_), np.flatnonzero(c.status[: c.count] != BROKEN)
         among[rows] = True
-        nth, ends = among[c.row[holding]].nonzero()
-        for k, end in zip(holding[nth].tolist(), ends.tolist(), strict=True):
+        nth, ends = among[c.row[intact]].nonzero()
+        for k, end in zip(intact[nth].tolist(), ends.tolist(), strict=True):
             pair, chords, share = c.row[k].tolist(), c.chord[k].tolist(), float(c.share[k])
             row, (start, stop) = pair[end], chords[end]
             at = int(corner[rows == row][0])
             parts = (1.0 - share) * shape_functions(*start)[at], share * shape_functions(*stop)[at]
-            if sum(parts) > UNUSED and holds_place(row, between(start, stop, share)):
+            if sum(parts) > UNUSED and has_place(row, between(start, stop, share)):
                 closed = 0.0
                 for part, *places in zip(parts, *chords, strict=True):
                     at_place = (*pair, *places[0], *places[1])
@@ -204,7 +205,7 @@ class _Sums(NamedTuple):
     cable: Annotated[Ints, "(n_link, 4)"]
     """Pair, side, cable and its end."""
     share: Annotated[Floats, "(n_link, 2)"]
-    """How much of that cable's force goes with the side, and how much of that acts at the tip."""
+    """How much of that cable's force acts on the side, and how much of that acts at the tip."""
 
 
 class Weighed(NamedTuple):
@@ -217,7 +218,8 @@ class Weighed(NamedTuple):
     length: Annotated[Floats, "(n_tip,)"]
     """Of the segment [mm]."""
     behind: Annotated[Floats, "(n_tip,)"]
-    """L_in times the factor on its strength [mm]; 0 where no cables hold the segment behind."""
+    """L_in times the factor on its strength [mm]; 0 where no cables join the flanks of the segment
+    behind."""
     measure: Annotated[Floats, "(n_tip,)"]
     """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
     size: Annotated[Floats, "(n_tip,)"]
@@ -231,7 +233,7 @@ class Weighed(NamedTuple):
 
 
 class _Trials(NamedTuple):
-    """All that the kernel takes and that lasts until other cuts are tried."""
+    """Arguments of the kernel that last until other cuts are tried."""
 
     sums: _Sums
     aimed: Aimed
@@ -243,7 +245,7 @@ class TrialSums:
 
     def __init__(self, trial_cut: TrialCut) -> None:
         self._trial_cut = trial_cut
-        self._weigh, self._hold = BoundOnce(_weigh_trials), Holder()
+        self._weigh, self._address_of = BoundOnce(_weigh_trials), TableWriter()
 
     def take(
         self, trials: Sequence[tuple[int, list[Pair]]], aimed: Aimed, weighed: Weighed
@@ -267,8 +269,8 @@ class TrialSums:
                     members.append((p, sign, part, corner))
                 cables += [(p, sign, link.cable, link.end) for link in side.cables]
                 shares += [(link.share, link.at_tip) for link in side.cables]
-        held = np.array(list(corners), np.int64).reshape(-1, 2)
-        self._rows, self._nodes = (np.ascontiguousarray(column) for column in held.T)
+        whole_corners = np.array(list(corners), np.int64).reshape(-1, 2)
+        self._rows, self._nodes = (np.ascontiguousarray(column) for column in whole_corners.T)
         sums = _Sums(
             tip=np.array(tips, np.int64),
             start=np.cumsum([0, *map(len, every)]),
@@ -278,7 +280,7 @@ class TrialSums:
             cable=np.array(cables, np.int64).reshape(-1, 4),
             share=np.array(shares, float).reshape(-1, 2),
         )
-        self._trials = self._hold(_Trials(sums, aimed, weighed))
+        self._trials = self._address_of(_Trials(sums, aimed, weighed))
 
     def weigh(self, state: State) -> None:
         """Write what the trials have at their tips, at the present positions and forces."""
@@ -299,18 +301,18 @@ class TrialSums:
     def of_tear(self, state: State, segment: Segment) -> float:
         """Return |F| over what the cables would carry; less if it presses. A tear is due at 1."""
         pairs = self._trial_cut.pairs(state, segment)
-        one = self._alone(state, segment, pairs)
-        if one.measure[0] == -np.inf:
+        alone = self._alone(state, segment, pairs)
+        if alone.measure[0] == -np.inf:
             return -np.inf
-        trial, force, length = self._trial_cut, one.pull[0], float(one.length[0])
-        held, pull = 0.5 * trial.carried * float(one.behind[0]), sqrt(product(force, force))
-        across = float(one.measure[0]) * (held + 0.5 * trial.carried * length)
+        trial, force, length = self._trial_cut, alone.pull[0], float(alone.length[0])
+        behind, pull = 0.5 * trial.carried * float(alone.behind[0]), sqrt(product(force, force))
+        across = float(alone.measure[0]) * (behind + 0.5 * trial.carried * length)
         if across < 0.0:  # (5)
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
         chord, X = (segment.entry, segment.exit), state.node.X[state.quads[segment.row]]
-        return pull / (held + 0.5 * trial.carried * length * factor_along(trial.film, X, chord))
+        return pull / (behind + 0.5 * trial.carried * length * factor_along(trial.film, X, chord))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
@@ -319,10 +321,10 @@ class TrialSums:
 
     def _alone(self, state: State, segment: Segment, pairs: list[Pair]) -> Weighed:
         """Return what the trial cut along one segment has."""
-        one = Weighed.of(1)
-        self.take([(0, pairs)], Aimed.along(state, [segment]), one)
+        alone = Weighed.of(1)
+        self.take([(0, pairs)], Aimed.along(state, [segment]), alone)
         self.weigh(state)
-        return one
+        return alone
 
 
 @kernel
@@ -350,7 +352,7 @@ def _weigh_trials(
         trial[sums.start[k] : sums.start[k + 1]] = k
     # f of each class: of whole rows, or of the part of the row that lies on its side of the ray.
     force, behind = np.zeros((2, sums.weight.shape[0], 2, 3))
-    held = np.zeros(n_trial)
+    cable_area_behind = np.zeros(n_trial)
     for i in range(sums.member.shape[0]):
         p, side, part, corner = _four(sums.member, i)
         share = _part(part, aimed.right[sums.tip[trial[p]]])
@@ -361,7 +363,7 @@ def _weigh_trials(
         p, side, cable, end = _four(sums.cable, i)
         if status[cable] == BROKEN:
             continue
-        held[trial[p]] += sums.share[i, 1] * cable_area[cable]
+        cable_area_behind[trial[p]] += sums.share[i, 1] * cable_area[cable]
         for c in range(3):
             force[p, side, c] += sums.share[i, 0] * cable_force[cable, end, c]
             behind[p, side, c] += sums.share[i, 1] * cable_force[cable, end, c]
@@ -384,8 +386,8 @@ def _weigh_trials(
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
         pull = scale(1.0 / kappa, sub(d, closed))  # (3): F_c without the pull that is there
-        # L_in by the area of the cables that hold it, half of which they hand on; (4).
-        before = held[k] / (thickness * whole)
+        # L_in by the area of the cables across it, half of which they hand on; (4).
+        before = cable_area_behind[k] / (thickness * whole)
         carries = 0.5 * carried * (before + out)
         weighed.measure[tip] = dot(pull, m) / norm(m) / carries
         weighed.size[tip] = norm(pull) / carries
@@ -414,20 +416,20 @@ def _normal_and_length(
     """Return the normal to a segment in the sheet, of any length, and its reference length [mm]."""
     xi, eta = aimed.entry[tip, 0], aimed.entry[tip, 1]
     to_xi, to_eta = aimed.exit[tip, 0], aimed.exit[tip, 1]
-    director, way, out = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    director, along, out = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     start, stop = shape_functions(xi, eta), shape_functions(to_xi, to_eta)
     for a in range(4):
         node, gain = aimed.nodes[tip, a], stop[a] - start[a]
         director = add_scaled(director, start[a], load(t, node))
-        way = add_scaled(way, gain, load(x, node))
+        along = add_scaled(along, gain, load(x, node))
         out = add_scaled(out, gain, load(X, node))
-    return cross(director, way), norm(out)
+    return cross(director, along), norm(out)
 
 
 def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
     """Return how far the copies of the quad behind the tip have parted [mm], shape (3,).
 
-    From the minus to the plus side, the mean of their corners; zero behind a tip that came along a
+    From the minus to the plus side, the mean of their corners; zero behind a tip that ran along a
     side of the mesh.
     """
     parted, parent = np.zeros(3), state.quad.parent

@@ -1,4 +1,4 @@
-"""Loads and supports: forces, pressure, gravity, tractions; held or moved nodes, symmetry planes.
+"""Loads and supports: forces, pressure, gravity, tractions; fixed or moved nodes, symmetry planes.
 
 May import ``state``, ``mesh`` and rows below.
 """

@@ -1,4 +1,4 @@
-"""Which part of their quad the copies of cut quads hold, as loads on a surface need it.
+"""Which part of their quad the copies of cut quads carry, as loads on a surface need it.
 
 A pressure p acts on a part P of a quad, a polygon of its parametric square. The forces of the same
 virtual work are
@@ -11,8 +11,8 @@ their power is p times the volume that the part sweeps in a second: on flat and 
 dead and for following pressure. The parts of a quad add up to the quad, so that no cut changes
 force, moment or power.
 
-A load on a side acts on the piece of it from s_0 to s_1 that a part holds: N = s at the far end,
-1 - s at the near one.
+A load on a side acts on the piece of it from s_0 to s_1 that a part carries: N = s at the far end,
+1 - s at the near end.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ WHOLE = np.array([[1.0, xi / 3.0, eta / 3.0] for xi, eta in ((-1, -1), (1, -1), 
 
 
 class Parts(NamedTuple):
-    """All rows that hold a part of their quad only."""
+    """All rows that carry a part of their quad only."""
 
     rows: Ints
     """Rows of the state, ascending, shape (n,)."""
@@ -47,7 +47,7 @@ class CutQuads:
         self._parts: Parts | None = None
 
     def take(self, row: int, film: Floats, sides: Floats) -> None:
-        """Write down which part a row holds from now on; film and sides as in :class:`Parts`."""
+        """Write down which part a row carries from now on; film and sides as in :class:`Parts`."""
         self._of_row[row] = film, sides
         self._parts = None
 
@@ -64,14 +64,14 @@ class CutQuads:
         return self._parts
 
     def film_of(self, rows: Ints) -> Floats:
-        """Return ∫ N_a (1, xi, eta) over what some rows hold of their quads, shape (n, 4, 3)."""
+        """Return ∫ N_a (1, xi, eta) over the parts of quads of some rows, shape (n, 4, 3)."""
         film = np.repeat(WHOLE[None], rows.size, axis=0)
         cut, part = self.among(rows)
         film[cut] = self.parts.film[part]
         return film
 
     def among(self, rows: Ints) -> tuple[Bools, Ints]:
-        """Return which of some rows hold a part only, shape (n,), and the places of those parts."""
+        """Return which of some rows carry a part only, shape (n,), and where these parts are."""
         known = self.parts.rows
         if not known.size:
             return np.zeros(rows.shape, np.bool_), known

@@ -18,7 +18,7 @@ from .pressure import PressedQuads, pressure_rows, scatter_rows
 
 
 class Rule:
-    """Force of a dead load at a factor of one."""
+    """Force of a dead load at a factor of 1."""
 
     def on(self, state: State, nodes: Ints) -> Floats:
         """Return the forces on some nodes [N], shape (n, 3), of whole quads first."""
@@ -92,7 +92,7 @@ class EdgeForces(Rule):
         return found
 
     def entries(self, state: State, _nodes: Ints) -> tuple[Ints, Floats]:
-        """Return all rows that hold film at the sides, and their forces."""
+        """Return all rows that carry film at the sides, and their forces."""
         parts = self._cut.parts
         if not parts.rows.size:
             return self._quads, self._rows
@@ -125,14 +125,14 @@ def _at_ends(sides: Ints, force: Floats, start: Floats, stop: Floats) -> Floats:
 class DeadLoad:
     """A nodal force that keeps its direction, scaled by a factor of time.
 
-    Each half of a split node takes the load of its own quads. What has been cut is summed anew, at
+    Each half of a split node gets the load of its own quads. What has been cut is summed anew, at
     the nodes of the cut only.
     """
 
     def __init__(self, factor: Callable[[float], float], rule: Rule) -> None:
         self.factor, self.rule = factor, rule
         self.force: Floats = np.zeros((0, 3))
-        """Force at a factor of one [N], shape (n_node, 3)."""
+        """Force at a factor of 1 [N], shape (n_node, 3)."""
         self._known = KnownTopology()
 
     def follow(self, state: State) -> None:

@@ -1,14 +1,15 @@
 """The motion of a film that its supports move, and the tool's motion as seen from it.
 
 A cut knows only how tool and film move to each other. So whatever is per length, per angle or along
-the motion asks :class:`SeenFromFilm`: it is the tool's motion in a frame in which the film rests
+the motion uses :class:`SeenFromFilm`: it is the tool's motion in a frame in which the film rests
 where its mesh lies. Where no support moves the film, the tool's own motion serves as it is.
 
-The film moves as the rigid body that is nearest to its held nodes: each held axis of a node counts
-once, so a clamp with more nodes counts more, and what the held axes leave open rests. With Q and q
-its pose, x = Q X + q, the least squares of the prescribed velocities at the places Q X + q give its
-twist at any time, and this twist moves the pose on. It is integrated in ticks of many steps by the
-midpoint rule, each tick with a twist of its own: exact for a constant one.
+The film moves as the rigid body that is nearest to its supported nodes: each supported axis of a
+node counts once, so a clamp with more nodes counts more, and what the supported axes leave open
+rests. With Q and q its pose, x = Q X + q, the least squares of the prescribed velocities at the
+places Q X + q give its twist at any time, and this twist moves the pose on. It is integrated in
+ticks of many steps by the midpoint rule, each tick with a twist of its own: exact for a constant
+twist.
 
 With R, r, w, v pose and twist of the tool and w_f, v_f the twist of the film, v_f that of q,
 
@@ -34,21 +35,21 @@ from .supports import Rate, SupportSet
 
 # Of the largest prescribed velocity.
 _ROUND_OFF = 1e-12
-# Of the largest eigenvalue: below it the held axes leave a motion open.
-_TOLD = 1e-9
+# Of the largest eigenvalue: below it the supported axes leave a motion open.
+_DETERMINED = 1e-9
 # Steps of the run at its start in a tick.
 _STEPS = 32
 # Below this [rad] a turn uses series, whose next term is below 1e-17.
 _SMALL_ANGLE = 1e-4
-# Parts of the largest prescribed velocity that held nodes may differ by from those of a rigid film:
-# far above what a tick leaves, far below any stretch that moves a film to a tool.
+# Parts of the largest prescribed velocity that supported nodes may differ by from those of a rigid
+# film: far above what a tick leaves, far below any stretch that moves a film to a tool.
 _RIGID = 1e-3
-# Instants at which that is asked, and whether the tool turns as seen from the film.
+# Instants at which that is tested, and whether the tool turns as seen from the film.
 _N_INSTANT = 64
-# A tool that turns by less [rad] in the film, all told, does not.
+# A tool that turns by less [rad] in the film, in all, does not turn.
 _TURNS = 1e-6
-# Turn of a film [rad] below which a tool that itself goes straight still has a path: that of a film
-# which supports shear while it is cut.
+# Turn of a film [rad] below which a tool that itself moves straight still has a path: that of a
+# film which supports shear while it is cut.
 _SHEARED = 0.1
 
 
@@ -78,7 +79,7 @@ class FilmMotion:
         return cls(supports, state) if supports.moved else None
 
     def begin(self, state: State, dt: float) -> None:
-        """Start from where the held nodes are; ``dt`` [s] is the length of the first step."""
+        """Start from where the supported nodes are; ``dt`` [s] is the length of the first step."""
         self._start(state.node.x[self._nodes].copy(), _STEPS * dt)
 
     def _start(self, places: Floats, tick: float) -> None:
@@ -88,7 +89,7 @@ class FilmMotion:
         self._twists: list[tuple[Floats, Floats]] = []
 
     def saved(self) -> dict[str, Any]:
-        """Return where the held nodes were at the start [mm], and the tick [s]."""
+        """Return where the supported nodes were at the start [mm], and the tick [s]."""
         return {"places": self._X, "tick": self.tick}
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -97,7 +98,7 @@ class FilmMotion:
 
     @property
     def extent(self) -> float:
-        """Of the held nodes at the start [mm]."""
+        """Of the supported nodes at the start [mm]."""
         return float(norm(np.ptp(self._X, axis=0)))
 
     def pose(self, time: float) -> Pose:
@@ -160,21 +161,23 @@ class FilmMotion:
         return spin, velocity, (off, float(np.abs(wanted).max()))
 
     def _least_squares(self, rotation: Floats) -> _LeastSquares:
-        """Return what the held axes of a film so turned say; the last one is kept."""
+        """Return the least squares of the supported axes of a turned film; the last one is kept."""
         if self._solved is None or not np.array_equal(self._solved[0], rotation):
             arm = product(self._X - self._X.mean(axis=0), rotation.T)
             size = max(float(np.abs(arm).max()), np.finfo(float).tiny)
             # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
             share = np.hstack([self._along, np.cross(arm / size, self._along)])
             squares, modes = symmetric_eigen(product(share.T, share))
-            told = squares > _TOLD * squares[-1]
-            inverse = product(modes[:, told] / squares[told], product(modes[:, told].T, share.T))
+            determined = squares > _DETERMINED * squares[-1]
+            inverse = product(
+                modes[:, determined] / squares[determined], product(modes[:, determined].T, share.T)
+            )
             self._solved = rotation.copy(), _LeastSquares(share, inverse, size)
         return self._solved[1]
 
 
 class _LeastSquares(NamedTuple):
-    """Of the rates of the held axes, by the velocity of their middle and the spin times a size."""
+    """Of the rates of supported axes, by the velocity of their middle and the spin times a size."""
 
     share: Floats
     """Of both in each rate, shape (n_axis, 6)."""
@@ -197,7 +200,8 @@ class SeenFromFilm:
     motion : Motion
         Of the tool in space.
     until : float, optional
-        End of the run [s]: up to there it is asked whether the tool turns. Its coordinate needs it.
+        End of the run [s]: up to there it is tested whether the tool turns. Its coordinate needs
+        it.
     """
 
     def __init__(self, film: FilmMotion, motion: Motion, until: float = 0.0) -> None:
@@ -225,8 +229,8 @@ class SeenFromFilm:
         if not self._unit:
             times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * self._until
             turn = norm(np.array([self.twist(t)[0] for t in times.tolist()])).mean() * self._until
-            goes = self._motion.coordinate(self._until) != self._motion.coordinate(0.0)
-            straight = goes and self._motion.coordinate_unit != "rad"
+            advances = self._motion.coordinate(self._until) != self._motion.coordinate(0.0)
+            straight = advances and self._motion.coordinate_unit != "rad"
             self._unit = "rad" if turn > (_SHEARED if straight else _TURNS) else "mm"
         return self._unit
 
@@ -237,9 +241,9 @@ class SeenFromFilm:
         if not table:
             table.append((0.0, self._speed(0.0)))
         while len(table) <= k + 1:  # Simpson's rule
-            at, (way, speed) = len(table) * tick, table[-1]
+            at, (travel, speed) = len(table) * tick, table[-1]
             middle, end = self._speed(at - 0.5 * tick), self._speed(at)
-            table.append((way + tick / 6.0 * (speed + 4.0 * middle + end), end))
+            table.append((travel + tick / 6.0 * (speed + 4.0 * middle + end), end))
         (s0, v0), (s1, v1) = table[k], table[k + 1]
         u = max(time, 0.0) / tick - k
         # cubic Hermite: the travel and its rate at both ends of the tick
@@ -279,5 +283,5 @@ def _moved(pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
     # exp and its integral over the time, for [a]^2 = a a^T - angle^2
     square = product(cross, cross)
     turn = np.eye(3) + s * cross + k * square
-    way = time * (velocity + k * product(cross, velocity) + third * product(square, velocity))
-    return Pose(product(turn, pose.rotation), pose.translation + way)
+    shift = time * (velocity + k * product(cross, velocity) + third * product(square, velocity))
+    return Pose(product(turn, pose.rotation), pose.translation + shift)

@@ -133,29 +133,29 @@ class LoadSet:
         rule: Rule
         self._nodal: list[tuple[Ints, Floats, Factor]] = []
         self._moment: list[tuple[Ints, Floats, Factor]] = []
-        for k, one in enumerate(loads):
-            factor = finite_at(f"factor of loads[{k}] ({type(one).__name__})", one.factor)
-            if isinstance(one, Gravity):
-                g = three("acceleration", one.acceleration)
+        for k, load in enumerate(loads):
+            factor = finite_at(f"factor of loads[{k}] ({type(load).__name__})", load.factor)
+            if isinstance(load, Gravity):
+                g = three("acceleration", load.acceleration)
                 self._dead.append(DeadLoad(factor, Weight(g)))
-            elif isinstance(one, NodalForce):
-                ids = choose_nodes(mesh, one.nodes)
-                self._nodal.append((ids, three("force", one.force), factor))
-            elif isinstance(one, NodalMoment):
-                ids = choose_nodes(mesh, one.nodes)
-                self._moment.append((ids, three("moment", one.moment), factor))
-            elif isinstance(one, Pressure):
-                if not np.isfinite(one.value):
-                    raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
-                quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
-                if one.following:
-                    push = FollowingPressure(mesh, quads, float(one.value), factor, self.cut)
+            elif isinstance(load, NodalForce):
+                ids = choose_nodes(mesh, load.nodes)
+                self._nodal.append((ids, three("force", load.force), factor))
+            elif isinstance(load, NodalMoment):
+                ids = choose_nodes(mesh, load.nodes)
+                self._moment.append((ids, three("moment", load.moment), factor))
+            elif isinstance(load, Pressure):
+                if not np.isfinite(load.value):
+                    raise ValueError(f"value of a pressure must be finite in MPa, got {load.value}")
+                quads = np.arange(mesh.n_quad) if load.quads is None else mesh.quad_set(load.quads)
+                if load.following:
+                    push = FollowingPressure(mesh, quads, float(load.value), factor, self.cut)
                     self._following.append(push)
                 else:
-                    rule = DeadPressure(mesh, quads, float(one.value), self.cut)
+                    rule = DeadPressure(mesh, quads, float(load.value), self.cut)
                     self._dead.append(DeadLoad(factor, rule))
             else:
-                rule = EdgeForces(*_loaded_sides(mesh, one), self.cut)
+                rule = EdgeForces(*_loaded_sides(mesh, load), self.cut)
                 self._dead.append(DeadLoad(factor, rule))
 
     def begin_forces(self, state: State) -> float:
@@ -203,8 +203,8 @@ class LoadSet:
 
     def _add_nodal_forces(self, state: State, force: Floats) -> None:
         """Add the forces given for single nodes to those on the nodes, (n_node, 3) [N]."""
-        for ids, one, factor in self._nodal:
-            np.add.at(force, ids, factor(state.time) * one)
+        for ids, vector, factor in self._nodal:
+            np.add.at(force, ids, factor(state.time) * vector)
 
     def stiffness(self, state: State) -> Floats | None:
         """Return the stiffness of following pressure, shape (n_quad, 12, 12) [N/mm], or None."""
@@ -216,7 +216,7 @@ class LoadSet:
         return stiffness
 
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
-        """Add the load on a node that comes from a single quad, without gravity [N].
+        """Add the load on a node from a single quad, without gravity [N].
 
         quads, nodes : (n,), quad and one of its nodes.  force : (n, 3), added to.
         """
@@ -229,18 +229,18 @@ class LoadSet:
             force += push.on_rows(state, quads)[corner]
 
 
-def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:
+def _loaded_sides(mesh: Mesh, load: EdgeTraction) -> tuple[Ints, Ints, Floats]:
     """Return quads and sides on which an edge traction acts, and the force on each [N], (n, 3)."""
-    traction = three("traction", one.traction)
+    traction = three("traction", load.traction)
     chosen = np.zeros(mesh.n_node, np.bool_)
-    chosen[choose_nodes(mesh, one.nodes)] = True
+    chosen[choose_nodes(mesh, load.nodes)] = True
     pair = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=2)
     key = product(np.sort(pair, axis=2), np.array([mesh.n_node, 1]))
     _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
     loaded = chosen[pair].all(axis=2) & (count[inverse].reshape(key.shape) == 1)
     if not loaded.any():
         raise ValueError(
-            f"an edge traction needs boundary edges between its nodes, found none in {one.nodes!r}"
+            f"an edge traction needs boundary edges between its nodes, found none in {load.nodes!r}"
         )
     quads, side = np.nonzero(loaded)
     length = np.linalg.norm(

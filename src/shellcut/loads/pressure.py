@@ -31,7 +31,7 @@ def scatter_rows(corners: Ints, rows: Floats, force: Floats) -> None:
 def pressure_rows(x: Floats, corners: Ints, film: Floats, pressure: float, rows: Floats) -> None:
     """Write the pressure on quads, or parts of them, into rows : (n, 4, 3).
 
-    corners : (n, 4), rows of x.  film : (n, 4, 3), ∫ N_a (1, xi, eta) over what is held of each.
+    corners : (n, 4), rows of x.  film : (n, 4, 3), ∫ N_a (1, xi, eta) over the film of each.
     """
     for i in range(corners.shape[0]):
         x0, x1 = load(x, corners[i, 0]), load(x, corners[i, 1])
@@ -64,7 +64,7 @@ class PressedQuads:
         return np.concatenate([rows[~cut], rows[cut]])
 
     def film_of(self, state: State, rows: Ints) -> Floats:
-        """Return ∫ N_a (1, xi, eta) over what quads or copies hold and is pressed, (n, 4, 3)."""
+        """Return ∫ N_a (1, xi, eta) over the film of quads or copies that is pressed, (n, 4, 3)."""
         return self._cut.film_of(rows) * self.among(state, rows)[:, None, None]
 
 
@@ -107,8 +107,8 @@ class FollowingPressure:
     def add_stiffness(self, state: State, stiffness: Floats) -> None:
         """Add -df/dx of whole quads to stiffness : (n_quad, 12, 12) [N/mm], its symmetric part.
 
-        A pressure on a closed surface, or one whose rim is held, has a potential, and the rest of
-        all quads cancels.
+        A pressure on a closed surface, or a surface whose border is fixed, has a potential, and the
+        rest of all quads cancels.
         """
         every = np.arange(state.n_quad)
         which = every[self._pressed.among(state, every)]

@@ -1,26 +1,27 @@
 """Supports and prescribed motion, with their reactions.
 
-A support holds components of the velocity, and of the director's spin, of some nodes; a *clamped*
-node holds both position and director ([Frangi2010] 5). The reaction is mass x acceleration minus
-the nodal force, written by the kick.
+A support fixes or prescribes components of the velocity, and of the director's spin, of some nodes;
+a *clamped* node has both position and director supported ([Frangi2010] 5). The reaction is mass x
+acceleration minus the nodal force, written by the kick.
 
-A director has two rotations, a spin three components. So holding spins about axes means, with T the
-director of the reference:
+A director has two rotations, a spin three components. So supporting spins about axes means, with T
+the director of the reference:
 
 =====================  ==========================  ==========================================
-held axes              the director                where T lies within 30° of
+supported axes         the director                where T lies within 30° of
 =====================  ==========================  ==========================================
 three                  keeps its direction
 two, f is left         turns about f, on a cone    f: keeps its direction, a turn about f
                        if it is not normal to f    would hardly move it
-one, h                 stays in the plane of h     h: is free, a spin about itself moves
+a single one, h        stays in the plane of h     h: is free, a spin about itself moves
                        and T                       it nowhere
 =====================  ==========================  ==========================================
 
 The explicit driver (:mod:`shellcut.central_difference`) and statics
-(:mod:`shellcut.statics.freedoms`) both hold exactly this. So a director that leans a little, as the
-mean normal at an edge does, is held like one that does not. The limit is 30° because the mean
-normals of a mesh lean by at most that (half the largest fold between two quads, ``max_fold_deg``).
+(:mod:`shellcut.statics.freedoms`) both do exactly this. So a director that leans a little, as the
+mean normal at an edge does, is supported like a director that does not. The limit is 30° because
+the mean normals of a mesh lean by at most that (half the largest fold between two quads,
+``max_fold_deg``).
 """
 
 from __future__ import annotations
@@ -78,38 +79,40 @@ def choose_nodes(mesh: Mesh, nodes: NodeChoice) -> Ints:
 @checked
 @dataclass(frozen=True)
 class Support:
-    """Hold components of the motion of a set of nodes.
+    """Support components of the motion of a set of nodes: fixed, or moved as prescribed.
 
-    With two axes of spin held the director only turns about the third, whatever its direction. A
-    director turns only about axes normal to it. ``velocity`` and ``spin`` map axes to functions of
-    time.
+    With two axes of spin supported the director only turns about the third, whatever its direction.
+    A director turns only about axes normal to it. ``velocity`` and ``spin`` map axes to functions
+    of time.
 
     Examples
     --------
-    >>> held = Support("left", translation="xyz", rotation="")  # hinged
+    >>> support = Support("left", translation="xyz", rotation="")  # hinged
     >>> pulled = Support("right", translation="x", rotation="", velocity={"x": lambda time: 10.0})
     """
 
     nodes: NodeChoice
-    translation: Annotated[str, Option("", "held axes of the position", form="axes")] = "xyz"
-    rotation: Annotated[str, Option("", "held axes of the director's spin", form="axes")] = "xyz"
+    translation: Annotated[str, Option("", "supported axes of the position", form="axes")] = "xyz"
+    rotation: Annotated[str, Option("", "supported axes of the director's spin", form="axes")] = (
+        "xyz"
+    )
     velocity: Annotated[
-        Mapping[str, Rate], Option("mm/s", "of held axes", form="rates", unset="at rest")
+        Mapping[str, Rate], Option("mm/s", "of supported axes", form="rates", unset="at rest")
     ] = field(default_factory=dict)
     spin: Annotated[
-        Mapping[str, Rate], Option("rad/s", "of held axes", form="rates", unset="at rest")
+        Mapping[str, Rate], Option("rad/s", "of supported axes", form="rates", unset="at rest")
     ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         problems = []
-        for held, moved in (("translation", "velocity"), ("rotation", "spin")):
-            axes, rates = getattr(self, held), getattr(self, moved)
+        for name, moved in (("translation", "velocity"), ("rotation", "spin")):
+            axes, rates = getattr(self, name), getattr(self, moved)
             if set(axes) - set(_AXES):
-                problems.append(f"{held} must be made of the letters x, y, z, got {axes!r}")
+                problems.append(f"{name} must be made of the letters x, y, z, got {axes!r}")
             loose = set(rates) - set(axes)
             if loose:
                 problems.append(
-                    f"{moved} is prescribed along {sorted(loose)}, which {held} {axes!r} does not "
+                    f"{moved} is prescribed along {sorted(loose)}, which {name} {axes!r} does not "
                     "hold: add these axes to it"
                 )
             problems += [
@@ -122,7 +125,7 @@ class Support:
             raise ValueError("; ".join(problems))
 
     def held(self) -> list[int]:
-        """Return the held components, 0-2 of translation and 3-5 of rotation."""
+        """Return the supported components, 0-2 of translation and 3-5 of rotation."""
         return [_AXES.index(a) for a in self.translation] + [
             3 + _AXES.index(a) for a in self.rotation
         ]
@@ -134,17 +137,17 @@ class Support:
 
     @classmethod
     def clamped(cls, nodes: NodeChoice) -> Support:
-        """Hold position and director."""
+        """Fix position and director."""
         return cls(nodes)
 
     @classmethod
     def pinned(cls, nodes: NodeChoice) -> Support:
-        """Hold the position, leave the director free."""
+        """Fix the position, leave the director free."""
         return cls(nodes, rotation="")
 
     @classmethod
     def symmetry(cls, nodes: NodeChoice, normal: str) -> Support:
-        """Hold nodes in the symmetry plane with the given normal axis, "x", "y" or "z".
+        """Keep nodes in the symmetry plane with the given normal axis, "x", "y" or "z".
 
         Their reference directors are moved into the plane, see
         :mod:`shellcut.loads.symmetry_plane`.
@@ -157,7 +160,7 @@ class Support:
     def mirror(self) -> int | None:
         """Axis normal to the symmetry plane that this support represents, 0-2; else None.
 
-        It holds exactly the components of :meth:`symmetry`, at rest.
+        It supports exactly the components of :meth:`symmetry`, at rest.
         """
         if len(set(self.translation)) != 1 or self.velocity or self.spin:
             return None
@@ -188,7 +191,7 @@ class SupportSet:
                         "keep one of them"
                     )
                 self._moving.append((ids, c, finite_at(f"{_NAMES[c]} of supports[{k}]", rate)))
-        # Nodes held at rest by one support and moved along the same axis by another.
+        # Nodes fixed by one support and moved along the same axis by another.
         for support, ids in zip(supports, self.nodes, strict=True):
             for c in set(support.held()) - set(support.rates()):
                 clash = [n for n in ids.tolist() if (n, c) in moved]
@@ -201,10 +204,10 @@ class SupportSet:
     @property
     def moved(self) -> list[tuple[Ints, int, Rate]]:
         """Nodes, axis 0-2 and velocity [mm/s] over time of all positions that supports move."""
-        return [one for one in self._moving if one[1] < 3]
+        return [entry for entry in self._moving if entry[1] < 3]
 
     def initialise(self, state: State) -> None:
-        """Write the masks of held components, which no longer follow the forces."""
+        """Write the masks of supported components, which no longer follow the forces."""
         for support, ids in zip(self._supports, self.nodes, strict=True):
             for c in support.held():
                 state.node.support[ids, c] = True
@@ -213,23 +216,23 @@ class SupportSet:
         state.node.push[state.node.supported] = 0.0
 
     def _settle_spins(self, state: State) -> None:
-        """Hold all spins, or none, where the held ones amount to that for the director."""
-        held = state.node.support[: len(self.directors), 3:]
-        n_held = held.sum(axis=1)
+        """Support all spins, or none, where the supported ones amount to that for the director."""
+        supported = state.node.support[: len(self.directors), 3:]
+        n_supported = supported.sum(axis=1)
         along = np.abs(self.directors) > _ALONG
-        held[(n_held == 2) & (along & ~held).any(axis=1)] = True
-        idle = (n_held == 1) & (along & held).any(axis=1)
+        supported[(n_supported == 2) & (along & ~supported).any(axis=1)] = True
+        idle = (n_supported == 1) & (along & supported).any(axis=1)
         for ids, c, _ in self._moving:
             if c >= 3:  # a prescribed spin is used as given
                 idle[ids] = False
-        held[idle] = False
+        supported[idle] = False
 
     def prescribe(self, state: State, dt: float, pace: float) -> None:
-        """Write the prescribed velocities at t_{n+1/2}; time goes on by pace dt in the step."""
+        """Write the prescribed velocities at t_{n+1/2}; time advances by pace dt in the step."""
         if not self._moving:
             return
         if not self._known.is_of(state):
-            self._now = [self._held_copies(state, ids) for ids, _, _ in self._moving]
+            self._now = [self._with_supported_copies(state, ids) for ids, _, _ in self._moving]
             self._known.take(state)
         time_half = state.time + 0.5 * pace * dt
         for (_, c, rate), ids in zip(self._moving, self._now, strict=True):
@@ -237,18 +240,18 @@ class SupportSet:
 
     def reaction(self, state: State, which: int) -> Floats:
         """Return the resultant reaction of one support [N], shape (3,)."""
-        ids = self._held_copies(state, self.nodes[which])
+        ids = self._with_supported_copies(state, self.nodes[which])
         return np.asarray(state.node.reaction[ids, :3].sum(axis=0))
 
-    def _held_copies(self, state: State, ids: Ints) -> Ints:
-        """Return some nodes of the mesh with the held ones that cuts have made of them.
+    def _with_supported_copies(self, state: State, ids: Ints) -> Ints:
+        """Return some nodes of the mesh with the supported ones that cuts have made of them.
 
-        A cut across a held edge gives both flanks nodes with film there, which the support holds as
-        before; virtual nodes it does not hold.
+        A cut across a supported border gives both flanks nodes with film there, which are supported
+        as before; virtual nodes are not.
         """
         n_mesh, n, quad = len(self.directors), state.node, state.quad
-        held = n.supported[n_mesh : n.count] & n.real[n_mesh : n.count]
-        copies = n_mesh + np.flatnonzero(held)
+        supported = n.supported[n_mesh : n.count] & n.real[n_mesh : n.count]
+        copies = n_mesh + np.flatnonzero(supported)
         rows = n.quads[copies, 0]
         corner = np.argmax(quad.nodes[rows] == copies[:, None], axis=1)
         of = self._quads[quad.parent[rows], corner]

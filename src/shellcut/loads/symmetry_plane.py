@@ -9,11 +9,11 @@ A sum of vectors and their mirror images is twice their part in the plane. So th
 onto the plane and normalised is that of the whole model, and the half model gives the results of
 the whole, to round-off. Where two planes meet, both normal parts are removed.
 
-A support represents a symmetry plane if it holds exactly the components of :meth:`Support.symmetry`
-and the film ends there: at a rim node whose quads all lie on one side. Nodes with other supports,
-clamped or hinged, keep their directors. So do those whose director leans by more than 30°:
-mirrored, the film would have a fold of more than 60°, which a mesh of the whole may not have
-(``max_fold_deg``). Such a support is a guide, or the film lies in the plane.
+A support represents a symmetry plane if it supports exactly the components of
+:meth:`Support.symmetry` and the film ends there: at a border node whose quads all lie on one side.
+Nodes with other supports, clamped or hinged, keep their directors. So do those whose director leans
+by more than 30°: mirrored, the film would have a fold of more than 60°, which a mesh of the whole
+may not have (``max_fold_deg``). Such a support is a guide, or the film lies in the plane.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 r"""Hardening: the yield stress as a function of the equivalent plastic strain.
 
 It is a :class:`Table`: straight between points (p, σ), constant beyond the last. For the kernels,
-:func:`part_of` finds the straight part that holds the least strain of a block, by halving, and
-:func:`rise` goes on from there to R = σ_y(p) - σ_y(0) and its slope dR/dp [MPa] of all lanes, as
+:func:`part_of` finds the straight part that contains the least strain of a block, by halving, and
+:func:`rise` continues from there to R = σ_y(p) - σ_y(0) and its slope dR/dp [MPa] of all lanes, as
 :mod:`shellcut.material.point_law` says. The numbers stand in one row, from ``first`` on.
 
-Three formulae make a table, of as many points as it takes to be within ``ACCURACY`` of them:
+Three formulae make a table, of as many points as are needed to be within ``ACCURACY`` of them:
 
 =============  ===============================================================================
 `Linear`       σ_0 + H p
@@ -39,15 +39,15 @@ from .material import refuse
 ACCURACY = 1e-4
 """Of the formulae's yield stress, relative."""
 FARTHEST = 100.0
-"""Plastic strain at which the tables of formulae end, to which no film comes: at a tenth of it a
+"""Plastic strain at which the tables of formulae end, which no film reaches: at a tenth of it a
 strip is ten thousand times as long."""
 _FINE = 4000  # places at which the curvature is summed
 
 
 def part_of(p: Floats, first: int, plastic: Number) -> int:
-    """Return where the straight part stands in the row that holds the least of plastic strains.
+    """Return where in the row the straight part with the least of plastic strains begins.
 
-    The row holds the count of the parts, and of each its start, its slope and R continued to p = 0;
+    The row has the count of the parts, and of each its start, its slope and R continued to p = 0;
     then a start that no strain is above.
     """
     at, left = first + 1, int(p[first])
@@ -91,8 +91,8 @@ class Table:
         stress: Annotated[Any, Option("MPa", "true yield stresses at these", form="numbers")],
         law: Annotated[str, Option("", "what cards say of it", unset="both ends")] = "",
     ) -> None:
-        object.__setattr__(self, "plastic_strain", tuple(float(one) for one in plastic_strain))
-        object.__setattr__(self, "stress_at", tuple(float(one) for one in stress))
+        object.__setattr__(self, "plastic_strain", tuple(float(p) for p in plastic_strain))
+        object.__setattr__(self, "stress_at", tuple(float(sigma) for sigma in stress))
         p, sigma = self.plastic_strain, self.stress_at
         problems = []
         if len(p) != len(sigma) or len(p) < 2:
@@ -100,7 +100,7 @@ class Table:
                 "a table must have at least 2 points, as many strains as stresses, got "
                 f"{len(p)} and {len(sigma)}"
             )
-        elif not all(math.isfinite(one) for one in (*p, *sigma)):
+        elif not all(math.isfinite(value) for value in (*p, *sigma)):
             problems.append("a table must hold finite numbers")
         else:
             if p[0] != 0.0 or any(b <= a for a, b in itertools.pairwise(p)):
@@ -187,9 +187,9 @@ def Swift(
     whole = math.log1p(FARTHEST / start)
     least = whole * math.sqrt(exponent * (1.0 - exponent) / (8.0 * ACCURACY))
     count = math.ceil(max(least, 1.0))
-    away = [start * math.expm1(whole * k / count) for k in range(count + 1)]
-    stress = [strength * math.pow(start + plastic, exponent) for plastic in away]
-    return Table(away, stress, f"Swift, {strength:g} MPa ({start:g} + p)^{exponent:g}")
+    strains = [start * math.expm1(whole * k / count) for k in range(count + 1)]
+    stress = [strength * math.pow(start + plastic, exponent) for plastic in strains]
+    return Table(strains, stress, f"Swift, {strength:g} MPa ({start:g} + p)^{exponent:g}")
 
 
 @checked
@@ -221,6 +221,6 @@ def Voce(
     density = np.sqrt(bend / (8.0 * 0.5 * ACCURACY)) / strain
     summed = np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))
     inner = np.arange(1, math.ceil(summed[-1]))
-    away = [0.0, *np.interp(inner, summed, fine[1:]).tolist(), FARTHEST]
+    strains = [0.0, *np.interp(inner, summed, fine[1:]).tolist(), FARTHEST]
     said = f"Voce, {yield_stress:g} MPa + {gain:g} MPa (1 - exp(-p/{strain:g})) + {modulus:g} MPa p"
-    return Table(away, [curve(plastic) for plastic in away], said)
+    return Table(strains, [curve(plastic) for plastic in strains], said)

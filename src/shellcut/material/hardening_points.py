@@ -15,8 +15,8 @@ def fewer_points(
 ) -> tuple[Floats, Floats]:
     """Return at most so many points of a curve, those that keep its shape.
 
-    One after the other, the point goes that lies nearest to the line between its neighbours, in
-    stress; the first and the last stay ([Visvalingam1993] with heights instead of areas).
+    One after the other, the point is removed that lies nearest to the line between its neighbours,
+    in stress; the first and the last stay ([Visvalingam1993] with heights instead of areas).
 
     Parameters
     ----------
@@ -35,6 +35,6 @@ def fewer_points(
     while len(p) > max(most, 2):
         share = (p[1:-1] - p[:-2]) / (p[2:] - p[:-2])
         off = np.abs(s[:-2] + share * (s[2:] - s[:-2]) - s[1:-1])
-        gone = 1 + int(np.argmin(off))
-        p, s = np.delete(p, gone), np.delete(s, gone)
+        nearest = 1 + int(np.argmin(off))
+        p, s = np.delete(p, nearest), np.delete(s, nearest)
     return p, s

@@ -27,11 +27,11 @@ def _any_stress(
     p: Floats, strain: Vector, history: History, dt: float
 ) -> tuple[Vector, Number, Number, History]:
     """Return S and ½ ε·C·ε; p : (9,), the upper triangle of C and the slope of ε_33."""
-    (e1, e2, e12), way = logarithmic_strain(strain)
+    (e1, e2, e12), transform = logarithmic_strain(strain)
     t1 = p[0] * e1 + p[1] * e2 + p[2] * e12
     t2 = p[1] * e1 + p[3] * e2 + p[4] * e12
     t12 = p[2] * e1 + p[4] * e2 + p[5] * e12
-    S = second_piola_kirchhoff((t1, t2, t12), way)
+    S = second_piola_kirchhoff((t1, t2, t12), transform)
     return S, 0.5 * (t1 * e1 + t2 * e2 + t12 * e12), 0.0, history
 
 

@@ -1,7 +1,7 @@
 """How kernels call the laws of a film: one function for all laws, compiled for those in use.
 
-Kernels that need laws take them as a tuple, and the Numba *type* of a law holds the law's name and
-a digest of its sources and of the values that these read. A kernel is compiled once for each
+Kernels that need laws take them as a tuple, and the Numba *type* of a law contains the law's name
+and a digest of its sources and of the values that these read. A kernel is compiled once for each
 combination of laws, with the laws' functions inlined, and Numba caches it under these types, also
 for user-written laws. A law that is edited, or reads another number, has another type, so no kernel
 runs with an old version. Kernels without laws are compiled once.
@@ -115,7 +115,7 @@ def _unbox_law(kind: Any, value: Any, context: Any) -> Any:
 
 
 def _laws_of(laws: Any) -> list[PointLaw]:
-    return [LAWS[one.law] for one in laws.types[0].types]
+    return [LAWS[law.law] for law in laws.types[0].types]
 
 
 def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Callable[..., Any]:
@@ -164,7 +164,7 @@ class _Named(NamedTuple):
 
 @_known_to_kernels
 def dissipates(laws: PointLaws) -> bool:
-    """Whether any law has a history; without one, no dissipation is summed."""
+    """Whether any law has a history; without a history, no dissipation is summed."""
     return any(law.history for law in laws.laws)
 
 

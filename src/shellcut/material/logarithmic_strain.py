@@ -1,6 +1,6 @@
-r"""Logarithmic strain in the plane, and the way back from its stress to the second Piola-Kirchhoff.
+r"""Logarithmic strain in the plane, and its stress as second Piola-Kirchhoff.
 
-With C = I + 2 E, the law stands between ε = ½ ln C and the stress T conjugate to it
+With C = I + 2 E, the law relates ε = ½ ln C to the stress T conjugate to it
 ([MieheApelLambrecht2002]): T is the Kirchhoff stress turned back by the rotation. In two dimensions
 all follows from the mean and the deviator of E,
 
@@ -34,14 +34,14 @@ the logarithms by eight and four terms, A' by three. All sums are taken in pairs
 dependent products would cost more time than the products.
 
 **An isotropic elastic film** has t = K (ε_11 + ε_22) and T_d = 2 G b d. With A = A(q), so b = A/τ,
-and 1/(1 - q) = τ²/D the way back is then no longer than
+and 1/(1 - q) = τ²/D the transformation back then needs only
 
     S = [τ (t - G A q) I + 2 (G A - t) d]/D,      |T_d|² = (G A)² q,
 
 which serves where strains are small and nothing has flowed: most of a film at most times.
 
 A quad that is folded flat has D = 0 in one point or less where the strain is extrapolated through
-the thickness. There τ and D are held at ``_LEAST``: numbers stay finite, and
+the thickness. There τ and D are limited to ``_LEAST``: numbers stay finite, and
 :mod:`shellcut.simulation.instability` gives up the run before.
 """
 
@@ -65,8 +65,8 @@ _LONG = 0.0295
 _LEAST = 1e-6
 
 
-class WayBack(NamedTuple):
-    """The quantities of a strain that the way back needs."""
+class StressTransform(NamedTuple):
+    """The quantities of a strain that the transformation of its stress needs."""
 
     u: Number
     """2 u = E_11 - E_22."""
@@ -209,7 +209,7 @@ def _large_strain(
     inverse_mean, inverse_det, s = _divided(mean, excess)
     squared = inverse_mean * inverse_mean
     q_area, q_shear = s * s, r4 * squared
-    # No more than the held D allows.
+    # No more than the limited D allows.
     q_most = larger(1.0 - (1.0 + excess) * squared, 0.0)
     q_shear = where_above(q_shear, 0.5, q_most, q_shear)
     if any_above(larger(q_area, q_shear), _LONG):
@@ -222,7 +222,7 @@ def _large_strain(
 
 
 @always_inline
-def sum_and_difference(strain: Vector) -> tuple[Vector, WayBack]:
+def sum_and_difference(strain: Vector) -> tuple[Vector, StressTransform]:
     """Return (ε_11 + ε_22, ε_11 - ε_22, 2 ε_12) of the strain (E_11, E_22, 2 E_12)."""
     y, u, v = strain[0] + strain[1], strain[0] - strain[1], strain[2]
     y2, r4 = y * y, u * u + v * v
@@ -238,27 +238,27 @@ def sum_and_difference(strain: Vector) -> tuple[Vector, WayBack]:
             both, slope, curve, inverse_det = _moderate_strain(mean, excess, r4)
     else:
         both, slope, curve, inverse_det = _small_strain(y, y2, r4)
-    return (both, slope * u, slope * v), WayBack(u, v, mean, slope, curve, inverse_det)
+    return (both, slope * u, slope * v), StressTransform(u, v, mean, slope, curve, inverse_det)
 
 
 @always_inline
-def logarithmic_strain(strain: Vector) -> tuple[Vector, WayBack]:
+def logarithmic_strain(strain: Vector) -> tuple[Vector, StressTransform]:
     """Return (ε_11, ε_22, 2 ε_12) of the Green-Lagrange strain (E_11, E_22, 2 E_12)."""
-    (both, unlike, slip), way = sum_and_difference(strain)
-    return (0.5 * (both + unlike), 0.5 * (both - unlike), slip), way
+    (both, unlike, slip), transform = sum_and_difference(strain)
+    return (0.5 * (both + unlike), 0.5 * (both - unlike), slip), transform
 
 
 @always_inline
-def second_piola_kirchhoff(T: Vector, way: WayBack) -> Vector:
+def second_piola_kirchhoff(T: Vector, transform: StressTransform) -> Vector:
     """Return (S_11, S_22, S_12) of the stress (T_11, T_22, T_12) conjugate to ε."""
-    return piola_of_mean(0.5 * (T[0] + T[1]), 0.5 * (T[0] - T[1]), T[2], way)
+    return piola_of_mean(0.5 * (T[0] + T[1]), 0.5 * (T[0] - T[1]), T[2], transform)
 
 
 @always_inline
-def piola_of_mean(t: Number, Tu: Number, Tv: Number, way: WayBack) -> Vector:
+def piola_of_mean(t: Number, Tu: Number, Tv: Number, transform: StressTransform) -> Vector:
     """Return the same of ½ (T_11 + T_22), ½ (T_11 - T_22) and T_12."""
-    p = Tu * way.u + Tv * way.v
-    mid = (way.mean * t - p) * way.inverse_det
-    along = p * way.curve - t * way.inverse_det
-    wide = way.slope * Tu + along * way.u
-    return mid + wide, mid - wide, way.slope * Tv + along * way.v
+    p = Tu * transform.u + Tv * transform.v
+    mid = (transform.mean * t - p) * transform.inverse_det
+    along = p * transform.curve - t * transform.inverse_det
+    wide = transform.slope * Tu + along * transform.u
+    return mid + wide, mid - wide, transform.slope * Tv + along * transform.v

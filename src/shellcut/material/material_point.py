@@ -2,8 +2,8 @@
 
 Strains here are logarithmic, in the film's axes, and the stress is T conjugate to them, the
 Kirchhoff stress turned back by the rotation, which for a film that keeps its volume is the true
-stress. The law itself is asked with the Green-Lagrange strain, as in a film, so that all of it is
-exercised. The nominal stress of a pull to the stretch λ is T/λ.
+stress. The law itself is evaluated with the Green-Lagrange strain, as in a film, so that all of it
+is exercised. The nominal stress of a pull to the stretch λ is T/λ.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class MaterialPoint:
         strain : float
             ε_11 at the end of the step.
         sides_held : bool
-            Whether the width is held, as in a wide strip; else the sides are free.
+            Whether the width is fixed, as in a wide strip; else the sides are free.
         dt : float
             As in :meth:`strain_to`.
         """
@@ -122,7 +122,7 @@ class MaterialPoint:
         for _ in range(_MOST_TURNS):
             stress = self._trial(strain, dt)[0]
             left = wanted[free] - stress[free]
-            if not np.abs(left).max() < miss and miss < np.inf:  # too far: half the way
+            if not np.abs(left).max() < miss and miss < np.inf:  # too far: half the step
                 step = 0.5 * step
                 strain[free] -= step
                 if np.abs(step).max() < 1e-15:

@@ -81,7 +81,7 @@ def largest_nominal_stress(
     ----------
     film : ShellMaterial
     pull : {"uniaxial", "plane strain", "equibiaxial"}, optional
-        By default the one, along or across the film's direction, that carries most.
+        By default that along or across the film's direction which carries most.
     across : bool
         Pull across the film's direction instead of along it.
 
@@ -102,7 +102,7 @@ def largest_nominal_stress(
             for side in (False, True)
             if (one := largest_nominal_stress(film, state, across=side)) is not None
         ]
-        return max(every, key=lambda one: one.stress, default=None)
+        return max(every, key=lambda peak: peak.stress, default=None)
     found = nominal_curve(film, pull, across=across)
     if found is None:
         return None
@@ -137,7 +137,7 @@ def nominal_curve(
     Notes
     -----
     Layers contract freely: where they differ in Poisson's ratio, a uniaxial pull of the laminate
-    is stiffer by the second order of the difference. Shear that comes with the pull of a layer
+    is stiffer by the second order of the difference. Shear that is coupled to the pull of a layer
     whose axes are turned is left out.
 
     Examples

@@ -56,7 +56,7 @@ class Orthotropic(Material):
     ------
     ValueError
         If a modulus is not positive, or if the moduli store no positive energy in every strain,
-        which takes ν_12² < young_along/young_across.
+        which needs ν_12² < young_along/young_across.
 
     Examples
     --------

@@ -73,13 +73,13 @@ _V, _PLASTIC, _MU, _YIELD_AXES = 4, 13, 22, 25
 
 @always_inline
 def _at_once(dt: float) -> bool:
-    """Whether flow takes no time: without a rate factor."""
+    """Whether flow is instantaneous: without a rate factor."""
     return True
 
 
 @always_inline
 def _in_time(dt: float) -> bool:
-    """Whether there is time to flow, which a rate factor asks for."""
+    """Whether there is time to flow, which a rate factor needs."""
     return dt > 0.0
 
 
@@ -96,7 +96,7 @@ def _isotropic_law(flow: Any, may_flow: Any) -> tuple[Any, Any]:
             beyond = excess(of_mean + 3.0 * of_shear, p[_YIELD], may_flow(dt))
             if not seldom(any_above(beyond, 0.0)):
                 return S, stored, zero_like(R), history, False
-        (both, unlike, slip), way = sum_and_difference(strain)
+        (both, unlike, slip), transform = sum_and_difference(strain)
         if any_above(eq, 0.0):
             both, unlike, slip = both - (p1 + p2), unlike - (p1 - p2), slip - p12
         z = (p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip)
@@ -116,7 +116,7 @@ def _isotropic_law(flow: Any, may_flow: Any) -> tuple[Any, Any]:
             p12 = p12 + d_slip
         t, Tu, Tv = p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip
         stored = 0.5 * (t * both + Tu * unlike + Tv * slip)
-        S = piola_of_mean(t, Tu, Tv, way)
+        S = piola_of_mean(t, Tu, Tv, transform)
         return S, stored, lost, (eq, R, p1, p2, p12), flows
 
     def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
@@ -143,7 +143,7 @@ def _law_with_axes(flow: Any, may_flow: Any) -> tuple[Any, Any]:
     def stress(
         p: Floats, strain: Vector, history: History, dt: float
     ) -> tuple[Vector, Number, Number, History, bool]:
-        e, way = logarithmic_strain(strain)
+        e, transform = logarithmic_strain(strain)
         eq, R, p1, p2, p12 = history
         e1, e2, e12 = e[0] - p1, e[1] - p2, e[2] - p12
         y0 = p[_V] * e1 + p[_V + 3] * e2 + p[_V + 6] * e12
@@ -164,7 +164,7 @@ def _law_with_axes(flow: Any, may_flow: Any) -> tuple[Any, Any]:
             p1, p2, p12 = p1 + d1, p2 + d2, p12 + d12
             y0, y1, y2 = y0 - m0 * z0, y1 - m1 * z1, y2 - m2 * z2
         stored = 0.5 * (y0 * y0 + y1 * y1 + y2 * y2)
-        S = second_piola_kirchhoff(_times(p, _V, (y0, y1, y2)), way)
+        S = second_piola_kirchhoff(_times(p, _V, (y0, y1, y2)), transform)
         return S, stored, lost, (eq, R, p1, p2, p12), flows
 
     def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
@@ -278,7 +278,7 @@ class Plastic(WithElasticPart):
         if self.r_values is not None:
             object.__setattr__(self, "r_values", tuple(self.r_values))
             r = self.r_values
-            if len(r) != 3 or not all(math.isfinite(one) and one > 0.0 for one in r):
+            if len(r) != 3 or not all(math.isfinite(value) and value > 0.0 for value in r):
                 problems.append(
                     "r_values must be three positive numbers (r0, r45, r90), or the yield surface "
                     f"is not closed and convex, got {r!r}"

@@ -34,9 +34,9 @@ class PointLaw:
         ``stress(p, strain, history, dt)`` returns four things: the second Piola-Kirchhoff stress
         (S_11, S_22, S_12) [MPa] at t_n; the stored energy density at t_n [N/mm²]; the energy
         density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n. A law may
-        return a fifth: whether the history has changed; if not, none is stored. ``p`` holds the
+        return a fifth: whether the history has changed; if not, none is stored. ``p`` has the
         material's parameters, shape (n_parameter,); ``strain`` is (E_11, E_22, 2 E_12) at t_n in
-        the point's Cartesian frame; ``history`` holds the numbers at t_{n-1}, zero at the start;
+        the point's Cartesian frame; ``history`` has the numbers at t_{n-1}, zero at the start;
         ``dt`` is the length of the step [s]. Called again with the same strain, the returned
         history and dt = 0, as for output, a law must return the same stress and dissipate nothing.
     thickness_stretch : callable
@@ -49,7 +49,7 @@ class PointLaw:
         Whether the stress is the ``plane_stress`` matrix of the material times the strain, at any
         strain: then the section can be integrated through the thickness once, before the run.
     oriented : bool
-        Whether the axes matter: then the strain comes, and the stress is taken, along the film's
+        Whether the axes matter: then the strain is given, and the stress is used, along the film's
         direction (:attr:`.shell_material.ShellMaterial.direction`) and across it.
     timed : bool
         Whether the stress depends on ``dt``: such a film has no statics.
@@ -108,7 +108,7 @@ class PointLaw:
                 f"a history must have numbers for the first to lead, {self.name!r} has "
                 f"{self.history}"
             )
-        if any("/" in one or not one.strip() for one in self.history):
+        if any("/" in name or not name.strip() for name in self.history):
             problems.append(
                 f"history names must be words without a slash, {self.name!r} has {self.history}"
             )

@@ -1,6 +1,6 @@
 r"""How stiff the layers of a film still are where it carries a tension in all directions.
 
-By deformation theory, for a tension T of a layer both ways and the mean strain e of both
+By deformation theory, for a tension T of a layer in both directions and the mean strain e of both
 directions, with S the compliance, P the flow matrix of :mod:`.plastic` and 1 = (1, 1, 0),
 
     e = c T + ½ q p,    T = σ_y(p) / q,    c = ½ 1·S 1,    q² = 1·P 1,
@@ -52,7 +52,7 @@ def secants_at(film: ShellMaterial, tension: float) -> tuple[Floats, float]:
     >>> secants.tolist(), round(strain, 4)
     ([1.0], 0.0056)
     """
-    layers = [(one.thickness, one.material, _over(one.material)) for one in film.layers]
+    layers = [(layer.thickness, layer.material, _over(layer.material)) for layer in film.layers]
     low, high = 0.0, FARTHEST
     for _ in range(_HALVINGS):
         strain = 0.5 * (low + high)

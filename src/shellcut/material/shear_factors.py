@@ -13,9 +13,9 @@ faces and the neutral axis z_0 = A⁻¹ B, a height for each component,
 
     τ(z) = S(z) (D - B z_0)⁻¹ Q,       S(z) = ∫ C_n (z_0 - ζ) dζ from the bottom to z.
 
-Q along the film's direction comes from bending along it, Q across it from bending across: they are
-the columns of f(z) in τ = f Q. The shear stiffness that stores the energy of these stresses, and
-the factor K on the layers' moduli that gives it, are
+Q along the film's direction follows from bending along it, Q across it from bending across: they
+are the columns of f(z) in τ = f Q. The shear stiffness that stores the energy of these stresses,
+and the factor K on the layers' moduli that gives it, are
 
     (∫ fᵀ G⁻¹ f dz)⁻¹ = K ∫ G dz,
 

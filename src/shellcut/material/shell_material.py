@@ -104,14 +104,14 @@ class ShellMaterial:
         object.__setattr__(self, "layers", tuple(self.layers))
         problems = []
         if not callable(self.direction):
-            way = np.asarray(self.direction, float)
-            if way.shape != (3,) or not np.isfinite(way).all() or not way.any():
+            along = np.asarray(self.direction, float)
+            if along.shape != (3,) or not np.isfinite(along).all() or not along.any():
                 problems.append(
                     "direction must be a vector of three numbers that is not zero, or a function "
                     f"of positions, got {self.direction!r}"
                 )
             else:
-                object.__setattr__(self, "direction", tuple(way.tolist()))
+                object.__setattr__(self, "direction", tuple(along.tolist()))
         if not self.layers:
             problems.append("layers must name at least one layer, got none")
         refuse(problems)
@@ -169,13 +169,13 @@ class ShellMaterial:
     def direction_at(self, places: Floats) -> Floats:
         """Return the film's direction at reference positions, shape (n, 3); of any length."""
         if callable(self.direction):
-            ways = np.asarray(self.direction(places), float)
-            if ways.shape != places.shape or not np.isfinite(ways).all():
+            directions = np.asarray(self.direction(places), float)
+            if directions.shape != places.shape or not np.isfinite(directions).all():
                 raise ValueError(
                     f"direction must return finite vectors of shape {places.shape}, got "
-                    f"{ways.shape}"
+                    f"{directions.shape}"
                 )
-            return ways
+            return directions
         return np.broadcast_to(np.asarray(self.direction, float), places.shape)
 
     @property
@@ -191,13 +191,15 @@ class ShellMaterial:
     @property
     def stretching_stiffness(self) -> float:
         """Nominal stiffness in tension, the sum of E h over the layers [N/mm]."""
-        moduli = [one.material.stretching_modulus * one.thickness for one in self.layers]
+        moduli = [layer.material.stretching_modulus * layer.thickness for layer in self.layers]
         return float(np.add.reduce(moduli))
 
     @property
     def area_density(self) -> float:
         """Mass over area, the sum of rho h over the layers [t/mm²]."""
-        return float(np.add.reduce([one.material.density * one.thickness for one in self.layers]))
+        return float(
+            np.add.reduce([layer.material.density * layer.thickness for layer in self.layers])
+        )
 
     @property
     def is_symmetric(self) -> bool:
@@ -208,13 +210,13 @@ class ShellMaterial:
     def membrane_stiffness(self) -> Floats:
         """A, the integral of C over the thickness, shape (3, 3) [N/mm]."""
         points = zip(*self.thickness_points(), strict=True)
-        return np.asarray(np.sum([w * one.plane_stress() for _, w, one in points], axis=0))
+        return np.asarray(np.sum([w * law.plane_stress() for _, w, law in points], axis=0))
 
     @property
     def shear_stiffness(self) -> Floats:
         """The integral of the effective transverse shear moduli, shape (2, 2) [N/mm]."""
         points = zip(*self.thickness_points(), strict=True)
-        moduli = np.sum([w * one.transverse_shear() for _, w, one in points], axis=0)
+        moduli = np.sum([w * law.transverse_shear() for _, w, law in points], axis=0)
         return self.transverse_shear(moduli)
 
     @property
@@ -227,7 +229,7 @@ class ShellMaterial:
         if not self.is_symmetric:
             return None
         membrane, points = self.membrane_stiffness, zip(*self.thickness_points(), strict=True)
-        bending = np.sum([z * z * (w * one.plane_stress()) for z, w, one in points], axis=0)
+        bending = np.sum([z * z * (w * law.plane_stress()) for z, w, law in points], axis=0)
         ratio = float(bending[0, 0] / membrane[0, 0])
         shear = 0.5 * (membrane[0, 0] - membrane[0, 1])
         aside = [membrane[1, 1] - membrane[0, 0], membrane[2, 2] - shear, *membrane[:2, 2]]

@@ -103,7 +103,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
     quads : ndarray, shape (n_quad, 4)
         Node ids.
     flat : ndarray of bool, shape (n_quad,)
-        Quads that go into the first blocks.
+        Quads placed in the first blocks.
     """
     centre = nodes[quads].mean(axis=1)
     axes = np.argsort(-np.ptp(nodes, axis=0), kind="stable")

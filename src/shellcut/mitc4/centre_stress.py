@@ -130,7 +130,7 @@ class CentreStress:
         quads : ndarray of int, shape (n_quad, 4)
             Present node ids.
         which : ndarray of int, shape (n,)
-            The quads asked for.
+            The quads whose stress is wanted.
         place : {"mid", "top", "bottom"}
             As :meth:`MITC4Shell.stress`.
         """
@@ -147,7 +147,7 @@ class CentreStress:
         grown = np.cross(dg[:, 0], g[:, 1]) + np.cross(g[:, 0], dg[:, 1])
         size = np.einsum("nc,nc->n", area, area)
         dJ_over_J = (np.einsum("nc,nc->n", grown, area) / size)[:, None, None]
-        stress, strained = (_pushed(one, now.f, now.J) for one in (S, dS))
+        stress, strained = (_pushed(stress, now.f, now.J) for stress in (S, dS))
         turned = np.einsum("nij,nic,njd->ncd", _tensors(S), df, now.f) / now.J[:, None, None]
         total = stress * (1.0 - dJ_over_J) + strained + turned + turned.swapaxes(1, 2)
         return np.asarray(total)

@@ -1,8 +1,8 @@
 """Quads that have been folded flat: their area has shrunk to nothing somewhere.
 
-The logarithmic strain of a film without area is infinite. The laws hold it at a finite number
+The logarithmic strain of a film without area is infinite. The laws limit it to a finite number
 (:mod:`shellcut.material.logarithmic_strain`), which is no state of a film any more: a run with such
-laws is given up when it comes near.
+laws is given up when it is close to that.
 """
 
 from __future__ import annotations

@@ -299,7 +299,7 @@ def flat_resultants(table: Floats, moduli: FlatModuli, b: int, lane: Lane, s: Si
 
     because G^ab = A / J² and A E A = (A:E) A - det A adj E for symmetric 2 x 2 matrices (Cayley and
     Hamilton). Bending follows the membrane's law with the strains K. The products on the reference
-    surface give the metric in the same way as the strains give E.
+    surface give the metric in the same manner as the strains give E.
 
     table : (n_block, 10, width), the first six products on the reference surface and, at the Gauss
     points, k = C_11 J⁻³ / 2¹⁴. The strains here are 16 E, the metric 8 A, and r = Bᵀ n / 16, hence

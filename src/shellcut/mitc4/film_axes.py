@@ -1,8 +1,8 @@
 """Axes of the film at the Gauss points, for layers that differ along and across.
 
-The strains at a Gauss point come in the frame ê_1, ê_2 of :mod:`.section`, which follows the edges
-of the quad. A law with axes takes them along the film's direction d, of which the part normal to
-the director is left out, and across it. With the angle θ from ê_1 to d, cos θ and sin θ are two
+The strains at a Gauss point are given in the frame ê_1, ê_2 of :mod:`.section`, which follows the
+edges of the quad. A law with axes needs them along the film's direction d, of which the part normal
+to the director is left out, and across it. With the angle θ from ê_1 to d, cos θ and sin θ are two
 numbers a Gauss point, the same for all heights: on a curved film ê_1 turns about the director by
 less than the square of height over radius.
 """

@@ -17,7 +17,7 @@ from .point_tangent import differentiate_resultants, frozen_rule
 from .quad_strains import PointQuads
 from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
 
-# Stands for the moduli of the linear film.
+# Marks the moduli of the linear film.
 _NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
 _ANY_BASIS = np.empty((0, 2, 3))
 
@@ -39,7 +39,7 @@ class FilmTangents:
 
     @property
     def has_frozen_law(self) -> bool:
-        """Whether a law stands between the logarithmic strain and its stress, or has a like."""
+        """Whether a law relates the logarithmic strain to its stress, or has a like."""
         return self._frozen is not None
 
     def of_step(

@@ -3,7 +3,7 @@
 Damping is proportional to the stiffness, on the strain rate: the stress acts on
 u = s + rho (s_n - s_{n-1}), rho = beta / dt, the rate of the half step before t_n (so the step
 stays explicit; [Frangi2010] 5.2). So for a linear material the resultants are r = H u, one product.
-The ledger needs the stored energy ½ s·H s and, for the work of the damping stress that is
+The energy balance needs the stored energy ½ s·H s and, for the work of the damping stress that is
 consistent with the central difference, ½ rho (a_{n-1} + a_n)·H a_n with the strain steps
 a_n = s_n - s_{n-1}. Summed over all quads, A = s_n·H s_n, B = s_n·H a_n, C = a_n·H a_n and
 D = a_{n-1}·H a_n follow from three products with r and last step's A and B, because H is symmetric:
@@ -119,7 +119,7 @@ def _point_block(
         pick_all(step.last, b, 0, N_STRAIN, None),
         pick_all(step.before, b, 0, N_STRAIN, None),
     )
-    # The law has no stiffness H of its own: damping takes that of the elastic moduli.
+    # The law has no stiffness H of its own: damping uses that of the elastic moduli.
     viscous = stiffness_product(quads.tables, flat, b, None, minus(s, s_last), work)
     put_all(step.before, b, 0, None, s)
     add_to_nodes(rows, quads.corner, b, None, (xm, tm), plus_scaled(r, step.rho, viscous))
@@ -189,6 +189,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         corner, tables = linear.corner, linear.tables
         width = corner.shape[2]
         work = np.empty((2, N_STRAIN, width))
+        # A law with history writes here: this evaluation must not change that of the state.
         trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
             b, lane, flat, (xm, tm), s = one_quad(linear, slot[i])

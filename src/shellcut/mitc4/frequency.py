@@ -23,7 +23,7 @@ tensor (½ [E/(1 - nu²) + G] = 0.74 E for nu = 0.3). Hence omega² |V|² >= a |
   change of the base vectors there can have any direction: |B(d, V)|² <= theta² C_max |grad V|², and
   omega grows by at most sqrt(C_max/a) theta.
 
-All this also holds for nonlinear laws: the evaluated stiffness is that of the moduli C with the
+All this also applies to nonlinear laws: the evaluated stiffness is that of the moduli C with the
 law's own stresses, and C bounds its tangent.
 
 *What is damped.* Stiffness damping acts with Bᵀ H B, H being that of the elastic moduli. On the
@@ -96,7 +96,7 @@ class QuadFrequencies(Kept):
     tangents : callable
         Takes x, t and quad ids; returns their stiffness, shape (n, 20, 20).
     damping : callable, optional
-        Likewise, the stiffness that is damped, if it is another one.
+        Likewise, the stiffness that is damped, if it is another stiffness.
     """
 
     # The bounds depend on when each was evaluated.
@@ -152,7 +152,7 @@ class QuadFrequencies(Kept):
         self._evaluated_damped[which] = self.damped[which] = damped
 
     def cut(self, row: int, growth: Floats) -> None:
-        """Take the two parts of a row that has been cut; the new one comes after all others.
+        """Take the two parts of a row that has been cut; the new one is the last.
 
         Parameters
         ----------
@@ -175,7 +175,7 @@ class QuadFrequencies(Kept):
 
     def _at_rest(self) -> tuple[Floats, Floats]:
         first, same = _classes(self._mesh)
-        # In the layout of a state's arrays, so that the kernel is not compiled for a second one.
+        # In the layout of a state's arrays, so that the kernel is not compiled for a second layout.
         x, t = np.asfortranarray(self._mesh.nodes), np.asfortranarray(self._mesh.directors)
         squared, damped = self._bounds(x, t, first)
         return squared[same], damped[same]
@@ -189,7 +189,7 @@ class QuadFrequencies(Kept):
 
     def _bounds_of(self, stiffness: Tangents, x: Floats, t: Floats, which: Ints) -> Floats:
         squared = np.empty(which.size)
-        # In pieces: one stiffness takes 3.2 kB.
+        # In pieces: a single stiffness needs 3.2 kB.
         for begin in range(0, which.size, _PIECE):
             piece = which[begin : begin + _PIECE]
             mass, inertia = self._shares(piece)
@@ -272,6 +272,7 @@ def _follow(
         _products_of(reference, e, m)
         _products_of(present, e, s)
         for k in range(N_STRAIN):
+            # The change of the strains since the evaluation.
             s[k] -= m[k] + known.strain[known.row[e], k]
         stretch, turned = change_of_shape(reference.x, reference.quads, e, s)
         growth = (1.0 + by_stretch * stretch + by_turn * turned) ** 2

@@ -88,8 +88,8 @@ def mesh_quality(
 ) -> MeshQuality:
     """Return the shape and the stable step of every quad.
 
-    The step comes from the bound used in a run: the largest eigenvalue of a quad's stiffness on its
-    share of the mass, with the stiffness damping. Contact and pre-stress shorten it in a run.
+    The step follows from the bound used in a run: the largest eigenvalue of a quad's stiffness on
+    its share of the mass, with the stiffness damping. Contact and pre-stress shorten it in a run.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Places of all quads and copies in the blocks, and what stands there.
+"""Places of all quads and copies in the blocks, and their contents.
 
-A crack that crosses a quad replaces it by copies that hold a share w of it each. Energy, forces,
+A crack that crosses a quad replaces it by copies that carry a share w of it each. Energy, forces,
 damping, mass and inertia of a copy are those of the *whole* quad, at the copy's own nodes, times w
-([Song2006]). At the cut all copies move as the quad did, and the shares sum to one, so that
+([Song2006]). At the cut all copies move as the quad did, and the shares sum to 1, so that
 nothing changes: neither strain energy nor forces, nor mass, momentum or angular momentum of the
 film. Where stiffness and mass of a copy scale alike, its largest frequency is that of the quad,
 however small the share; a sliver gets more mass than that (:mod:`shellcut.fracture.cut_state`).
@@ -130,8 +130,8 @@ class Places:
     def _stiffness_of(self, quad: int) -> Floats:
         """Return the stiffness of a whole quad of the mesh, shape (136,).
 
-        That of some quads takes no longer than that of one, and a crack goes on to neighbours.
-        They are always the same ones: a sum may depend on their number in its last bit.
+        That of some quads costs no more than that of a single quad, and a crack runs on to
+        neighbours. They are always the same ones: a sum may depend on their number in its last bit.
         """
         patch = quad // _PATCH
         if patch not in self._stiffness:
@@ -153,13 +153,13 @@ class Places:
         linear.full_stiffness[at, :, lane] = share * self._stiffness_of(parent)
         if points.rule.place.size:
             frames = full_frames(X, T, points.rule).reshape(4, points.rule.place.size, -1).copy()
-            frames[..., -1] *= share  # the volume that a point stands for
+            frames[..., -1] *= share  # the volume that a point represents
             points.full_frame[at, :, lane] = frames.ravel()
         if self._material.has_axes:
             points.axes[b, :, lane] = film_axes(X, T, self._material)[0]
 
     def _empty(self, slot: int) -> None:
-        """Take the stiffness from the quad at a place; it goes on repeating a quad."""
+        """Take the stiffness from the quad at a place; it continues to repeat a quad."""
         linear, points = self.tables, self.points
         b, lane = divmod(slot, self.blocks.width)
         self.blocks.filled[b, lane] = False

@@ -86,7 +86,7 @@ class PointOutput:
         present : PresentQuads
             Gives all quads of this state.
         which : ndarray of int, shape (n,)
-            The quads asked for.
+            The quads whose output is wanted.
         place : {"mid", "top", "bottom", "nominal"}
             As in the table of this module.
         """
@@ -222,10 +222,10 @@ def _stresses(
                     J = 1.0
                 for k in range(3):
                     for m in range(3):
-                        one = (
+                        values = (
                             S[0] * f1[k] * f1[m]
                             + S[1] * f2[k] * f2[m]
                             + S[2] * (f1[k] * f2[m] + f2[k] * f1[m])
                         ) / J
                         for place in range(share.shape[0]):
-                            sigma[i, place, k, m] += 0.25 * share[place, j] * one
+                            sigma[i, place, k, m] += 0.25 * share[place, j] * values

@@ -206,21 +206,21 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
     return h
 
 
-def turn_into_axes(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> Floats:
+def turn_into_axes(A1: Floats, A2: Floats, T0: Floats, direction: Floats) -> Floats:
     """Return the matrices, shape (n, 5, 5), that turn Cartesian strains into the film's axes."""
-    c, s = axes_in_frame(A1, A2, T0, way)
+    c, s = axes_in_frame(A1, A2, T0, direction)
     turn = np.zeros((len(A1), 5, 5))
     turn[:, :3, :3] = strain_turns(c, s)
     turn[:, 3, 3], turn[:, 3, 4], turn[:, 4, 3], turn[:, 4, 4] = c, s, -s, c
     return turn
 
 
-def axes_in_frame(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> tuple[Floats, Floats]:
+def axes_in_frame(A1: Floats, A2: Floats, T0: Floats, direction: Floats) -> tuple[Floats, Floats]:
     """Return cos θ and sin θ from ê_1 to a direction, shape (n,); nan where it is normal."""
     _, frame = frame_components(A1, A2, T0)
-    along, aside = np.einsum("enc,ec->ne", frame, way)
+    along, aside = np.einsum("enc,ec->ne", frame, direction)
     size = np.hypot(along, aside)
-    size[~(size > LEAST_IN_SHEET * np.linalg.norm(way, axis=1))] = np.nan
+    size[~(size > LEAST_IN_SHEET * np.linalg.norm(direction, axis=1))] = np.nan
     return along / size, aside / size
 
 
@@ -287,7 +287,7 @@ def frame_components(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    """Return a x b of rows : (n, 3); np.cross takes four times as long for a few rows."""
+    """Return a x b of rows : (n, 3); np.cross is four times as slow for a few rows."""
     product = np.empty_like(a)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         product[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]

@@ -127,7 +127,7 @@ class MITC4Shell:
 
     @property
     def blocks(self) -> QuadBlocks:
-        """Which quad stands at which place."""
+        """Which quad is at which place."""
         return self._places.blocks
 
     @property
@@ -210,7 +210,7 @@ class MITC4Shell:
         n_strip, copies = self._n_strip, self._places.has_copies
         sums = np.zeros((n_strip + copies, 3))
         rows = state.node.force_rows
-        quads = self._present.held(state)
+        quads = self._present.address(state)
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(2 if n_strip > 1 else 1):
@@ -240,7 +240,7 @@ class MITC4Shell:
         shares: tuple[float, float],
         mass_shares: tuple[float, float],
     ) -> None:
-        """Give the two copies of a cut quad what they hold of it.
+        """Give the two copies of a cut quad the part of it that they carry.
 
         Mass and stiffness by their shares, which are written to the state; strains and history are
         copied. Their nodes are as they were: :mod:`shellcut.fracture` assigns new ones.
@@ -252,7 +252,7 @@ class MITC4Shell:
         row, new : int
             What was cut and keeps one part, and the row of the other part, the last one.
         shares, mass_shares : tuple of two floats
-            What each holds of the whole quad of the mesh and of its mass.
+            What each carries of the whole quad of the mesh and of its mass.
         """
         self._take_rows(state)
         quad, both = state.quad, [row, new]
@@ -280,7 +280,7 @@ class MITC4Shell:
         self._present.forget()
 
     def _take_rows(self, state: State) -> None:
-        """Make room for the copies that have come to the state."""
+        """Make room for the copies that the state has got."""
         copies = state.quad.parent[len(self.mass) : state.n_quad]
         if not copies.size:
             return
@@ -318,7 +318,7 @@ class MITC4Shell:
         self._write_corner_forces(
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
-            self._present.held(state),
+            self._present.address(state),
             self._step(state),
             force,
         )
@@ -363,7 +363,7 @@ class MITC4Shell:
         displacement, rotation : ndarray, shape (n_node, 3)
             The motion of the nodes [mm], and the spin vectors of the directors [rad].
         """
-        assert isinstance(self._output, CentreStress), "statics takes linear materials only"
+        assert isinstance(self._output, CentreStress), "statics accepts linear materials only"
         turn = np.cross(rotation, t)
         return self._output.linear(x, t, displacement, turn, quads, which, place)
 

@@ -1,10 +1,10 @@
 """How the history at the points of quads changes as these slide along the reference film.
 
-The history belongs to the film: a point that slides by q e comes to film with the history
+The history belongs to the film: a point that slides by q e reaches film with the history
 h + q e · ∇h. For the slope ∇h, the numbers of a quad and of all that share a node with it are
 fitted, height by height, by a plane over their Gauss points, weighted by the film there. That is
-exact for a history that is linear in place, also at a rim, where all neighbours lie on one side.
-The flanks of a crack share no node, so neither takes part in the fit of the other. Strains among
+exact for a history that is linear in place, also at a border, where all neighbours lie on one side.
+The flanks of a crack share no node, so neither is part of the fit of the other. Strains among
 the numbers are turned into common axes for the fit, and their slopes back. As its corners slide, a
 quad turns, and its axes with it: they find the same strain of the film in other components.
 """
@@ -75,14 +75,14 @@ class SlidingHistory(NamedTuple):
         near = np.flatnonzero(np.isin(quads, quads[rows]).any(axis=1))
         X, T = film.x[film.quads[near]], film.t[film.quads[near]]
         places = np.einsum("qa,eai,ki->eqk", _AT_GAUSS, X, base)
-        held = shell.area[near] * state.quad.share[near]
+        film_area = shell.area[near] * state.quad.share[near]
         slopes = []
         for row in rows:
             on = np.isin(quads[near], quads[row]).any(axis=1)
-            slopes.append(_slope(places, on * held))
+            slopes.append(_slope(places, on * film_area))
         weights = np.einsum("eq,kenr->keqnr", product(q, _AT_GAUSS.T), np.stack(slopes, axis=1))
         n_each = shell.points.rule.place.size // len(layers)
-        strains = tuple(one.material.law.turning for one in layers for _ in range(n_each))
+        strains = tuple(layer.material.law.turning for layer in layers for _ in range(n_each))
         own = np.searchsorted(near, rows)
         slides = np.einsum("ea,ki->keai", q, base)
         spin = []
@@ -142,9 +142,9 @@ def _angles(X: Floats, T: Floats, material: ShellMaterial, base: Floats) -> Floa
     angles = []
     for n, A1, A2, T0, _, _ in gauss_geometry(X, T):
         _, frame = frame_components(A1, A2, T0)
-        way = frame[:, 0]
+        axis = frame[:, 0]
         if material.has_axes:
             along = material.direction_at(np.einsum("a,eac->ec", n, X))
-            way = np.einsum("in,nij->nj", axes_in_frame(A1, A2, T0, along), frame)
-        angles.append(each(math.atan2, product(way, base[1]), product(way, base[0])))
+            axis = np.einsum("in,nij->nj", axes_in_frame(A1, A2, T0, along), frame)
+        angles.append(each(math.atan2, product(axis, base[1]), product(axis, base[0])))
     return np.stack(angles, axis=1)

@@ -13,7 +13,7 @@ and a move of the film in space change the energy of a quad by the sum over its 
 v being the volume of the point. e = A s with the sixteen strains s of the quad, the present
 products minus those of the reference (:mod:`shellcut.mitc4.element`), so that e' = A' s + A s'; A'
 and v' are differences over ``_STEP``. The history belongs to the film below: where a point slides
-by q e, it comes to film whose history is another, h' = q e · ∇h (:mod:`.sliding_history`). For a
+by q e, it reaches film whose history is another, h' = q e · ∇h (:mod:`.sliding_history`). For a
 film that yields psi_h · h' = -T · (q e · ∇) eps_p, with the stress T.
 """
 
@@ -118,7 +118,7 @@ class SlidingPoints:
         moves, turns : ndarray, shape (n_slide, n, 4, 3)
             How each corner moves in space with each slide, per mm, and its director turns [1/mm].
         history : tuple of ndarray, optional
-            Of :meth:`.SlidingHistory.of_state`, for laws that keep one.
+            Of :meth:`.SlidingHistory.of_state`, for laws that keep a history.
         """
         here = self._here
         s = quad_products(x, t) - here.products
@@ -162,7 +162,7 @@ class SlidingPoints:
 
 
 def slide_ends(X: Floats, T: Floats, slides: Floats) -> Iterator[tuple[Ends, Ends, float]]:
-    """Yield, for each slide, (X, T) a little way along it and before it, and that way [mm].
+    """Yield, for each slide, (X, T) a little along it and before it, and their distance [mm].
 
     Parameters as of :class:`SlidingPoints`.
     """

@@ -1,7 +1,7 @@
-"""How far the film's stretch since the last look at all quads may have stiffened it.
+"""How far the film's stretch since the last evaluation of all quads may have stiffened it.
 
-A look at all quads costs as much as tens of steps; this costs a third of one. Where a quad has been
-stretched by epsilon its bound omega² has grown by up to 2 (1 + ½ C_max/a) epsilon
+An evaluation of all quads costs as much as tens of steps; this costs a third of one. Where a quad
+has been stretched by epsilon its bound omega² has grown by up to 2 (1 + ½ C_max/a) epsilon
 (:mod:`.frequency`). Bending is left out: it hardly changes what is evaluated.
 """
 
@@ -22,7 +22,7 @@ from shellcut.state import State
 from .element import modes
 
 
-class LastLook(NamedTuple):
+class LastEvaluation(NamedTuple):
     """The quads as they were."""
 
     squared: Annotated[Floats, "(n_quad,)"]
@@ -45,27 +45,27 @@ class StretchSince(Kept):
     def __init__(self, by_stretch: float) -> None:
         self._by_stretch = by_stretch
         self._store, self._most = BoundOnce(_store_metrics), BoundOnce(_most_stretched)
-        self._last = LastLook(np.zeros(0), np.zeros((0, 3)))
+        self._last = LastEvaluation(np.zeros(0), np.zeros((0, 3)))
 
     def take(self, state: State, squared: Floats) -> None:
         """Begin anew, with the bounds of all quads [1/s²], an array that is kept."""
-        self._last = LastLook(squared, np.empty((state.n_quad, 3)))
+        self._last = LastEvaluation(squared, np.empty((state.n_quad, 3)))
         self._store(0, state.node.x, state.quads, self._last.metric)
 
     def follow(self, state: State, squared: Floats) -> None:
-        """Go on with other bounds [1/s²]: what holds the quads has changed, or copies have come.
+        """Continue with other bounds [1/s²]: what acts on the quads has changed, or copies are new.
 
-        What quads have been stretched since the last look stays; some of them may have been
+        The stretch of quads since the last evaluation stays; some of them may have been
         evaluated meanwhile, their stretch then counts twice.
         """
         known = len(self._last.metric)
         metric = np.concatenate([self._last.metric, np.empty((state.n_quad - known, 3))])
         self._store(known, state.node.x, state.quads, metric)
-        self._last = LastLook(squared, metric)
+        self._last = LastEvaluation(squared, metric)
 
     @property
     def largest(self) -> float:
-        """Largest bound of omega² at the last look [1/s²]."""
+        """Largest bound of omega² at the last evaluation [1/s²]."""
         return float(self._last.squared.max())
 
     def growth(self, state: State) -> float:
@@ -74,7 +74,7 @@ class StretchSince(Kept):
         Returns
         -------
         float
-            1 before the first look. Copies that nobody has followed yet are left out.
+            1 before the first evaluation. Copies that have not been followed yet are left out.
         """
         if not self._last.squared.size:
             return 1.0
@@ -101,10 +101,11 @@ def _store_metrics(first: int, x: Floats, quads: Ints, metric: Floats) -> None:
 
 
 @kernel
-def _most_stretched(x: Floats, quads: Ints, last: LastLook, rate: float) -> float:
+def _most_stretched(x: Floats, quads: Ints, last: LastEvaluation, rate: float) -> float:
     """Return the largest of squared, each grown by rate times its largest stretch.
 
-    x : (n_node, 3).  quads : (n, 4), of the last look and, behind these, copies that are newer.
+    x : (n_node, 3).  quads : (n, 4), of the last evaluation and, behind these, copies that are
+    newer.
     """
     last = borrowed(last)
     most = 0.0

@@ -79,7 +79,7 @@ def quad_products(x: Floats, t: Floats) -> Floats:
 def quad_products_change(x: Floats, t: Floats, dx: Floats, dt: Floats) -> Floats:
     """Return the linear change of the products of quads by a motion, shape (n, 16)."""
     m = np.empty((len(x), N_STRAIN))
-    x, t, dx, dt = (np.ascontiguousarray(one) for one in (x, t, dx, dt))
+    x, t, dx, dt = (np.ascontiguousarray(rows) for rows in (x, t, dx, dt))
     _write_products_change(x, t, dx, dt, m)
     return m
 

@@ -15,7 +15,7 @@ d = 1: strains are turned once per Gauss point, and the law is evaluated at e + 
 
 The loop over the heights with a linear law is a few operations and inlined. With other laws it is a
 function of its own, called at each Gauss point: while the law is evaluated, the 32 strains and
-resultants of the quad would be in its way, and four copies would exceed the processor's cache.
+resultants of the quad would disturb that, and four copies would exceed the processor's cache.
 """
 
 # Functions that call a law of any kind take arguments of several kinds.
@@ -106,7 +106,7 @@ def build_rule(material: ShellMaterial) -> PointRule:
     for row, given in zip(parameters, rows, strict=True):
         row[: given.size] = given
     moduli = [material.transverse_shear(layer.transverse_shear()) for layer in layers]
-    shear = np.array([[one[0, 0], one[0, 1], one[1, 1]] for one in moduli])
+    shear = np.array([[block[0, 0], block[0, 1], block[1, 1]] for block in moduli])
     return PointRule(
         place,
         weight,

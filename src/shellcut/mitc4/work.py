@@ -8,7 +8,7 @@ from shellcut.state import State
 
 
 class Work(NamedTuple):
-    """Energies of one evaluation of the shell's forces, for the ledger."""
+    """Energies of one evaluation of the shell's forces, for the energy balance."""
 
     strain_energy: float
     """Stored energy at t_n [N·mm]."""

@@ -3,7 +3,7 @@
 An array that is taken out of a table inside a kernel counts its references, 5 ns each time and in
 every round of a loop; a term of the tool touches dozens of arrays for each node or cable. A kernel
 therefore begins with ``tables = borrowed(tables)``. The same line reads a table that has been laid
-out beforehand (:mod:`shellcut.numerics.held_table`).
+out beforehand (:mod:`shellcut.numerics.table_address`).
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for those who write them.
@@ -25,7 +25,7 @@ T = TypeVar("T")
 def borrowed(table: T) -> T:
     """Return a table or array that counts no references, for use within a kernel.
 
-    The caller of the kernel holds the arrays all the while; the kernel must not return them.
+    The caller of the kernel keeps the arrays alive meanwhile; the kernel must not return them.
     """
     return table
 
@@ -37,21 +37,21 @@ def lent(table: T) -> T:
     """Return the address of a borrowed table, to pass to a function that is not inlined.
 
     Such a function would take an array in ten pieces. It begins with ``table = borrowed(table)``.
-    Arrays that the kernel itself has made must not be lent: their memory may be gone.
+    Arrays that the kernel itself has made must not be lent: their memory may be freed.
     """
     return table
 
 
-class HeldType(types.Type):
+class AddressType(types.Type):
     """Numba's type of the address of a table of a certain kind."""
 
     def __init__(self, kind: Any) -> None:
         self.kind = kind
-        super().__init__(name=f"Held({kind})")
+        super().__init__(name=f"Address({kind})")
 
 
-@register_model(HeldType)
-class _HeldModel(models.OpaqueModel):
+@register_model(AddressType)
+class _AddressModel(models.OpaqueModel):
     """A pointer."""
 
 
@@ -59,7 +59,7 @@ class _HeldModel(models.OpaqueModel):
 def _borrowed(table: Any) -> Any:
     if isinstance(table, types.NoneType):
         return table(table), lambda context, builder, given: given[0]
-    kind = table.kind if isinstance(table, HeldType) else table
+    kind = table.kind if isinstance(table, AddressType) else table
 
     def code(context: Any, builder: Any, given: Any) -> Any:
         (value,) = given
@@ -77,7 +77,7 @@ def _lent(table: Any) -> Any:
         bare = without_owner(context, builder, table, given[0])
         return builder.bitcast(cgutils.alloca_once_value(builder, bare), cgutils.voidptr_t)
 
-    return HeldType(table)(table), code
+    return AddressType(table)(table), code
 
 
 def without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:

@@ -54,7 +54,8 @@ def close_parts(points: Floats, reach: float) -> Ints:
     >>> close_parts(np.array([[0.0], [2.0], [0.1], [2.0]]), 0.5).tolist()
     [0, 1, 0, 1]
     """
-    # Points at one place have as many pairs as the square of their number: they are one point.
+    # Points at one place have as many pairs as the square of their number: they count as a single
+    # point.
     order = np.lexsort(points.T)
     differs = (points[order[1:]] != points[order[:-1]]).any(axis=1)
     place = np.zeros(len(points), np.int64)

@@ -57,9 +57,9 @@ def common_winding(cells: Ints, n_node: int) -> Winding:
     key = key[order]
     first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]]))
     pairs = first[np.diff(np.append(first, key.size)) == 2]
-    one, two = order[pairs], order[pairs + 1]
-    agree = start[one] != start[two]
-    a, b = one // n_corner, two // n_corner
+    earlier, later = order[pairs], order[pairs + 1]
+    agree = start[earlier] != start[later]
+    a, b = earlier // n_corner, later // n_corner
 
     # copy 2 c is cell c as it is, copy 2 c + 1 reversed
     rows = np.concatenate([2 * a, 2 * a + 1])
@@ -69,7 +69,7 @@ def common_winding(cells: Ints, n_node: int) -> Winding:
     _, part = np.unique(np.minimum(as_is, reverse), return_inverse=True)
     votes = np.bincount(as_is, minlength=2 * n_cell)
     turned = votes[reverse] > votes[as_is]
-    # of two images with equal votes the one with the first cell of the part unreversed
+    # of two images with equal votes that in which the first cell of the part is unreversed
     _, first_cell = np.unique(part, return_index=True)
     tie = votes[reverse] == votes[as_is]
     turned |= tie & (as_is != as_is[first_cell][part])

@@ -19,9 +19,9 @@ R = TypeVar("R")
 
 
 def for_kernels(typed: Callable[P, R]) -> Callable[P, R]:
-    """Return a function that only kernels call, from what says which code stands for its calls.
+    """Return a function that only kernels call, from a function that gives the code for its calls.
 
-    What is decorated is annotated as kernels call it, and does what :func:`in_kernels` asks for.
+    The decorated function is annotated as kernels call it, and does what :func:`in_kernels` needs.
     """
 
     @functools.wraps(typed)
@@ -33,12 +33,12 @@ def for_kernels(typed: Callable[P, R]) -> Callable[P, R]:
 
 
 def in_kernels(function: Callable[..., Any]) -> Callable[[F], F]:
-    """Return a decorator of what says which code stands for calls of a function in kernels.
+    """Return a decorator of a function that gives the code for calls of a function in kernels.
 
-    What is decorated takes Numba's types of the arguments and returns a signature, or None if there
-    is no such function of them, and a function of context, builder and values that writes LLVM's
-    code and returns the value, if there is one. An integer that stands in the source has its value
-    in its type. From Python the function itself is called.
+    The decorated function takes Numba's types of the arguments and returns a signature, or None if
+    there is no such function of them, and a function of context, builder and values that writes
+    LLVM's code and returns the value, if there is one. An integer that is written in the source has
+    its value in its type. From Python the function itself is called.
 
     An ``overload`` would be a function of its own to Numba, compiled for each of its callers. Its
     ``inline="always"`` makes Numba look for dead code, and what is stored into a borrowed table

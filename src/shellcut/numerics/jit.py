@@ -33,7 +33,7 @@ import numba as nb
 from numba.core import event, types
 from numba.extending import register_jitable
 
-from shellcut.signals import HeldBack
+from shellcut.signals import SignalsDeferred
 
 from .inlined_code import InlinedCompiler, KernelCompiler
 from .kernel_cache import KernelCache
@@ -76,7 +76,7 @@ def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[...
     def compile_alone(types: object, wait: bool = True) -> Any:
         if compiled.overloads.get(types) is not None:
             return compile_(types)
-        with compiled._cache.alone(wait=wait) as is_alone, HeldBack(), _uncollected():
+        with compiled._cache.alone(wait=wait) as is_alone, SignalsDeferred(), _uncollected():
             return compile_(types) if is_alone else None
 
     return compile_alone
@@ -86,7 +86,7 @@ def _undisturbed(compile_: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap a compilation so that signals wait for its end."""
 
     def compile_undisturbed(types: object) -> Any:
-        with HeldBack():
+        with SignalsDeferred():
             return compile_(types)
 
     return compile_undisturbed

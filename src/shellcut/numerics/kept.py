@@ -1,7 +1,7 @@
 """What a checkpoint keeps of an object: some of its attributes, by their names.
 
 Such an attribute is an array, a number, a table of arrays, or an object that keeps something
-itself, by ``saved`` and ``restore``. One that is None keeps nothing.
+itself, by ``saved`` and ``restore``. An attribute that is None keeps nothing.
 """
 
 from __future__ import annotations
@@ -39,13 +39,15 @@ class Kept:
         take_over(self, self.kept_names, saved)
 
 
-def saved_of(holder: object, names: Iterable[str]) -> dict[str, Any]:
+def saved_of(owner: object, names: Iterable[str]) -> dict[str, Any]:
     """Return some attributes as a checkpoint keeps them, without the underscores before them."""
-    return {name.lstrip("_"): _saved(getattr(holder, name)) for name in names}
+    return {name.lstrip("_"): _saved(getattr(owner, name)) for name in names}
 
 
-def take_over(holder: object, names: Iterable[str], saved: Mapping[str, Any]) -> None:
-    """Give attributes the values of :func:`saved_of`; what they hold itself stays as it is.
+def take_over(owner: object, names: Iterable[str], saved: Mapping[str, Any]) -> None:
+    """Give attributes the values of :func:`saved_of`.
+
+    Objects with ``restore`` stay the same objects.
 
     Raises
     ------
@@ -53,8 +55,8 @@ def take_over(holder: object, names: Iterable[str], saved: Mapping[str, Any]) ->
         If the rows of an array of a table have another shape.
     """
     for name in names:
-        value = _restored(name, getattr(holder, name), saved[name.lstrip("_")])
-        setattr(holder, name, value)
+        value = _restored(name, getattr(owner, name), saved[name.lstrip("_")])
+        setattr(owner, name, value)
 
 
 def _saved(value: Any) -> Any:

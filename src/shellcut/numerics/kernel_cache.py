@@ -1,13 +1,13 @@
 """Numba's cache of machine code on disk, made to notice every edit and to bear damaged files.
 
-Numba stamps what it stores of a kernel with the kernel's own file. A kernel holds copies of the
+Numba stamps what it stores of a kernel with the kernel's own file. A kernel contains copies of the
 functions that it calls, which stand in other files, and of the values that these read: here the
 stamp is the digest of all of them (:mod:`shellcut.numerics.source_digest`). A stored file that is
 cut short, of other content or out of date counts as none, and the kernel is compiled anew; where
 nothing can be stored, it is compiled in every process.
 
 A release brings machine code for two kinds of x86-64 processors, in the package's folder
-``compiled``, which is only read: a processor takes what it understands before it looks at its own
+``compiled``, which is only read: a processor uses what it understands before it searches its own
 (``.ci/release.py`` makes such a wheel). It is found and judged as any other.
 
 Several processes may need a kernel at once, as those of a study on a new machine. One compiles it,
@@ -46,8 +46,8 @@ LEVELS = {"x86-64-v4": _V4, "x86-64-v3": _V3}
 
 def _levels(name: str, features: str) -> list[str]:
     """Return the levels that a processor, as Numba names it, belongs to, the highest first."""
-    understood = {one[1:] for one in features.split(",") if one.startswith("+")}
-    return [one for one, asked in LEVELS.items() if one == name or asked <= understood]
+    understood = {flag[1:] for flag in features.split(",") if flag.startswith("+")}
+    return [level for level, needed in LEVELS.items() if level == name or needed <= understood]
 
 
 class _KernelFile(IndexDataCacheFile):
@@ -73,7 +73,7 @@ class _KernelFile(IndexDataCacheFile):
     def _load_data(self, name: str) -> Any:
         data = Path(self._data_path(name)).read_bytes()
         digest, code = data[:_N_DIGEST], data[_N_DIGEST:]
-        with suppress(Exception):  # it may name what another version of NumPy holds
+        with suppress(Exception):  # it may name what another version of NumPy contains
             return pickle.loads(code) if hashlib.sha256(code).digest() == digest else None
 
     def _save_data(self, name: str, data: Any) -> None:
@@ -83,7 +83,7 @@ class _KernelFile(IndexDataCacheFile):
 
 
 class _Nowhere:
-    """The place of what cannot be stored, as Numba asks for it."""
+    """The place of what cannot be stored, as Numba requires it."""
 
     def __init__(self, line: int) -> None:
         self._line = line
@@ -105,7 +105,7 @@ class _Nowhere:
         """Return none: nothing is kept."""
 
     def get_disambiguator(self) -> str:
-        """Return what tells functions of one name apart, as Numba does for those in files."""
+        """Return what distinguishes functions of a name, as Numba does for those in files."""
         return str(self._line)
 
 
@@ -155,7 +155,7 @@ class KernelCache(FunctionCache):
         return any(key in file._load_index() for file, key in places)
 
     def _places(self, signature: Any, codegen: Any) -> Iterator[tuple[_KernelFile, Any]]:
-        """Yield where machine code may be, and its key there; a release comes first."""
+        """Yield where machine code may be, and its key there; a release is first."""
         kinds, (triple, *processor), content = key = self._index_key(signature, codegen)
         source = Path(self._py_func.__code__.co_filename)
         for level in _levels(*processor) if in_package(source) else ():

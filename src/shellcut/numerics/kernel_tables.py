@@ -9,7 +9,7 @@ mistake. The annotation of a field gives its contents,
 
 and :func:`check_tables` compares the arrays with it: kind of number, number of dimensions, lengths
 given as numbers, and that lengths of the same name are equal. Fields without a shape are not
-checked; tables within tables are. This takes a few tenths of a millisecond, so it is done when a
+checked; tables within tables are. This costs a few tenths of a millisecond, so it is done when a
 kernel is bound, not at each call.
 """
 
@@ -38,10 +38,10 @@ class _Wanted(NamedTuple):
         return f"an array{kind} of shape ({lengths})"
 
 
-class HeldTable(int):
+class TableAddress(int):
     """Address of a table that is laid out for kernels; it keeps the arrays alive.
 
-    An int, because a kernel gets at the value of one in a single call.
+    An int, because a kernel reads the value of an int in a single call.
     """
 
     table: Any
@@ -53,7 +53,7 @@ class HeldTable(int):
 
 
 def check_tables(arguments: Iterable[object]) -> None:
-    """Refuse arguments with a table that holds a wrong array in some field.
+    """Refuse arguments with a table with a wrong array in some field.
 
     Raises
     ------
@@ -62,13 +62,13 @@ def check_tables(arguments: Iterable[object]) -> None:
     """
     known: dict[str, tuple[int, str]] = {}
     for argument in arguments:
-        table = argument.table if isinstance(argument, HeldTable) else argument
+        table = argument.table if isinstance(argument, TableAddress) else argument
         if _is_table(table):
             _check_table(table, known)
 
 
 def _check_table(table: Any, known: dict[str, tuple[int, str]]) -> None:
-    """Check one table; ``known`` holds lengths by name, with the field that gave them first."""
+    """Check one table; ``known`` has the lengths by name, with the field that gave them first."""
     for field in table:
         if _is_table(field):
             _check_table(field, known)
@@ -82,9 +82,9 @@ def _check_table(table: Any, known: dict[str, tuple[int, str]]) -> None:
         )
         lengths = dict(zip(wanted.shape, array.shape, strict=True)) if fits else {}
         if not fits or any(name.isdigit() and int(name) != n for name, n in lengths.items()):
-            came = f"{array.dtype} of {array.shape}" if isinstance(array, np.ndarray) else array
+            got = f"{array.dtype} of {array.shape}" if isinstance(array, np.ndarray) else array
             raise TypeError(
-                f"{place} must be {wanted.text}, got {came}: is another array in its place?"
+                f"{place} must be {wanted.text}, got {got}: is another array in its place?"
             )
         for name, length in lengths.items():
             first, there = known.setdefault(name, (length, place))
@@ -104,8 +104,8 @@ def _wanted(table: type) -> tuple[_Wanted, ...]:
     """Return the requirements of a table's fields that have a shape; Python reads them slowly."""
     found = []
     for name, hint in get_type_hints(table, include_extras=True).items():
-        for told in getattr(hint, "__metadata__", ()):
-            shape = tuple(length.strip() for length in told.strip("()").split(",") if length)
+        for shape_text in getattr(hint, "__metadata__", ()):
+            shape = tuple(length.strip() for length in shape_text.strip("()").split(",") if length)
             number = _of_dtype(get_args(hint.__origin__)[-1])
             found.append(_Wanted(name, None if number is Any else _generic(number), shape))
     return tuple(found)

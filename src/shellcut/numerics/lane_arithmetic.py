@@ -22,10 +22,10 @@ CONTRACT = ("contract",)
 
 
 def broadcast(builder: Any, value: Any) -> Any:
-    """Return lanes that all hold the same double."""
+    """Return lanes that all contain the same double."""
     nothing = ir.Constant(LANES, ir.Undefined)
-    one = builder.insert_element(nothing, value, ir.Constant(I32, 0))
-    return builder.shuffle_vector(one, one, vector_constant(I32, [0] * WIDTH))
+    first = builder.insert_element(nothing, value, ir.Constant(I32, 0))
+    return builder.shuffle_vector(first, first, vector_constant(I32, [0] * WIDTH))
 
 
 def called(builder: Any, name: str, *given: Any) -> Any:

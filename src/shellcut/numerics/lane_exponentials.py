@@ -8,7 +8,7 @@ block. A vector call of the C library would be split into eight calls, so lanes 
 * exp x = 2^k exp r with |r| <= ½ ln 2, by the series to r^13, with the same remainder.
 
 Both are within two units of the last place of doubles. The series are summed in pairs, and pairs of
-pairs: each product of a chain waits for the one before it.
+pairs: each product of a chain waits for the previous product.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -84,7 +84,7 @@ def _nearest_integer(x: Any) -> Any:
 
 @for_kernels
 def _two_to_the(k: Any) -> Any:
-    """Return 2^k of lanes that hold whole numbers k of normal powers."""
+    """Return 2^k of lanes that contain whole numbers k of normal powers."""
 
     def code(context: Any, builder: Any, given: Any) -> Any:
         power = builder.add(builder.fptosi(*given, _INTEGERS), _constants(_BIAS))

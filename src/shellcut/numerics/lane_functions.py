@@ -25,7 +25,7 @@ from .lane_instructions import DOUBLE, DOUBLES, LANES, WIDTH, ZEROS, LanesType
 
 
 def _number(*kinds: Any) -> Any:
-    """Return the type of a number of some: lanes if one of them is."""
+    """Return the common type of some numbers: lanes if one of them is lanes."""
     return DOUBLES if any(isinstance(kind, LanesType) for kind in kinds) else types.float64
 
 

@@ -6,7 +6,7 @@ at its start and the scatters at its end. Lanes are explicit vectors. The mechan
 quads of a block.
 
 Only loads and stores differ, and the functions here hide that. Their argument ``lane`` selects
-quads of a block: an integer takes one, as a float; ``None`` takes all eight:
+quads of a block: an integer selects one, as a float; ``None`` selects all eight:
 
 =====================================  ===================================================
 :func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
@@ -124,7 +124,7 @@ def pick_all(table: Floats, b: int, first: int, n: Any, lane: Lane) -> tuple[Num
     def code(context: Any, builder: Any, values: Any) -> Any:
         places = *values[:3], values[4]
         where = _addresses(context, builder, table, lane, places, returned.count)
-        loaded = [builder.load(one, align=8) for one in where]
+        loaded = [builder.load(address, align=8) for address in where]
         return context.make_tuple(builder, returned, loaded)
 
     return returned(table, types.intp, types.intp, n, lane_of(lane)), code

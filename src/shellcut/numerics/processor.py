@@ -51,8 +51,8 @@ def _aligned(*marks: str) -> Any:
 
     def code(context: Any, builder: Any, given: Any) -> None:
         builder.function.attributes.alignstack = CACHE_LINE
-        for one in marks:
-            builder.function.attributes.add(one)
+        for mark in marks:
+            builder.function.attributes.add(mark)
 
     return types.void(), code
 
@@ -73,14 +73,14 @@ def not_inlined() -> Any:
     """Keep the calling function apart from the kernels that call it, with a stack of its own.
 
     For many operations on few numbers, or that are seldom needed: their registers are then their
-    own, a kernel with several calls holds them once, and compiles faster.
+    own, a kernel with several calls contains them once, and compiles faster.
     """
     return _aligned("noinline", "nounwind")
 
 
 @for_kernels
 def seldom(condition: bool) -> Any:
-    """Return a condition that a branch asks for and that is seldom true.
+    """Return a condition of a branch that is seldom true.
 
     The compiler then keeps in registers what the other branch needs.
     """

@@ -5,7 +5,7 @@
 ``"float64[2F]"``           an array with its dimensions and layout, ``"float64[2C!]"`` if read-only
 ``["a.b:Table", ...]``      a named tuple of class ``Table`` in module ``a.b``, and its fields
 ``["tuple", ...]``          any other tuple
-``["held", table]``         the address of a table (:mod:`shellcut.numerics.held_table`)
+``["address", table]``      the address of a table (:mod:`shellcut.numerics.table_address`)
 ==========================  ======================================================================
 """
 
@@ -20,7 +20,7 @@ from typing import Any
 
 from numba.core import types
 
-from .borrowed import HeldType
+from .borrowed import AddressType
 
 _ARRAY = re.compile(r"(\w+)\[(\d)([CFA])(!?)\]")
 
@@ -35,8 +35,8 @@ def written(kind: Any) -> Any:
     """
     if isinstance(kind, types.Array):
         return f"{kind.dtype}[{kind.ndim}{kind.layout}{'' if kind.mutable else '!'}]"
-    if isinstance(kind, HeldType):
-        return ["held", written(kind.kind)]
+    if isinstance(kind, AddressType):
+        return ["address", written(kind.kind)]
     if isinstance(kind, types.BaseNamedTuple):
         table = kind.instance_class
         return [f"{table.__module__}:{table.__qualname__}", *map(written, kind.types)]
@@ -55,8 +55,8 @@ def read(data: Any) -> Any:
             return types.Array(read(number), int(n), layout, readonly=bool(locked))
         return getattr(types, "boolean" if data == "bool" else data)
     name, *fields = data
-    if name == "held":
-        return HeldType(read(fields[0]))
+    if name == "address":
+        return AddressType(read(fields[0]))
     kinds = tuple(map(read, fields))
     if name == "tuple":
         return types.Tuple(kinds)
@@ -64,6 +64,6 @@ def read(data: Any) -> Any:
 
 
 def named(name: str) -> Any:
-    """Return what stands in a module under a name, ``"module:name"``."""
+    """Return the object of a module with a name, ``"module:name"``."""
     module, _, inside = name.partition(":")
     return getattr(importlib.import_module(module), inside)

@@ -33,8 +33,8 @@ def inverse(matrices: Floats) -> Floats:
         (a, b), (c, d) = np.moveaxis(matrices, (-2, -1), (0, 1))
         cofactors = np.moveaxis(np.array([[d, -b], [-c, a]]), (0, 1), (-2, -1))
     else:
-        one, two, three = np.moveaxis(matrices, -1, 0)
-        across = np.cross(two, three), np.cross(three, one), np.cross(one, two)
+        first, second, third = np.moveaxis(matrices, -1, 0)
+        across = np.cross(second, third), np.cross(third, first), np.cross(first, second)
         cofactors = np.stack(across, axis=-2)
     determinant = np.einsum("...i,...i->...", cofactors[..., 0, :], matrices[..., :, 0])
     if not determinant.all():

@@ -2,12 +2,12 @@
 
 Kernels are compiled with copies of the functions that they call and of the values that these read,
 so what is stored of them on disk (:mod:`shellcut.numerics.kernel_cache`) is out of date when any of
-these changes. The digest covers every source of shellcut. Of a function that stands elsewhere, such
-as a law of a user's own, it covers its file, its code, its defaults and the values that it reads:
-globals, cells of closures, and what it names of modules and classes; then the same of all functions
-among these. So it does not matter whether a number comes from a factory, another module, an
-environment variable or a file. Which of shellcut's sources a kernel reaches cannot be read off its
-functions for sure: a constant does not say where it stands.
+these changes. The digest covers every source of shellcut. Of a function that is defined elsewhere,
+such as a law of a user's own, it covers its file, its code, its defaults and the values that it
+reads: globals, cells of closures, and what it names of modules and classes; then the same of all
+functions among these. So it does not matter whether a number is made by a factory, another module,
+an environment variable or a file. Which of shellcut's sources a kernel reaches cannot be read off
+its functions for sure: a constant does not tell where it is defined.
 
 A value of a kind that has no digest makes the digest one of this process only: see
 :data:`NOT_STORED`.
@@ -33,7 +33,7 @@ PACKAGE = Path(__file__).parents[1]
 _FOREIGN = {"numpy", "numba", "llvmlite", "builtins", "math", "cmath", "operator"}
 
 NOT_STORED = f"of process {secrets.token_hex(8)} only"
-"""Stands in digests that cover a value without one: no other process finds what has such a digest,
+"""Is part of digests that cover a value without one: no other process finds what has such a digest,
 and the machine code for it is not stored."""
 
 _BY_REPR = (NoneType, bool, int, float, complex, str, bytes, EllipsisType)
@@ -52,22 +52,22 @@ def source_digest(*functions: Callable[..., Any]) -> str:
 
 
 class _Found:
-    """Functions and all functions that they call or hold, each once, in a fixed order."""
+    """Functions and all functions that they call or refer to, each once, in a fixed order."""
 
     def __init__(self, functions: tuple[Callable[..., Any], ...]) -> None:
         self._functions: list[Any] = []
         self._number: dict[int, int] = {}
         self.has_unknown = False
         """Whether they read a value that has no digest."""
-        self.texts = [self._of_value(one) for one in functions]
-        """What the digest covers of them besides the files; grows until all are told."""
+        self.texts = [self._of_value(function) for function in functions]
+        """What the digest covers of them besides the files; grows until all are listed."""
         for function in self._functions:  # which grows meanwhile
             self.texts.append(self._of_function(function))
 
     @property
     def files(self) -> list[Path]:
         """Their files outside of shellcut."""
-        files = {Path(one.__code__.co_filename) for one in self._functions}
+        files = {Path(function.__code__.co_filename) for function in self._functions}
         elsewhere = (path for path in files if path.is_file() and not in_package(path))
         return sorted(elsewhere, key=lambda path: (path.name, _content(path)))
 
@@ -108,7 +108,7 @@ class _Found:
         if isinstance(value, dict | set | frozenset):
             items = value.items() if isinstance(value, dict) else value
             return f"{kind.__qualname__} {sorted(map(self._of_value, items))}"
-        if isinstance(value, type):  # what is read of it is told by name
+        if isinstance(value, type):  # what is read of it is listed by name
             given = getattr(value, "_field_defaults", {})
             return f"class {value.__module__}.{value.__qualname__} {self._of_value(given)}"
         if _is_foreign(kind.__module__) and " at 0x" not in repr(value):
@@ -123,19 +123,19 @@ class _Found:
 def _named_by(function: Any) -> Iterator[tuple[str, Any]]:
     """Yield the globals that a function names, and what it names of modules and classes."""
     names, given = sorted(set(_names(function.__code__))), function.__globals__
-    held = [(name, given[name]) for name in names if name in given]
-    held += zip(function.__code__.co_freevars, _cells(function), strict=True)
+    found = [(name, given[name]) for name in names if name in given]
+    found += zip(function.__code__.co_freevars, _cells(function), strict=True)
     seen: set[int] = set()
-    for path, value in held:  # which grows: package.module.function
+    for path, value in found:  # which grows: package.module.function
         yield path, value
         if isinstance(value, ModuleType | type) and id(value) not in seen:
             seen.add(id(value))
             inner = ((name, getattr(value, name, None)) for name in names if _has(value, name))
-            held += [(f"{path}.{name}", one) for name, one in inner if not _is_slot(one)]
+            found += [(f"{path}.{name}", value) for name, value in inner if not _is_slot(value)]
 
 
 def _has(value: Any, name: str) -> bool:
-    """Return whether a module or class has a name; a module may load more where it is asked."""
+    """Return whether a module or class has a name; a module may load more when it is accessed."""
     return name in vars(value) if isinstance(value, ModuleType) else hasattr(value, name)
 
 
@@ -145,7 +145,7 @@ def _is_slot(value: Any) -> bool:
 
 
 def _cells(function: Any) -> list[Any]:
-    """Return what the cells of a closure hold; one may be empty yet."""
+    """Return the contents of the cells of a closure; a cell may still be empty."""
     return [_in_cell(cell) for cell in function.__closure__ or ()]
 
 
@@ -157,7 +157,7 @@ def _in_cell(cell: Any) -> Any:
 
 
 def _parts(code: CodeType) -> tuple[Any, ...]:
-    """Return what makes code what it is, wherever it stands."""
+    """Return the contents of code, independent of where it is defined."""
     counts = code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
     return code.co_name, code.co_code, counts, names, code.co_consts
@@ -169,13 +169,13 @@ def _is_foreign(module: Any) -> bool:
 
 def _names(code: CodeType) -> Iterator[str]:
     yield from code.co_names
-    for one in code.co_consts:
-        if isinstance(one, CodeType):
-            yield from _names(one)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
 
 
 def _plain(value: Any) -> Any:
-    """Return the function of one for Numba, or the value itself."""
+    """Return the Python function of a Numba function, or the value itself."""
     for name in ("py_func", "_defn", "__func__"):  # compiled, an intrinsic, of a class
         inner = getattr(value, name, None)
         if isinstance(inner, FunctionType):
@@ -184,7 +184,7 @@ def _plain(value: Any) -> Any:
 
 
 def in_package(path: Path) -> bool:
-    """Return whether a source is one of shellcut's."""
+    """Return whether a source is a source of shellcut."""
     return PACKAGE in path.parents
 
 

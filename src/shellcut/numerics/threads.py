@@ -2,7 +2,7 @@
 
 A step of a small film takes less time than distributing its parts, so threads are used only above a
 size; the caller may ask for a number. Results do not depend on it: the work is divided in the same
-way for any number of threads. Plain Python threads suffice, because kernels release the
+manner for any number of threads. Plain Python threads suffice, because kernels release the
 interpreter's lock. Numba's own pools cost up to fifty microseconds per region, and one of them
 becomes a hundred times slower when other programs use the cores.
 """

@@ -1,4 +1,4 @@
-"""A moment that comes again and again, at equal intervals of time."""
+"""A moment that recurs at equal intervals of time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Trigger:
             raise ValueError(f"interval must be a positive time in s, got {self.interval!r}")
 
     def __call__(self, time: float) -> bool:
-        """Whether the moment has come; each moment is reported once."""
+        """Whether the moment is reached; each moment is reported once."""
         if time < self.next:
             return False
         self.next = (time // self.interval + 1.0) * self.interval

@@ -17,7 +17,7 @@ from .jit import always_inline
 
 @always_inline
 def load(rows: Numbers, i: int) -> Vec3:
-    """Return row i, which is not negative: as an unsigned number it needs no look from the end."""
+    """Return row i, which is not negative: an unsigned index needs no test for the end."""
     k = np.uintp(i)
     return rows[k, 0], rows[k, 1], rows[k, 2]
 

@@ -13,7 +13,7 @@ import scipy
 from shellcut.arrays import Floats, Ints, Numbers, norm, off_segments
 from shellcut.checks import Sweep
 from shellcut.checks.hold import check_hold
-from shellcut.contact.edge_contact import EdgeContact
+from shellcut.contact.border_contact import BorderContact
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.results.run_figures import run_figures
 from shellcut.state import NOTCH, TEAR, SplitRecord
@@ -144,7 +144,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "path": None if sim.cracks is None else sim.fracture.path,
         "only_along_edges": bool(sim.fracture.only_along_edges),
         "check_every": sim.fracture.check_every,
-        "film_edges": any(isinstance(term, EdgeContact) for term in sim.terms),
+        "film_edges": any(isinstance(term, BorderContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
         "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
         "unheld": bool([*check_hold(sim.mesh, sim.state.node.support[: sim.mesh.n_node])]),

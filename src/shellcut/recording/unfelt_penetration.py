@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Ints
-from shellcut.contact.edge_contact import EdgeContact
+from shellcut.contact.border_contact import BorderContact
 from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import FlankPenetration, ToolWires, missed_penetration
 
@@ -32,7 +32,7 @@ class UnfeltPenetration:
         self._sim = sim
         self._wires = self._flanks = None
         if sim.tool is not None and sim.contact is not None:
-            edges = next((t for t in sim.terms if isinstance(t, EdgeContact)), None)
+            edges = next((t for t in sim.terms if isinstance(t, BorderContact)), None)
             self._wires = ToolWires(sim.tool)
             self._flanks = FlankPenetration(sim.contact, edges, self._polygon)
 

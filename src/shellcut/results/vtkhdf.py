@@ -30,7 +30,7 @@ import numpy as np
 
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
-from shellcut.signals import HeldBack
+from shellcut.signals import SignalsDeferred
 
 from .frame_digest import (
     DIGESTS,
@@ -100,7 +100,7 @@ class VtkHdfWriter:
     def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
         self.path = Path(path)
         try:
-            with HeldBack():
+            with SignalsDeferred():
                 self._open(until)
         except BaseException:
             if hasattr(self, "_is_sound"):  # the file is open
@@ -143,7 +143,7 @@ class VtkHdfWriter:
         no more can be added.
         """
         self._target.check()
-        with HeldBack():
+        with SignalsDeferred():
             self._append(frame)
 
     def _append(self, frame: Frame) -> None:
@@ -172,7 +172,7 @@ class VtkHdfWriter:
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
-        with HeldBack():
+        with SignalsDeferred():
             try:
                 if self._file and self._is_sound:  # the number of frames is now final
                     self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place

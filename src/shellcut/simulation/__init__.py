@@ -1,4 +1,4 @@
-"""The explicit simulation: the order of a step, its length, the energy ledger, relaxation, hooks.
+"""The explicit simulation: the order of a step, its length, the energy balance, relaxation, hooks.
 
 May import the physics (``fracture`` and rows below). ``simulation.Simulation.run`` is the step on
 one screen.

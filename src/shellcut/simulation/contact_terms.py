@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellcut.contact.border_contact import BorderContact
 from shellcut.contact.coulomb_friction import CoulombFriction
-from shellcut.contact.edge_contact import EdgeContact
 from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.press_term import PressTerm
@@ -51,7 +51,7 @@ def contact_terms(
         finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
         terms += _with_friction("point_friction", PointContact(contact, finer), settings.friction)
     if settings.film_edges:
-        edges = EdgeContact(contact, edge_length)
+        edges = BorderContact(contact, edge_length)
         terms += _with_friction("edge_friction", edges, settings.friction)
     return contact, terms
 

@@ -1,6 +1,6 @@
-"""The force terms of a simulation: the loop over them, the work on the tool, and the ledger.
+"""The force terms of a simulation: the loop over them, the work on the tool, and its balance.
 
-:class:`ForceTerms` goes through the list of :class:`shellcut.tool.force_term.ForceTerm`, sums the
+:class:`ForceTerms` evaluates the list of :class:`shellcut.tool.force_term.ForceTerm`, sums the
 wrenches, works out the work of the tool and books what each term has done.
 """
 
@@ -16,8 +16,8 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
@@ -26,7 +26,7 @@ from shellcut.tool.touch import ON_TOOL, Booking
 
 from .ledger import Ledger
 
-_ENTRIES = {one.name for one in fields(Ledger)}
+_ENTRIES = {entry.name for entry in fields(Ledger)}
 _OWN_NAMES = {"last", "added"}
 """Of parts of a checkpoint, that no term may have."""
 
@@ -46,7 +46,7 @@ class ForceTerms:
     Raises
     ------
     ValueError
-        If two have one name, or one books what it does not have.
+        If two have one name, or a term books what it does not have.
     """
 
     def __init__(
@@ -55,17 +55,21 @@ class ForceTerms:
         self._terms, self._motion, self._film = tuple(terms), motion, film
         self._seen = None if motion is None or film is None else SeenFromFilm(film, motion)
         _check(self._terms)
-        self._added = {one.name: _Added() for one in self._terms if not one.booked}
+        self._added = {term.name: _Added() for term in self._terms if not term.booked}
         """What the terms that book nothing have added to the nodal forces."""
         touches = [term.touch for term in self._terms]
         on_tool = (Booking.of_wrench("load_work"),)
-        booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked or on_tool]
+        booked = [
+            (k, *booking)
+            for k, term in enumerate(self._terms)
+            for booking in term.booked or on_tool
+        ]
         self._entries = sorted({entry for _, entry, *_ in booked})
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that. Of
         # a film that moves also that integral, and the work on the tool, as seen from the film.
         self._last = np.zeros((len(self._terms) + 2 + 2 * (self._seen is not None), 6))
         self._amounts = np.zeros(len(self._entries))
-        self._book = Holder()(
+        self._book = TableWriter()(
             WorkBook(
                 last=self._last,
                 works=np.zeros(len(self._terms)),
@@ -95,7 +99,7 @@ class ForceTerms:
         return np.asarray(sum(others, first.copy()))
 
     def stored(self, state: State) -> dict[str, float]:
-        """Return what the terms store, entry by entry of the ledger [N·mm]."""
+        """Return what the terms store, entry by entry of the energy balance [N·mm]."""
         sums: dict[str, float] = {}
         for term in self._terms:
             for entry, energy in term.stored(state).items():
@@ -156,15 +160,15 @@ class ForceTerms:
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and wrenches and forces of the last step."""
-        added = {name: one.last for name, one in self._added.items()}
+        added = {name: added.last for name, added in self._added.items()}
         kept = {term.name: term.saved() for term in self._terms}
         return {"last": self._last, "added": added, **kept}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._last[:] = saved["last"]
-        for name, one in self._added.items():
-            one.last = saved["added"][name]
+        for name, added in self._added.items():
+            added.last = saved["added"][name]
         for term in self._terms:
             term.restore(state, pose, saved[term.name])
 
@@ -186,8 +190,8 @@ def _check(terms: Sequence[ForceTerm]) -> None:
                 )
     bodies = {term.name: len(term.touch.wrench) for term in terms if len(term.touch.wrench)}
     if len(set(bodies.values())) > 1:
-        told = ", ".join(f"{n} of {name}" for name, n in bodies.items())
-        raise ValueError(f"touch.wrench must have a row for each tooth of the tool, got {told}")
+        listed = ", ".join(f"{n} of {name}" for name, n in bodies.items())
+        raise ValueError(f"touch.wrench must have a row for each tooth of the tool, got {listed}")
 
 
 def _check_entry(term: ForceTerm, entry: str, does: str) -> None:
@@ -201,10 +205,10 @@ def _check_entry(term: ForceTerm, entry: str, does: str) -> None:
 class _Added:
     """What a term that books nothing has added to the nodal forces, and the work of that.
 
-    By the difference that it makes, with the increments of the step: ½ (f_{n-1} + f_n) · Δx and
-    ½ (m_{n-1} + m_n) · Δθ, where m = t x g is the moment of the force g conjugate to the director.
-    A node that has been split since t_{n-1} kept all its force until then; its twin, which was at
-    the same place, had none. Points on flanks move with the film, which takes their forces later.
+    By the difference that it makes, with the increments of the step: ½ (f_{n-1} + f_n) · Δx and ½
+    (m_{n-1} + m_n) · Δθ, where m = t x g is the moment of the force g conjugate to the director. A
+    node that has been split since t_{n-1} kept all its force until then; its duplicate, which was
+    at the same place, had none. Points on flanks move with the film, which gets their forces later.
     """
 
     def __init__(self) -> None:
@@ -225,7 +229,7 @@ class _Added:
 
 
 class WorkBook(NamedTuple):
-    """What the terms have done, and where it goes."""
+    """What the terms have done, and to which entries it is added."""
 
     last: Annotated[Floats, "(n_sum, 6)"]
     """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n. The
@@ -241,7 +245,7 @@ class WorkBook(NamedTuple):
     factor: Annotated[Floats, "(n_booked,)"]
     """Times which it is."""
     amounts: Annotated[Floats, "(n_entry,)"]
-    """What comes to the entries over the step [N·mm], written."""
+    """What is added to the entries over the step [N·mm], written."""
 
 
 @kernel
@@ -260,12 +264,12 @@ def work_on_tool(twist: Floats, origin: Floats, dt: float, book: WorkBook) -> fl
         moved = dt * (velocity[c] if c < 3 else spin[c - 3])
         total = 0.0
         for k in range(n_term):
-            one = 0.0
+            force = 0.0
             for body in range(wrenches[k].shape[0]):
-                one += wrenches[k][body, c]
-            works[k] += 0.5 * (last[k, c] + one) * moved
-            last[k, c] = one
-            total += one
+                force += wrenches[k][body, c]
+            works[k] += 0.5 * (last[k, c] + force) * moved
+            last[k, c] = force
+            total += force
         mean = 0.5 * (last[n_term, c] + total)
         work += mean * moved
         last[n_term + 1, c] += turn * mean

@@ -1,8 +1,8 @@
 """Hooks: what reads a run. They never change it.
 
 A hook is called after a completed step, when its trigger says so, with the simulation at t_n:
-positions, forces, tool pose and ledger all of that instant. A hook may raise :class:`StopRun`; the
-run ends after all hooks of that step have been served.
+positions, forces, tool pose and energy balance all of that instant. A hook may raise
+:class:`StopRun`; the run ends after all hooks of that step have been served.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class StopRun(Exception):
 
 @runtime_checkable
 class Hook(Protocol):
-    """Reads the simulation now and then; any object with these three methods is one.
+    """Reads the simulation now and then; any object with these three methods is a hook.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class Hook(Protocol):
         ...
 
     def close(self) -> None:
-        """Release what is held; called when the run ends, however it ends."""
+        """Release resources; called when the run ends, however it ends."""
         ...
 
 
@@ -100,7 +100,7 @@ class StopWhen:
 
 
 def serve(sim: Simulation, hooks: Sequence[Hook]) -> bool:
-    """Call the hooks that are due; return whether the run goes on."""
+    """Call the hooks that are due; return whether the run continues."""
     going = True
     for hook in hooks:
         if hook.due(sim):

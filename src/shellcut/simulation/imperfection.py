@@ -7,17 +7,17 @@ its thickness h, with X the reference position and K waves:
 
     w = (a / K) sum_k cos(2 pi (u_k · (X - O) / lambda_k + phi_k)),   a = h / 1000.
 
-The lengths lambda_k go from the root of the film's area to a third of it, and never below six
-edges, so that the mesh can hold them, or 20 h, so that faces are strained by less than 5e-5. The
-unit vectors u_k and the phases phi_k are fractional parts of multiples of 1/g, 1/g², 1/g³ with
+The lengths lambda_k range from the root of the film's area to a third of it, and never below six
+edges, so that the mesh can represent them, or 20 h, so that faces are strained by less than 5e-5.
+The unit vectors u_k and the phases phi_k are fractional parts of multiples of 1/g, 1/g², 1/g³ with
 g⁴ = g + 1 (an additive sequence, even in the cube); a number chooses which multiples, and so the
-shape. Held nodes are moved like all others, and held there: what swings in the film is damped, the
-shape that a wavy rim gives it is not.
+shape. Supported nodes are moved like all others, and supported there: what swings in the film is
+damped, the shape that a wavy border gives it is not.
 
 O is the centroid of the film, and the components of u_k are along axes that move with the model:
 the mean director, across it the direction to the centroid of the tool's surface at t = 0, and the
 normal to both. Where one of these says nothing, as for a ring of teeth over the middle of a disc,
-the first vertex of the tool that lies across takes its place, or the first node of the film where
+the first vertex of the tool that lies across is used instead, or the first node of the film where
 the tool is too small beside the film to show a direction, and without a tool. Axes
 of the film alone, of its inertia say, are free where it is square or round, and round-off would
 choose them. So a shift or turn of the whole model and other numbers of film and tool change w by
@@ -44,7 +44,7 @@ _MOST = 1_000_000  # number of a shape
 _SHARE = 1e-3  # a / h
 _N_WAVE = 6  # K
 _SHORTEST = 1.0 / 3.0  # of the root of the film's area
-_EDGES, _THICKNESSES = 6.0, 20.0  # that the shortest wave takes at least
+_EDGES, _THICKNESSES = 6.0, 20.0  # that the shortest wave covers at least
 _ROOT = 1.2207440846057596  # g
 _SEEN = 1e-6  # of 1, or of the root of the film's area: what is shorter has no direction
 
@@ -119,8 +119,10 @@ def _frame(mesh: Mesh, tool: Tool | None, pose: Pose) -> tuple[Floats, Floats]:
         areas_of_tool = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         centre = product(areas_of_tool, a + b + c) / (3.0 * areas_of_tool.sum())
     size, axes = float(np.sqrt(areas.sum())), np.zeros((0, 3))
-    for way in chain([mesh.directors.mean(axis=0)], (np.vstack([centre, places]) - origin) / size):
-        across = way - product(axes.T, product(axes, way))
+    for vector in chain(
+        [mesh.directors.mean(axis=0)], (np.vstack([centre, places]) - origin) / size
+    ):
+        across = vector - product(axes.T, product(axes, vector))
         if (length := float(norm(across))) > _SEEN:
             axes = np.vstack([axes, across / length])
         if len(axes) == 2:

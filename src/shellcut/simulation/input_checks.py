@@ -24,7 +24,7 @@ def check_parts(
     contact: Contact | None,
     fracture: Fracture | None,
 ) -> None:
-    """Raise ValueError if what a simulation is given does not go together."""
+    """Raise ValueError if what a simulation is given is not consistent."""
     problems = [
         *_without_partner(tool, motion, law, contact, fracture),
         *_not_with_path(fracture, tool),
@@ -62,7 +62,7 @@ def _without_partner(
 
 
 def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
-    """Yield what the path of the cracks does not go with."""
+    """Yield what does not fit the path of the cracks."""
     if fracture is None:
         return
     if tool is not None and fracture.anisotropy is not None:
@@ -73,7 +73,7 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
 
 
 def _not_with_edge(law: CohesiveLaw | None, tool: Tool | None) -> Iterator[str]:
-    """Yield what the severing of cables does not go with."""
+    """Yield what does not fit the severing of cables."""
     if law is None or law.cutting_energy is None or law.severing_pressure is not None:
         return
     if tool is not None and tool.edge_radius:

@@ -1,10 +1,10 @@
 """When a solution is given up: it has blown up, or its energy balance is lost.
 
-A step that is too long is not the only way to lose a solution. Forces far beyond what the film can
-carry, from a number in the wrong unit say, throw the film about in steps that are each stable, and
-it never blows up. The ledger shows it: energy comes from nowhere. It is looked at every
+A step that is too long is not the only cause of a lost solution. Forces far beyond what the film
+can carry, from a number in the wrong unit say, throw the film about in steps that are each stable,
+and it never blows up. The energy balance shows it: energy appears from nowhere. It is checked every
 ``CHECK_EVERY`` steps, and a run that misses more than ``LOST_SHARE`` of the largest energy it has
-seen is stopped. A run that misses a few per cent goes on, and the verdict judges it.
+seen is stopped. A run that misses a few per cent continues, and the verdict judges it.
 """
 
 from __future__ import annotations
@@ -25,23 +25,23 @@ from .ledger import Ledger
 from .stable_step import StableStep
 
 CHECK_EVERY = 50
-"""Steps between two looks at the ledger."""
+"""Steps between two checks of the energy balance."""
 
 LOST_SHARE = 0.5
-"""Of the largest energy so far, that the ledger may miss: energy that appears from nowhere soon is
-the largest there is, so that the share goes to one or beyond, whatever was there before."""
+"""Of the largest energy so far, that the energy balance may miss: energy that appears from nowhere
+soon is the largest there is, so that the share rises to 1 or beyond, whatever was there before."""
 
 _EXPLODED = 1e6
-"""Strain energy over that of a film strained by one everywhere, at which the solution is given up:
+"""Strain energy over that of a film strained by 1 everywhere, at which the solution is given up:
 far beyond any film, yet within numbers, so that the last frame can be written."""
 
-# The least energy that is looked at: that of one quad strained by so much, or so much of the work
+# The least energy that is compared: that of one quad strained by so much, or so much of the work
 # that tears one edge. Below it, at the first touch and the first splits, works of a few steps are
 # compared with each other.
 _NOTICED_STRAIN = 0.01
 _NOTICED_TEARING = 0.1
 
-# Strain of the quad whose energy stands for the work of a run that has not done any.
+# Strain of the quad whose energy is used for the work of a run that has not done any.
 _LARGE_STRAIN = 0.03
 
 
@@ -50,11 +50,11 @@ class UnstableStep(RuntimeError):
 
 
 class BalanceLost(UnstableStep):
-    """The ledger misses most of the energy; the message says how much, when and why."""
+    """The energy balance misses most of the energy; the message says how much, when and why."""
 
 
 class BalanceGuard(Kept):
-    """Looks whether the ledger still closes.
+    """Checks whether the energy balance still closes.
 
     Parameters
     ----------
@@ -75,11 +75,11 @@ class BalanceGuard(Kept):
         )
         """Energy below which there is nothing to compare with [N·mm]."""
         self.largest = 0.0
-        """Energy at the looks so far [N·mm]."""
+        """Energy at the checks so far [N·mm]."""
         self._at_start = 0.0
 
     def begin(self, book: Ledger) -> None:
-        """Take the ledger after the first step as the one to compare with.
+        """Take the energy balance after the first step as the reference.
 
         What it misses then was put into the film by hand before the run: a strained state, a
         velocity. That is no loss.
@@ -87,12 +87,12 @@ class BalanceGuard(Kept):
         self._at_start = book.imbalance
 
     def lost(self, book: Ledger) -> bool:
-        """Whether what the ledger misses exceeds its share of the largest energy so far."""
+        """Whether what the energy balance misses exceeds its share of the largest energy so far."""
         self.largest = max(self.largest, *(abs(energy) for energy in book.entries().values()))
         return not abs(self.missing(book)) < LOST_SHARE * max(self.largest, self.least)
 
     def missing(self, book: Ledger) -> float:
-        """Return what the ledger has come to miss since the first step [N·mm]."""
+        """Return what the energy balance has missed since the first step [N·mm]."""
         return book.imbalance - self._at_start
 
 
@@ -126,11 +126,11 @@ class StabilityGuard:
 
     @property
     def scale(self) -> float:
-        """Largest energy at the looks so far, or what tears an edge or strains a quad [N·mm]."""
+        """Largest energy at the checks so far, or what tears an edge or strains a quad [N·mm]."""
         return max(self._balance.largest, self._one_edge)
 
     def imbalance(self, book: Ledger) -> float | None:
-        """Return what the ledger misses over the work, None while that is too little."""
+        """Return what the energy balance misses over the work, None while that is too little."""
         is_enough = (abs(book.driving) or abs(book.put_in)) >= self._balance.least
         return book.relative(book.imbalance) if is_enough else None
 
@@ -140,9 +140,9 @@ class StabilityGuard:
             raise self._blown_up(state)
 
     def check_balance(self, state: State, book: Ledger) -> None:
-        """Raise BalanceLost if the ledger misses too much, UnstableStep if a quad has collapsed.
+        """Raise BalanceLost if too much energy is missing, UnstableStep if a quad has collapsed.
 
-        Both are looked at every CHECK_EVERY steps.
+        Both are checked every CHECK_EVERY steps.
         """
         if state.step == 1:
             self._balance.begin(book)

@@ -1,9 +1,9 @@
-"""The ledger: where the work has gone.
+"""The energy balance: where the work has gone.
 
     tool + loads + supports  =  kinetic + strain + material + cohesive + joints
                                 + contact + friction + self contact + damping
 
-Each entry comes from its own forces and increments, none by difference: works are sums of
+Each entry is computed from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
 the stored and dissipated parts of the cohesive law are functions of the state. What the two sides
 differ by, relative to the work put in, is the imbalance: the first figure of trust.

@@ -1,7 +1,7 @@
-"""The pace of a quasi-static run: how fast tool, supports and loads go on while the film moves.
+"""The pace of a quasi-static run: how fast tool, supports and loads advance while the film moves.
 
 A film of rate-independent laws has no time of its own but by its inertia. So the clock of tool,
-supports and loads may go slower than the film's by any factor p, the pace: a step takes the film on
+supports and loads may be slower than the film's by any factor p, the pace: a step advances the film
 by dt and the clock by p dt. With L the kinetic energy that is allowed, a share of the largest work
 or energy of the run so far, and T the present one,
 
@@ -12,7 +12,7 @@ or energy of the run so far, and T the present one,
 So T stays below L but for what a single step adds, and is a quarter of it where p < 1. The second
 rule is for film that swings: what half the pace does not calm is no motion with the tool. Film that
 springs free is braked by many stops, and the tool all but waits; film that follows steadily is
-never stopped. Damping by the velocity would drag on it all its way (docs/theory/time.md).
+never stopped. Damping by the velocity would drag on it over all its path (docs/theory/time.md).
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Pace(Kept):
         self.share = share
         """Of the work, that the kinetic energy may have; None: the film has its inertia."""
         self.now = self._fastest = 1.0 if share is None else _AT_START
-        """Of the step that comes next, and the largest since the last stop."""
+        """Of the next step, and the largest since the last stop."""
         self.n_stop = 0
         """How often the film has been stopped."""
 

@@ -1,4 +1,4 @@
-"""Dynamic relaxation: the state of rest under loads and held supports, by the explicit driver.
+"""Dynamic relaxation: the state of rest under loads and fixed supports, by the explicit driver.
 
 Kinetic damping ([Cundall1976]): the film swings freely, and whenever its kinetic energy has passed
 a peak all velocities are set to zero, since near a peak it passes through rest's neighbourhood.
@@ -23,17 +23,17 @@ from shellcut.state import State
 
 from .stable_step import StableStep
 
-# Steps between two evaluations of all quads, and between two looks at what has become of their
-# bounds since, which never lie below the frequencies.
+# Steps between two evaluations of all quads, and between two updates of their bounds,
+# which never lie below the frequencies.
 _EVALUATE_EVERY = 200
-_LOOK_EVERY = 20
+_UPDATE_EVERY = 20
 
 # Share of the safe bound that is used: swings are violent at first.
 _SAFETY = 0.8
 
 
 class NotAtRest(RuntimeError):
-    """Relaxation did not reach rest; the message says how far it came."""
+    """Relaxation did not reach rest; the message says how far it got."""
 
 
 def find_rest(
@@ -49,7 +49,7 @@ def find_rest(
 ) -> int:
     """Move the nodes by a displacement, bring the state to rest and return the number of steps.
 
-    At rest the largest nodal force that is not held is below ``tolerance`` times the largest
+    At rest the largest unsupported nodal force is below ``tolerance`` times the largest
     reaction or load, and the largest moment on a director below that times the mean edge of a quad.
 
     Raises
@@ -109,8 +109,8 @@ class _Swing:
         self._dt = 0.0
 
     def kick(self, step: int) -> None:
-        """Take the velocities on, or stop and start anew where the kinetic energy has fallen."""
-        self._look(step)
+        """Advance the velocities, or stop and start anew where the kinetic energy has fallen."""
+        self._update_bound(step)
         swinging = self._dt > 0.0
         kinetic = self._integrator.kick(self._state, self._dt, self._next).kinetic
         if swinging and kinetic < self._kinetic:
@@ -121,11 +121,11 @@ class _Swing:
         self._integrator.drift(self._state, self._next)
         self._dt = self._next
 
-    def _look(self, step: int) -> None:
+    def _update_bound(self, step: int) -> None:
         n, quads = self._state.node, self._state.quads
         if step % _EVALUATE_EVERY == 0:
             self._shell.evaluate_frequencies(self._state, self._everything)
-        elif step % _LOOK_EVERY == 0:
+        elif step % _UPDATE_EVERY == 0:
             self._shell.frequencies.follow(n.x, n.t, quads)
         else:
             return
@@ -133,15 +133,15 @@ class _Swing:
 
 
 def _residual(state: State, largest_load: float, edge: float) -> float:
-    """Return the largest free nodal force, or moment over ``edge``, over the largest held or load.
+    """Return the largest free force, or moment over ``edge``, over the largest reaction or load.
 
-    What is held has just been written by the kick: minus the force, of nodes that stand still.
+    The kick has just written the reactions: minus the force, of nodes at rest.
     """
     n = state.node
-    force, held = n.force[: n.count], n.reaction[: n.count]
-    moment = np.cross(n.t[: n.count], n.director_force[: n.count]) + held[:, 3:]
-    free = max(_largest(force + held[:, :3]), _largest(moment) / edge)
-    scale = max(_largest(held[:, :3]), largest_load)
+    force, reaction = n.force[: n.count], n.reaction[: n.count]
+    moment = np.cross(n.t[: n.count], n.director_force[: n.count]) + reaction[:, 3:]
+    free = max(_largest(force + reaction[:, :3]), _largest(moment) / edge)
+    scale = max(_largest(reaction[:, :3]), largest_load)
     return float(free / scale) if scale > 0.0 else float(free > 0.0)
 
 
@@ -155,7 +155,7 @@ def _flown_apart(state: State, shell: MITC4Shell, step: int, strain: float) -> s
     cause = (
         "the displacement it was given strains the film beyond all measure"
         if step == 0
-        else "the loads are far too large for the film, or something in it is not held"
+        else "the loads are far too large for the film, or something in it is not supported"
     )
     return (
         f"the film flew apart after {step} steps of relaxation: strain energy {strain:.3g} N·mm, "

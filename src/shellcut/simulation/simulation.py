@@ -65,7 +65,7 @@ class Simulation:
     material : ShellMaterial
         Layers through the thickness.
     supports : sequence of Support
-        Held and moved nodes.
+        Supported and moved nodes.
     loads : sequence of Load
         Gravity, pressures, forces.
     tool, motion : Tool and Motion, optional
@@ -185,10 +185,10 @@ class Simulation:
         """Build all that pulls and presses on the film, in the order of evaluation."""
         tool, film, part_of = self.tool, (self.mesh, self.material), polygons_of(self)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
-        # Contact comes first: it looks at the forces of the shells, without those of the cables.
+        # Contact is first: it uses the forces of the shells, without those of the cables.
         self.contact, touching = contact_terms(tool, contact, *film, self.fracture, part_of)
         own = self_contact_terms(contact, *film, part_of)
-        self.self_contact = next((one for one in own if isinstance(one, SelfContact)), None)
+        self.self_contact = next((term for term in own if isinstance(term, SelfContact)), None)
         """Of the film with itself, if it is switched on."""
         self.terms = ForceTerms(
             [*touching, self.cables, *own, *others], self.motion, self.film_motion
@@ -210,7 +210,7 @@ class Simulation:
                 self.loads,
                 self.tool,
                 self.motion,
-                next((one for one in self.terms if isinstance(one, PointContact)), None),
+                next((term for term in self.terms if isinstance(term, PointContact)), None),
                 self.film_motion,
             )
 
@@ -258,7 +258,7 @@ class Simulation:
 
     @property
     def dt(self) -> float:
-        """Length of the step that comes next [s]."""
+        """Length of the next step [s]."""
         return self._dt
 
     @property
@@ -268,7 +268,7 @@ class Simulation:
 
     @property
     def imbalance(self) -> float | None:
-        """What the ledger misses over the work put in [-].
+        """What the energy balance misses over the work put in [-].
 
         None while there is too little work to compare with, and after a step that is not complete.
         """
@@ -354,8 +354,8 @@ class Simulation:
         Parameters
         ----------
         displacement : ndarray, shape (n_node, 3), optional
-            Moves all nodes first, also those that a notch has added [mm]; supports then hold them
-            where they are, so a stretched film is given by the displacement of its rim (and any
+            Moves all nodes first, also those that a notch has added [mm]; supports then keep them
+            where they are, so a stretched film is given by the displacement of its border (and any
             guess inside).
         tolerance : float
             Largest free nodal force over the largest reaction or load.
@@ -365,13 +365,13 @@ class Simulation:
         Returns
         -------
         int
-            Steps taken; time and ledger start afresh, with the strain energy as initial energy. A
-            material with history remembers the strains it has met on the way.
+            Steps taken; time and energy balance start afresh, with the strain energy as initial
+            energy. A material with history remembers the strains it has met on that path.
 
         Raises
         ------
         NotAtRest
-            If rest is not reached; the film stands still where it had come to, or, where it flew
+            If rest is not reached; the film rests where it is then, or, where it flew
             apart, as it was.
         """
         if self.state.step:
@@ -396,23 +396,23 @@ class Simulation:
         """Cut the film before the run along a line through points, without cables.
 
         For ``path="free"``; for cracks along edges :meth:`Mesh.cut` cuts the mesh. A line of two
-        points runs in their plane with the film's normal at the rim, others follow their points.
+        points runs in their plane with the film's normal at the border, others follow their points.
 
         Parameters
         ----------
         *points : array_like, shape (3,)
-            From outside the rim, nearer to the side of it where the notch begins than that is long,
-            or from within the film, to where it ends [mm]: either at the first side or node there
-            or beyond, sooner at a rim or a cut.
+            From outside the film, nearer to the side of the border where the notch begins than that
+            is long, or from within the film, to where it ends [mm]: either at the first side or
+            node there or beyond, sooner at a border or a cut.
 
         Raises
         ------
         ValueError
-            If cracks go along edges, it is too late, or the line begins outside the film.
+            If cracks run along edges, it is too late, or the line begins outside the film.
         """
         if self.cracks is None or self.fracture.path != "free":
             raise ValueError(
-                'cracks must go through quads, fracture.path = "free"; else cut the mesh, Mesh.cut'
+                'cracks must run through quads, fracture.path = "free"; else cut the mesh, Mesh.cut'
             )
         if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")
@@ -515,7 +515,9 @@ class Simulation:
             self.film_motion.restore(saved["film_motion"])
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])
-        self.terms.restore(s, self.pose, saved["terms"])  # they ask the cracks which film is left
+        self.terms.restore(
+            s, self.pose, saved["terms"]
+        )  # they need the film that the cracks have left
 
     def _place_tool(self) -> None:
         if self.motion is not None:

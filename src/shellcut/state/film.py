@@ -74,7 +74,7 @@ class State:
     dt: float = 0.0
     """Length of the step that led to t_n [s]."""
     pace: float = 1.0
-    """By what part of dt time has gone on in it, less than all in a quasi-static run."""
+    """The part of dt by which time advances in it, less than 1 in a quasi-static run."""
     step: int = 0
     revision: int = 0
     """Number of splits; identifies the topology."""
@@ -85,7 +85,7 @@ class State:
 
     @property
     def tick(self) -> float:
-        """What time has gone on in the step that led to t_n [s]."""
+        """By how much time has advanced in the step that led to t_n [s]."""
         return self.pace * self.dt
 
     @property
@@ -154,11 +154,11 @@ class State:
         """
         for name in ("strain", "strain_before", "history"):
             blocks = getattr(self, name)
-            came = saved[name].shape
-            if came[1:] != blocks.shape[1:] or came[0] < len(blocks):
-                raise ValueError(f"{name} must have shape {blocks.shape}, or more rows, got {came}")
-            if came != blocks.shape:
-                blocks = aligned_zeros(came, blocks.dtype)
+            got = saved[name].shape
+            if got[1:] != blocks.shape[1:] or got[0] < len(blocks):
+                raise ValueError(f"{name} must have shape {blocks.shape}, or more rows, got {got}")
+            if got != blocks.shape:
+                blocks = aligned_zeros(got, blocks.dtype)
                 setattr(self, name, blocks)
             blocks[:] = saved[name]
         for name in ("time", "dt", "pace", "step", "revision", "crack_length"):
@@ -192,14 +192,14 @@ def _padded(rows: list[tuple[int, ...]]) -> Ints:
 class KnownTopology:
     """The topology for which a part has built its tables: the one rule after a split.
 
-    A part asks :meth:`is_of` before it uses tables that a split would change. If the answer is no,
+    A part calls :meth:`is_of` before it uses tables that a split would change. If the answer is no,
     it builds them again and calls :meth:`take`; :meth:`new_splits` are the splits in between.
     """
 
     def __init__(self) -> None:
         self._state: State | None = None
         self.revision = -1
-        """Of the state, when it was taken last; goes into checkpoints."""
+        """Of the state, when it was taken last; stored in checkpoints."""
 
     def is_of(self, state: State) -> bool:
         """Return whether nothing has split since, and it is the same state."""
@@ -222,15 +222,15 @@ class KnownTopology:
         # A cut changes the nodes of the copies on both its sides, and of those that share them.
         node, new = state.node, self.new_splits(state)
         cut = np.array([row for s in new for row in s.rows if row >= 0], np.int64)
-        twins = np.array([s.twin for s in new if s.twin >= 0], np.int64)
-        twins = np.union1d(twins, state.quads[cut])
-        at = np.arange(node.quads.shape[1]) < node.n_quad_at[twins, None]
-        return np.unique(node.quads[twins][at])
+        duplicates = np.array([s.twin for s in new if s.twin >= 0], np.int64)
+        duplicates = np.union1d(duplicates, state.quads[cut])
+        at = np.arange(node.quads.shape[1]) < node.n_quad_at[duplicates, None]
+        return np.unique(node.quads[duplicates][at])
 
     def saved(self) -> int:
         """Return the revision, for a checkpoint."""
         return self.revision
 
     def restore(self, revision: int) -> None:
-        """Take over ``revision`` from a checkpoint; the next state asked about is the one meant."""
+        """Take over ``revision`` from a checkpoint; the next state given is the one meant."""
         self._state, self.revision = None, revision

@@ -1,9 +1,9 @@
-"""The pieces of a film: what hangs together, and which of it nothing holds.
+"""The pieces of a film: connected parts, and which of them have no support.
 
-Quads that share a node are one piece; cables do not count. A piece is *held* if a support holds
-one of its nodes, and *loose* if none does. In a film that nothing holds at all the heaviest piece
-is the film itself, and the others are loose. So a film made of several pieces has none that is
-loose as long as each of them is held.
+Quads that share a node belong to the same piece; cables do not count. A piece is *supported* if a
+support fixes one of its nodes, and *loose* if none does. In a film without any support the heaviest
+piece is the film itself, and the others are loose. So a film made of several pieces has none that
+is loose as long as each of them is supported.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class Pieces:
         of_node[quads] = of_row[:, None]
         there = np.flatnonzero(of_node >= 0)
         mass = np.asarray(np.bincount(of_node[there], n.mass[there], count), float)
-        held = np.zeros(count, np.bool_)
-        held[of_node[there[n.supported[there]]]] = True
-        loose = ~held
+        supported = np.zeros(count, np.bool_)
+        supported[of_node[there[n.supported[there]]]] = True
+        loose = ~supported
         if loose.all():
             loose[np.argmax(mass)] = False
         return cls(of_row, loose, mass)
@@ -77,14 +77,15 @@ def _piece_of_rows(quads: Ints, n_node: int) -> Ints:
             node = quads[row, a]
             if first[node] < 0:
                 first[node] = row
-            one, two = row, first[node]
-            while leader[one] != one:
-                leader[one] = leader[leader[one]]
-                one = leader[one]
-            while leader[two] != two:
-                leader[two] = leader[leader[two]]
-                two = leader[two]
-            leader[max(one, two)] = min(one, two)
+            # Two rows at a node belong together: the smaller of their leaders leads both.
+            own, other = row, first[node]
+            while leader[own] != own:
+                leader[own] = leader[leader[own]]
+                own = leader[own]
+            while leader[other] != other:
+                leader[other] = leader[leader[other]]
+                other = leader[other]
+            leader[max(own, other)] = min(own, other)
     count = 0
     piece = np.empty(quads.shape[0], np.int64)
     for row in range(quads.shape[0]):
@@ -92,8 +93,8 @@ def _piece_of_rows(quads: Ints, n_node: int) -> Ints:
             piece[row] = count
             count += 1
         else:
-            one = row
-            while leader[one] != one:
-                one = leader[one]
-            piece[row] = piece[one]
+            root = row
+            while leader[root] != root:
+                root = leader[root]
+            piece[row] = piece[root]
     return piece

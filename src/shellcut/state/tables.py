@@ -104,7 +104,7 @@ class _Table:
             old = getattr(self, name)
             shape = (max(2 * capacity, self.count + extra), *old.shape[1:])
             # Arrays read by lanes in kernels stay stored column by column. They have rows ahead:
-            # one row alone, which NumPy takes for both, is stored as a row.
+            # a single row, which NumPy takes for both, is stored as a row.
             by_column = old.flags.fnc
             grown = columns(*shape) if by_column else aligned_zeros(shape, old.dtype)
             grown[: self.count] = old[: self.count]
@@ -156,9 +156,9 @@ class QuadsAtNodes(NamedTuple):
     quads: Annotated[Ints, "(n_quad, 4)"]
     """Node ids of every quad."""
     centre: Annotated[Floats, "(n_quad, 4)"]
-    """Weights of these at the centre of the film that it holds."""
+    """Weights of these at the centre of the film that it carries."""
     share: Annotated[Floats, "(n_quad,)"]
-    """Part of a quad of the mesh that it holds."""
+    """Part of a quad of the mesh that it carries."""
     at: Annotated[Ints, "(n_node, max_valence)"]
     """Quads at the node, the first ``n_at`` in use; of a flank point those that show its side."""
     n_at: Annotated[Ints, "(n_node,)"]
@@ -221,7 +221,7 @@ class NodeTable(_Table):
     contact_offset: Floats
     """Part of the penetration that does not press [mm]."""
     contact_place: Annotated[Floats, (3,)]
-    """Place in the tool's frame where that came up [mm]."""
+    """Place in the tool's frame where the offset arose [mm]."""
     contact_work: Floats
     """Work put into the contact of the node since it began [N·mm]."""
     contact_force: Annotated[Floats, (3,)]
@@ -250,7 +250,7 @@ class NodeTable(_Table):
         self.n_quad_at[node] = len(quads)
 
     def stop(self) -> None:
-        """Take all velocities away that are not prescribed."""
+        """Set all velocities to zero that are not prescribed."""
         for c, rates in enumerate((self.velocity_half, self.spin_half)):
             rates[: self.count][~self.support[: self.count, 3 * c : 3 * c + 3]] = 0.0
 
@@ -270,11 +270,11 @@ class QuadTable(_Table):
     parent: Ints
     """Quad of the mesh, itself for the first ones."""
     share: Floats
-    """Part of the parent that it holds, 1 of a whole quad."""
+    """Part of the parent that it carries, 1 of a whole quad."""
     mass_share: Floats
     """Part of the parent's mass that it has, shape (n,); see :mod:`shellcut.fracture.cut_state`."""
     centre: Annotated[Floats, (4,)]
-    """Weights of its nodes at the centre of the film that it holds, of a sliver farther from its
+    """Weights of its nodes at the centre of the film that it carries, of a sliver farther from its
     flank than that."""
 
 
@@ -294,7 +294,7 @@ class FlankTable(_Table):
     place: Annotated[Floats, (2,)]
     """xi, eta in the quad."""
     inward: Annotated[Floats, (2,)]
-    """A place a little further along its flank, which tells to which part of a copy it goes when
+    """A place a little further along its flank, which tells to which part of a copy it belongs when
     that is cut again."""
     twin: Ints
     """The point across the crack: contact sees the two once they have parted. Itself for one that
@@ -324,7 +324,7 @@ class CableTable(_Table):
     area: Floats
     """Cohesive area A_i = thickness x length [mm²]."""
     length: Floats
-    """Reference length of the crack that it holds [mm]."""
+    """Reference length of the crack that it bridges [mm]."""
     row: Annotated[Ints, (2,)]
     """Quad or copy on either flank."""
     chord: Annotated[Floats, (2, 2, 2)]
@@ -340,7 +340,7 @@ class CableTable(_Table):
     traction: Floats
     """Cable stress [MPa]."""
     edge: Ints
-    """Cutting-edge segment of the joint, ``NOT_MET`` before there is one."""
+    """Cutting-edge segment of the joint, ``NOT_MET`` before there is a joint."""
     joint_body: Annotated[Floats, (3,)]
     """Joint in the body frame of the tool [mm]."""
     joint: Annotated[Floats, (3,)]
@@ -348,12 +348,12 @@ class CableTable(_Table):
     joint_slack: Floats
     """Length that the bend added when the joint was made, not counted as opening."""
     grip: Floats
-    """Friction of what goes around the edge: the minus branch carries 1 + this times the stress,
+    """Friction of the cable around the edge: the minus branch carries 1 + this times the stress,
     the plus branch 1 - this."""
     arc_grip: Floats
     """Friction of what is drawn out over a round edge: both carry this more."""
     transport: Floats
-    """Half the difference of the branches at the last evaluation, minus less plus: what has gone
+    """Half the difference of the branches at the last evaluation, minus less plus: what has moved
     around the edge, where the joint slips [mm]."""
     overshoot: Floats
     """How far the edge had passed the cable when the joint was made [mm]."""

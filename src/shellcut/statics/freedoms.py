@@ -1,15 +1,15 @@
 """Degrees of freedom of the whole film: numbering, supports, assembled stiffness.
 
 Each node has five freedoms: x, y, z and rotations of the director along two unit tangents b_1, b_2,
-with b_1 x b_2 = t. A rotation (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold
+with b_1 x b_2 = t. A rotation (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports fix
 translations along axes, which are removed, and spins about axes, which leave two rotations, one or
 none (:mod:`shellcut.loads.supports`). If one is left, b_1 is its direction, so the remaining
 motions are always a selection of freedoms and never a combination: ``free``.
 
-The spins of a rotation about the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two
-columns per node. The free rotation is its right singular vector of smallest singular value: for one
-held axis that value is zero; for two, with f the free axis, it is |t·f|, and the rotation turns t
-about f. It then moves t along a cone, not along a great circle, by the spin vector
+The spins of a rotation about the supported axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two
+columns per node. The free rotation is its right singular vector of smallest singular value: for a
+single supported axis that value is zero; for two, with f the free axis, it is |t·f|, and the
+rotation turns t about f. It then moves t along a cone, not along a great circle, by the spin vector
 
     a_1 (b_2 + c t),    c = (t·f) / (b_2·f),
 
@@ -17,8 +17,8 @@ which is parallel to f; and since t'' = -t + c b_2 on the cone, the second deriv
 W has the additional term c W_t·b_2.
 
 The free freedoms are in the order of a *nested dissection* (George 1973): the nodes of a strip that
-divides the film in two come last, and each of the two parts is ordered in the same way. Factors of
-a stiffness in this order stay sparse, without a search at every factorisation.
+divides the film in two are last, and each of the two parts is ordered in the same manner. Factors
+of a stiffness in this order stay sparse, without a search at every factorisation.
 """
 
 from __future__ import annotations
@@ -66,21 +66,21 @@ class Freedoms:
         _write_bases(t=self._state.node.t, basis=self.basis)
         free = np.ones((self.n_node, 5), np.bool_)
         free[:, :3] = ~support[:, :3]
-        held = np.flatnonzero(support[:, 3:].any(axis=1))
-        axes = support[held, 3:]
-        b1, b2 = self.basis[held, 0], self.basis[held, 1]
+        supported = np.flatnonzero(support[:, 3:].any(axis=1))
+        axes = support[supported, 3:]
+        b1, b2 = self.basis[supported, 0], self.basis[supported, 1]
         spin = np.where(axes[:, :, None], np.stack([b2, -b1], axis=2), 0.0)
         _, size, direction = np.linalg.svd(spin, full_matrices=False)
         n_axis = axes.sum(axis=1)
-        # Of two axes the larger size is one, the smaller is below one unless t is along the third.
+        # Of two axes the larger size is 1, the smaller is below 1 unless t is along the third.
         lost = (n_axis == 3) | ((n_axis == 2) & (size[:, 1] > np.sqrt(1.0 - _PARALLEL**2)))
-        one = ~lost & (size[:, 0] > _PARALLEL)
-        cos, sin = np.where(one, direction[:, 1].T, [[1.0], [0.0]])
-        self.basis[held, 0] = cos[:, None] * b1 + sin[:, None] * b2
-        self.basis[held, 1] = cos[:, None] * b2 - sin[:, None] * b1
-        free[held, 3], free[held, 4] = ~lost, ~lost & ~one
+        single = ~lost & (size[:, 0] > _PARALLEL)
+        cos, sin = np.where(single, direction[:, 1].T, [[1.0], [0.0]])
+        self.basis[supported, 0] = cos[:, None] * b1 + sin[:, None] * b2
+        self.basis[supported, 1] = cos[:, None] * b2 - sin[:, None] * b1
+        free[supported, 3], free[supported, 4] = ~lost, ~lost & ~single
         self._cone[:] = 0.0
-        on_cone = held[one & (n_axis == 2)]
+        on_cone = supported[single & (n_axis == 2)]
         axis = ~support[on_cone, 3:]
         t = self._state.node.t[on_cone]
         self._cone[on_cone] = t[axis] / self.basis[on_cone, 1][axis]

@@ -61,9 +61,9 @@ _LARGEST_TURN = 3.0
 # Largest number of halvings of a step before the path is abandoned.
 _MOST_HALVINGS = 10
 _SMALLEST_SHARE = 0.5**_MOST_HALVINGS
-# Equilibria of an arc length path before the user is asked to call again.
+# Equilibria of an arc length path before the user must call again.
 _MOST_STEPS = 200
-# Relative difference of load factors that are one.
+# Relative difference of load factors that count as equal.
 _SAME_FACTOR = 1e-12
 
 _AFTER_STEPS = (
@@ -115,7 +115,8 @@ class LoadPath:
         """Return equilibria, as :meth:`shellcut.Statics.load_steps`."""
         path = []
         for factor in factors:
-            # Shares of the way to the factor: sums of powers of ½, which are exact and end at 1.
+            # Shares of the distance to the factor: sums of powers of ½, which are exact and end at
+            # 1.
             first, done, step, used = self.factor, 0.0, 1.0, 0
             leap: tuple[float, _Position] | None = None  # a whole step that lost stability
             while done < 1.0:
@@ -178,7 +179,7 @@ class LoadPath:
         """Start from the present state, which others may have moved, and its stresses."""
         self.freedoms.update()
         if not self.freedoms.free.size:
-            raise ValueError("no freedom is left: supports hold every node and director")
+            raise ValueError("no freedom is left: supports fix every node and director")
         self._take_load_stiffness(self.factor)
         self._bent = None
 
@@ -220,9 +221,9 @@ class LoadPath:
         self._floor = solver.largest_round_off(sizes)
         return [freedoms.fill(solver.solve(force[free], _STEP_ACCURACY)) for force in forces]
 
-    def _at_round_off(self, correction: Floats, way: Floats) -> bool:
+    def _at_round_off(self, correction: Floats, travelled: Floats) -> bool:
         """Whether the residual is at round-off level, and corrections are small."""
-        small = np.linalg.norm(correction) <= _SMALL_CORRECTION * np.linalg.norm(way)
+        small = np.linalg.norm(correction) <= _SMALL_CORRECTION * np.linalg.norm(travelled)
         return bool(small) and self._residual <= self._floor
 
     def _move(self, u: Floats) -> None:
@@ -237,21 +238,21 @@ class LoadPath:
     def _newton(self, factor: float) -> int:
         """Find the equilibrium at a load factor; return the number of iterations."""
         self.begin()
-        way = last = np.zeros(3 * self.state.n_node)
+        travelled = last = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
             _, residual, small = self.forces(factor)
             same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
             if small and not iteration and same and not self._moved:
                 self.factor = factor
                 return 0
-            if iteration and (small or self._at_round_off(last, way)):
+            if iteration and (small or self._at_round_off(last, travelled)):
                 self._accept(factor)
                 return iteration
             if iteration < _MOST_ITERATIONS:
                 (step,) = self._solve(factor, residual)
                 self._move(step)
                 last = _translations(step)
-                way = way + last
+                travelled = travelled + last
         raise NoConvergence(
             f"no equilibrium at load factor {factor:.6g} after {_MOST_ITERATIONS} iterations, "
             f"residual {self._residual:.3g} N"
@@ -286,12 +287,12 @@ class LoadPath:
         start = self._position()
         for attempt in range(_MOST_HALVINGS):
             try:
-                increment, way, used, taken = self._arc_step(first, length, last)
+                increment, tangent, used, taken = self._arc_step(first, length, last)
             except NoConvergence:
                 pass
             else:
                 # Compare the first one with the initial direction of the path.
-                before = way if last is None else last
+                before = tangent if last is None else last
                 size = float(np.linalg.norm(before) * np.linalg.norm(increment))
                 turns_off = float(before @ increment) < _SHARPEST_TURN * size
                 if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
@@ -310,12 +311,12 @@ class LoadPath:
         """Take one step; return translations of increment and tangent, iterations, arc length."""
         self.begin()
         factor = self.factor
-        total = way = moved = np.zeros(3 * self.state.n_node)
+        total = direction = moved = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
             load, residual, small = self.forces(factor)
             if iteration and (small or self._at_round_off(moved, total)):
                 self._accept(factor)
-                return total, way, iteration, length
+                return total, direction, iteration, length
             correction, tangent = self._solve(factor, residual, load)
             # Only translations measure length: the basis of rotations turns with the directors.
             forward = _translations(tangent)
@@ -323,10 +324,10 @@ class LoadPath:
                 size = float(np.linalg.norm(forward))
                 length = abs(first) * size if math.isnan(length) else length
                 sign = first if last is None else float(last @ forward)
-                way = forward * math.copysign(1.0 / size, sign)
+                direction = forward * math.copysign(1.0 / size, sign)
             # Plane constraint: the projection of all moves so far is the arc length.
-            so_far = float(way @ (total + _translations(correction)))
-            gain = (length - so_far) / float(way @ forward)
+            so_far = float(direction @ (total + _translations(correction)))
+            gain = (length - so_far) / float(direction @ forward)
             move = correction + gain * tangent
             self._move(move)
             moved = _translations(move)
@@ -345,9 +346,9 @@ class LoadPath:
 
     def _equilibrium(self, n_iteration: int) -> Equilibrium:
         n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
-        held = -self._unbalanced
-        held[freedoms.free] = 0.0
-        reaction, moment = freedoms.split(held)
+        reactions = -self._unbalanced
+        reactions[freedoms.free] = 0.0
+        reaction, moment = freedoms.split(reactions)
         return Equilibrium(
             self.factor,
             node.x[:n] - node.X[:n],

@@ -52,8 +52,8 @@ class LinearSolution:
     """Spin vectors of the directors, normal to them, shape (n_node, 3), [rad]."""
     reaction: Floats
     reaction_moment: Floats
-    """Change of the forces [N] and moments [N·mm] by which supports hold the nodes, zero where
-    nothing is held, shape (n_node, 3)."""
+    """Change of the forces [N] and moments [N·mm] of the supports on the nodes, zero where
+    nothing is supported, shape (n_node, 3)."""
     energy: float
     """½ load · displacement [N·mm]; for an unstressed film the strain energy."""
     residual: float
@@ -121,7 +121,7 @@ class Equilibrium:
     """Number of iterations, including intermediate steps."""
     reaction: Floats
     reaction_moment: Floats
-    """Forces [N] and moments [N·mm] by which supports hold the nodes, zero where nothing is held,
+    """Forces [N] and moments [N·mm] of the supports on the nodes, zero where nothing is supported,
     shape (n_node, 3)."""
     energy: float
     """Strain energy [N·mm]."""

@@ -139,13 +139,13 @@ class Statics:
         solver = TangentSolver(self.state, freedoms, self.shell)
         u = freedoms.fill(solver.solve(load[free]))
         solver.check(solver.error)
-        held = freedoms.product(self.shell, u) - load
-        largest, missed = np.abs(held).max(), np.abs(held[free]).max()
+        reactions = freedoms.product(self.shell, u) - load
+        largest, missed = np.abs(reactions).max(), np.abs(reactions[free]).max()
         largest = max(largest, np.abs(load).max())
-        held[free] = 0.0
+        reactions[free] = 0.0
         return LinearSolution(
             *freedoms.split(u),
-            *freedoms.split(held),
+            *freedoms.split(reactions),
             energy=0.5 * float(load @ u),
             residual=float(missed / largest) if largest > 0.0 else 0.0,
             condition=solver.condition,
@@ -203,7 +203,7 @@ class Statics:
         ----------
         until : callable
             Receives each equilibrium; the path ends when it returns true, or after 200 steps: call
-            again to go on.
+            again to continue.
 
         Raises
         ------
@@ -287,7 +287,7 @@ def _checked_factors(factors: Sequence[float]) -> list[float]:
 def _refuse_motion(supports: Sequence[Support]) -> None:
     problems = [
         f"{name} of the support of {support.nodes!r} is for Simulation, statics knows no time: "
-        "move the nodes there by Statics.move, supports then hold them where they are"
+        "move the nodes there by Statics.move, supports then keep them where they are"
         for support in supports
         for name in ("velocity", "spin")
         if getattr(support, name)

@@ -6,12 +6,12 @@ negative pivots count unstable motions. With M for the factors, A for the produc
 solution, e = M⁻¹ (f - A q) is their estimate of the error of q; if it is not small relative to q,
 GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one only in a few of the softest
 motions, and about ten products solve the hemisphere of R/h = 1e8 to seven digits. The residual in
-GMRES drifts from the true one, so e is recomputed and the remainder solved in the same way.
+GMRES drifts from the true one, so e is recomputed and the remainder solved in the same manner.
 
 Pivots off the diagonal are used only where the diagonal is zero, so the factors stay as sparse as
 the order of the freedoms allows. They count the negative eigenvalues of A, too, if the spectral
 radius of I - M⁻¹ A is below one: M - t (M - A) is then regular from t = 0 to 1, so that none
-changes its sign on the way.
+changes its sign before the end.
 
 *Condition* is the largest absolute row sum of the scaled stiffness over the energy, through the
 strains again, of its softest motion, found by inverse iteration. *Error*: in the softest motions M
@@ -37,7 +37,7 @@ from .freedoms import Freedoms
 
 _EPS = float(np.finfo(float).eps)
 
-# Arm of a held node over the size of its part below which it holds no rotation.
+# Arm of a supported node over the size of its part below which it prevents no rotation.
 _LEVER = 1e-10
 
 # Wanted accuracy of a solution, and the worst one accepted: the error of any mesh is larger.
@@ -59,7 +59,7 @@ _SINGULAR = "the stiffness is singular: "
 
 
 class NoConvergence(RuntimeError):
-    """No equilibrium or linear solution was found; the message says how far it came, and why."""
+    """No equilibrium or linear solution was found; the message says how far it got, and why."""
 
 
 class TangentSolver:
@@ -231,7 +231,7 @@ def free_rigid_motions(state: State) -> list[str]:
     where = [
         f" of part {k + 1} of {len(pieces)}" if len(pieces) > 1 else "" for k in range(len(pieces))
     ]
-    return [way + said for (_, free), said in zip(pieces, where, strict=True) for way in free]
+    return [motion + said for (_, free), said in zip(pieces, where, strict=True) for motion in free]
 
 
 def _said(rigid: list[str]) -> str:

@@ -20,7 +20,7 @@ from shellcut.state import State
 from .freedoms import Freedoms
 from .tangent_solver import ACCURACY, NoConvergence, TangentSolver, free_rigid_motions
 
-# Modes are counted up to this far below the last one, relative to it.
+# Modes are counted up to this far below the last mode, relative to it.
 _GAP = 1e-5
 _MOST_SEARCHES = 10
 # Of rigid motions what is more than their round-off, relative to the largest omega².

@@ -10,7 +10,7 @@ is never the closest of its class. Halving the cells level by level keeps the gu
 child's points are its parent's, and makes the build cheap: a child only searches its parent's list.
 A list is sorted by d(c, T).
 
-The grid is built here; :mod:`shellcut.tool.signed_distance` looks points up in it.
+The grid is built here; :mod:`shellcut.tool.signed_distance` searches points in it.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ class ClosestTriangleGrid:
 
 
 _BUILT: WeakKeyDictionary[Tool, ClosestTriangleGrid] = WeakKeyDictionary()
-"""Grids by tool: building one for many triangles takes seconds."""
+"""Grids by tool: building a grid for many triangles costs seconds."""
 
 
 @kernel
@@ -152,7 +152,7 @@ def _refine(
 ) -> tuple[Ints, Ints, Floats]:
     """Return the lists of a level (start, triangles, distances) from those of its parents.
 
-    Cell (i, j, k) has the parent (i, j, k) >> shift. A cell that holds no point of the solid and
+    Cell (i, j, k) has the parent (i, j, k) >> shift. A cell that contains no point of the solid and
     none within ``reach`` of its surface gets an empty list; so does a child of an empty parent.
     """
     lower, cell_size, shape = cells.lower, cells.size, cells.shape

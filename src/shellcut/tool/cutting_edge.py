@@ -16,7 +16,7 @@ strip reaches far below the blade. If the edge has passed a point, the blade is 
 beside it: the point's *foot* on the mid-plane, p - lateral b, is inside the solid
 (:func:`in_the_blade`). The faces may have pushed the point aside, but not its foot. Contact yields
 a little, so film pressed by an end face is also inside the solid, by some thousandths of a
-millimetre; but there the nearest way out of the solid leads back through that face, along the
+millimetre; but there the nearest exit from the solid leads back through that face, along the
 mid-plane, whereas behind the edge it leads sideways, through a flank.
 """
 
@@ -48,11 +48,11 @@ widens by this fraction of the depth at its ends, more than the edge turns at an
 # Segments that have a box together.
 _RUN = 8
 
-# Least sine of the angle between the mid-plane and a sideways way out of the solid: flanks are at
+# Least sine of the angle between the mid-plane and a sideways exit from the solid: flanks are at
 # less than 60 degrees to the mid-plane, blunt ones at 40; an end face is across it.
 _ASIDE = 0.5
 
-# Depth over the radius of the edge at which the nearest way out of the blade leads sideways: the
+# Depth over the radius of the edge at which the nearest exit from the blade leads sideways: the
 # middle of the round is at 1.
 _BEHIND_ROUND = 1.25
 
@@ -133,6 +133,7 @@ def strip_coordinates(
     depth = dot(d, segment_part(segments, k, BACK))
     if not 0.0 <= depth < deepest:
         return 0.0, lateral, depth, False
+    # Strips of neighbouring segments leave wedges between them on a curved edge: each is widened.
     v, slack = segment_part(segments, k, VECTOR), STRIP_SLOPE * depth
     length = norm(v)
     along = dot(d, v) / length
@@ -149,16 +150,17 @@ def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
     aside = segment_part(edges.segments, k, NORMAL)
     foot = combine(1.0, p, -lateral, aside)
     if edges.radius > 0.0:
-        # Within the round the way out leads forward: take a place behind it instead.
+        # Within the round the exit leads forward: a place behind it is used instead.
         back = segment_part(edges.segments, k, BACK)
         depth = dot(sub(p, segment_part(edges.segments, k, START)), back)
         foot = combine(1.0, foot, max(0.0, _BEHIND_ROUND * edges.radius - depth), back)
     _, inside, _, nearest, _ = signed_distance(foot, 0, edges.solid)
     if not inside:
         return False
-    way_out = sub(nearest, foot)
-    sideways = dot(way_out, aside)
-    return sideways * sideways >= _ASIDE * _ASIDE * dot(way_out, way_out)
+    # Behind the edge the nearest exit leads sideways, through a flank; at an end face it does not.
+    outward = sub(nearest, foot)
+    sideways = dot(outward, aside)
+    return sideways * sideways >= _ASIDE * _ASIDE * dot(outward, outward)
 
 
 @inline

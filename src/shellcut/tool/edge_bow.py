@@ -1,8 +1,8 @@
 """How a cutting edge is bowed in its own plane: its tips, its arcs and what is straight.
 
-Film that an edge comes down on meets first what stands out of the tool: an end of the edge, the
+Film that an edge comes down on meets first what protrudes from the tool: an end of the edge, the
 apex where two straight parts meet, the lowest place of an arc. The turn of the edge about the
-normal of its mid-plane tells them apart, towards the solid where the edge stands out.
+normal of its mid-plane distinguishes them, towards the solid where the edge protrudes.
 
 A *tip* is a vertex where the edge ends, or where it turns at once. An *arc* is a run of segments
 with facets for a curve: at its vertices the edge turns by ``FACET`` at most, and as much, within a
@@ -73,9 +73,9 @@ def _follow(tool: Tool, rows: Ints, bow: EdgeBow) -> None:
     vector = tool.vertices[ends[:, 1]] - tool.vertices[ends[:, 0]]
     after = np.roll(np.arange(len(rows)), -1)
     closed = len(rows) > 2 and ends[0, 0] == ends[-1, 1]
-    way, about = unit(vector), unit(normal + normal[after])
-    sine = (np.cross(way, way[after]) * about).sum(axis=1)
-    turn = each(math.atan2, sine, (way * way[after]).sum(axis=1))  # at the end of each segment
+    along, about = unit(vector), unit(normal + normal[after])
+    sine = (np.cross(along, along[after]) * about).sum(axis=1)
+    turn = each(math.atan2, sine, (along * along[after]).sum(axis=1))  # at the end of each segment
     bends = np.abs(turn) > _STRAIGHT
     bends[-1] &= closed
     at = np.flatnonzero(bends)  # last segment of every straight part

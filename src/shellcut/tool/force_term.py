@@ -1,4 +1,4 @@
-"""A force term: what a simulation asks of all that pulls or presses on the film.
+"""A force term: what a simulation needs of all that pulls or presses on the film.
 
 Shells and loads have places of their own in a step. Whatever else puts forces on the nodes,
 contact, friction and cables, is a :class:`ForceTerm`. It must say what it adds to the forces; all
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 class ForceTerm:
     """Forces on the nodes that are neither the shells' nor loads.
 
-    A term that books nothing is one more load: the simulation looks at what it has added to the
+    A term that books nothing is one more load: the simulation evaluates what it has added to the
     nodal forces and books its work as ``load_work``, with that of its wrench on the tool. One that
     stores or dissipates energy may tell: it writes its works to ``touch``, and ``booked`` says into
-    which entries of the ledger they go. Then it books all its work, ½ (f_{n-1} + f_n) · Δx.
+    which entries of the ledger they count. Then it books all its work, ½ (f_{n-1} + f_n) · Δx.
 
     Examples
     --------
@@ -46,7 +46,7 @@ class ForceTerm:
     ...     def stiffness(self, state, counted):
     ...         return np.array([self.node]), np.array([2.0])
 
-    A film that falls on it; the ledger misses nothing:
+    A film that falls on it; the energy balance closes:
 
     >>> from shellcut.meshing import rectangle
     >>> mesh, film = rectangle(4.0, 2.0, size=1.0), sc.ShellMaterial.homogeneous()
@@ -62,13 +62,13 @@ class ForceTerm:
     """Of its part of the wrench in the columns of the history, and of a checkpoint."""
     touch: Touch = Touch.none(0, 0)
     """What it did in the last evaluation, on each tooth of the tool and in sums of its own. The
-    arrays stay in their place; what stands there is booked again after every step."""
+    arrays stay in their place; their contents are booked again after every step."""
     booked: Sequence[Booking] = ()
-    """What goes from there into the ledger at every step. If nothing does, the simulation works out
-    what the term adds to the nodal forces, and the work of that."""
+    """What the energy balance gets from there at every step. If nothing does, the simulation works
+    out what the term adds to the nodal forces, and the work of that."""
     n_search: int = 0
-    """How often it has searched for what it may act on: the time step then looks at it anew. -1 if
-    that changes from step to step; the time step then asks it at every look."""
+    """How often it has searched for what it may act on: the time step then evaluates it anew. -1 if
+    that changes from step to step; the time step then evaluates it at every check."""
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
@@ -80,14 +80,14 @@ class ForceTerm:
     def stiffness(self, state: State, counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that it acts on and a bound of its stiffness on each [N/mm].
 
-        It is good until the next search, if it searches, or cut. A node may come more than once:
-        its stiffnesses add up. ``counted`` has those of the terms before it, by their names: it
-        may tell only what it adds to them.
+        It is good until the next search, if it searches, or cut. A node may be listed more than
+        once: its stiffnesses add up. ``counted`` has those of the terms before it, by their names:
+        it may tell only what it adds to them.
         """
         return np.zeros(0, np.int64), np.zeros(0)
 
     def stored(self, state: State) -> Mapping[str, float]:
-        """Return the entries of the ledger that are functions of the state [N·mm]."""
+        """Return the entries of the energy balance that are functions of the state [N·mm]."""
         return {}
 
     def saved(self) -> dict[str, Any]:

@@ -12,7 +12,7 @@ _LEFT_OVER = 1e-3
 """Of R : R, from 3: the tool would be larger or smaller by a sixth of it."""
 
 _GIVE_ROWS = (ScrewMotion, StraightMotion, TableMotion)
-"""Motions whose poses kernels can take as they come. A class derived from one of them is none: it
+"""Motions whose poses kernels can evaluate directly. A class derived from one of them is none: it
 may move differently."""
 
 
@@ -31,6 +31,6 @@ def pose_at(motion: Motion, time: float) -> Pose:
         raise ValueError(
             f"the pose of {type(motion).__name__} at {time:.6g} s must be a rotation, shape "
             f"(3, 3), and a position in mm, shape (3,), all finite, got R = {R.tolist()} and "
-            f"r = {r.tolist()}: look at its method pose"
+            f"r = {r.tolist()}: check its method pose"
         )
     return pose

@@ -17,14 +17,14 @@ g_i the depths under the planes of the faces around,
 
     dist(p, S) = min |w|  for  n_i · w >= a_i = r - g_i,
 
-the way p - w leading to S. The least w is spanned by one, two or three of the normals with positive
-weights (face, edge, corner of S); they are found by adding the constraint that is violated most.
-So they are added one by one: p - w is moved away from the face that is closest to it, until none is
-closer than r. That is asked of the surface only near a convex edge: where the plane of a triangle
-that shares a vertex with the closest one, or with one coplanar with it, comes closer to
+the point p - w lying on S. The least w is spanned by one, two or three of the normals with positive
+weights (face, edge, corner of S); they are found by adding the constraint that is violated most. So
+they are added one after the other: p - w is moved away from the face that is closest to it, until
+none is closer than r. That search of the surface is needed only near a convex edge: where the plane
+of a triangle that shares a vertex with the closest one, or with one coplanar with it, is closer to
 p - (r - d) n than r (:class:`ConvexNeighbours`). Mostly the ball rolls along one edge for a while:
-the face across that edge is remembered, and one look at the surface shows whether the ball still
-touches it. What is remembered changes D by round-off at most.
+the face across that edge is remembered, and a single query of the surface shows whether the ball
+still touches it. What is remembered changes D by round-off at most.
 
 Where the surface is concave the closest point lies on an edge or vertex for a whole wedge of
 points. There the direction is that to the closest point, the depth the distance: the gradient
@@ -49,7 +49,7 @@ from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, 
 from .signed_distance import TriangleGrid, away_from, closest_of_side
 from .tool import Tool
 
-# Of a dot product of normals: planes that agree so far are one.
+# Of a dot product of normals: planes that agree so far are the same.
 _PARALLEL = 1e-12
 
 # Of an edge's length: vertices so far above a plane still lie in it.
@@ -147,11 +147,11 @@ def face_depth(p: Vec3, q: Vec3, normal: Vec3) -> tuple[float, Vec3]:
 
     q : closest point of the surface.  normal : of its triangle.
     """
-    way = sub(q, p)
-    g, squared = dot(way, normal), dot(way, way)
+    offset = sub(q, p)
+    g, squared = dot(offset, normal), dot(offset, offset)
     if g > 0.0 and squared - g * g > _BESIDE * squared:
         g = sqrt(squared)
-        return g, scale(1.0 / g, way)
+        return g, scale(1.0 / g, offset)
     return g, normal
 
 
@@ -175,20 +175,22 @@ def rounded_depth(
     normals = grid.surface.pseudo_normals
     face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
     g, out = face_depth(p, q, face)
+    # Deeper than r, or far from convex edges, D is the depth below the face.
     if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
         return g, out, across
+    # Mostly the ball still rolls along the edge of the last time: a single query then is enough.
     tried = False
     w = scale(radius - g, out)
     if across >= 0:
-        tried, w = _way_to_two(p, g, out, triangle, across, side, radius, grid)
+        tried, w = _offset_from_two(p, g, out, triangle, across, side, radius, grid)
     if not tried:
-        w, across = way_to_opened(p, g, out, side, radius, grid)
+        w, across = offset_from_opened(p, g, out, side, radius, grid)
     length = norm(w)
     return radius - length, scale(1.0 / length, w), across
 
 
 @inline
-def _way_to_two(
+def _offset_from_two(
     p: Vec3,
     g: float,
     out: Vec3,
@@ -200,9 +202,10 @@ def _way_to_two(
 ) -> tuple[bool, Vec3]:
     """Return whether the ball that p is rounded by touches just two triangles, and w then [mm].
 
-    g, out : depth of p and way out of it to ``triangle``, the closest one.  across : the other.  If
-    it is as far as r from both of their planes it touches them, unless they end before, and S is
-    there if no other face is closer.
+    g, out : depth of p and outward direction to ``triangle``, the closest one.
+
+    across : the other.  If it is as far as r from both of their planes it touches them, unless they
+    end before, and S is there if no other face is closer.
     """
     grid = borrowed(grid)
     surface = grid.surface
@@ -212,6 +215,7 @@ def _way_to_two(
     z = sub(p, w)
     found, t, _, q = closest_of_side(z, side, grid)
     depth, closest = face_depth(z, q, load(surface.pseudo_normals[t], 0))
+    # A third face is closer: the foot on S is not that of the two planes.
     if not found or depth < radius * (1.0 - _MET) or side * surface.flank[across] < 0:
         return False, w
     # It touches the one that is closest; the other must be as close.
@@ -234,7 +238,7 @@ def _no_edge_near(
 ) -> bool:
     """Return whether the point of S that lies straight in from p can be reached by no other face.
 
-    g, out : depth of p and way out of it to its closest triangle.
+    g, out : depth of p and outward direction from it to its closest triangle.
     """
     corners, flank, normals = grid.surface.corners, grid.surface.flank, grid.surface.pseudo_normals
     for k in range(around.start[triangle], around.start[triangle + 1]):
@@ -250,13 +254,13 @@ def _no_edge_near(
 
 
 @inline
-def way_to_opened(
+def offset_from_opened(
     p: Vec3, g: float, out: Vec3, side: int, radius: float, grid: TriangleGrid
 ) -> tuple[Vec3, int]:
-    """Return w, the shortest way from S to a point inside that is less than r deep [mm].
+    """Return w, the shortest vector from S to a point inside that is less than r deep [mm].
 
-    And the face across the edge, if it leads to the round of one, else -1.  g, out : depth of p and
-    way out of it to its closest triangle.
+    And the face across the edge, if it leads to the round of an edge, else -1.  g, out : depth of p
+    and outward direction from it to its closest triangle.
     """
     grid = borrowed(grid)
     w = scale(radius - g, out)
@@ -273,6 +277,7 @@ def way_to_opened(
     _put(n, a, 1, normal, needed)
     _, m = _least(n, a, 2, radius)
     _put(n, a, m, third, beyond)
+    # Add the face that is closest to p - w, until none is closer than r.
     for _ in range(_MOST_ROUNDS):
         w, m = _least(n, a, m + 1, radius)
         deep, _, normal, needed = _face_beyond(p, w, side, radius, grid)
@@ -299,15 +304,15 @@ def _face_beyond(
 
 
 @inline
-def _least_of_two(one: Vec3, a: float, two: Vec3, b: float, radius: float) -> Vec3:
-    """Return the least w with one · w >= a and two · w >= b, two being among those that span it."""
-    c = dot(one, two)
+def _least_of_two(first: Vec3, a: float, second: Vec3, b: float, radius: float) -> Vec3:
+    """Return the least w with first · w >= a, second · w >= b; the second one spans it."""
+    c = dot(first, second)
     if b >= 0.0 and c * b >= a - _MET * radius:
-        return scale(b, two)
+        return scale(b, second)
     whole = 1.0 - c * c
     if whole < _PARALLEL or a < c * b or b < c * a:
-        return scale(b, two)
-    return combine((a - c * b) / whole, one, (b - c * a) / whole, two)
+        return scale(b, second)
+    return combine((a - c * b) / whole, first, (b - c * a) / whole, second)
 
 
 @inline

@@ -5,7 +5,7 @@ distance from the mid-plane. The cylinder of radius r that touches both flanks h
 
     its axis at z_c = r / sin a,  its nose at z_n = z_c - r,  and leaves them at z_T = z_c cos² a.
 
-The flanks, and with them the thickness, stay as they are behind z_T; the edge goes back by z_n, as
+The flanks, and with them the thickness, stay as they are behind z_T; the edge moves back by z_n, as
 in grinding. (The tool grown by r on all sides would be thicker than its drawing, and its wedge
 would stand r / sin a - r before the round.) The surface is cut along lines of equal depth, and what
 lies before z_T is moved on to the round,

@@ -94,7 +94,7 @@ def kept_axis(motion: Motion, until: float, stray: float = 0.0) -> Axis | Line |
     """Return the fixed axis or line of a motion from t = 0 to ``until`` [s], None if neither.
 
     stray : how far an axis may stray [mm], of a motion as seen from a film that moves. Such an axis
-    may also drift at a steady rate, as that of a screw over a film that goes aside.
+    may also drift at a steady rate, as that of a screw over a film that moves aside.
     """
     # Not isinstance: a derived class may move differently.
     if type(motion) is ScrewMotion:
@@ -152,11 +152,11 @@ def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
     place = np.cross(seen.spin, shift) / (turn**2)[:, None]
     middle = place.mean(axis=0)
     wander = np.linalg.norm(place - middle, axis=1).max()
-    way = np.linalg.norm(seen.shift, axis=1).max()
+    distance = np.linalg.norm(seen.shift, axis=1).max()
     round_off = _ROUND_OFF * np.linalg.norm(seen.origin, axis=1).max() + stray
-    if wander > _SAME_PLACE * way + round_off:
+    if wander > _SAME_PLACE * distance + round_off:
         return _drifting(direction, place, seen, travel, stray) if stray > 0.0 else None
-    if norm(middle) <= _SAME_DIRECTION * way + round_off:
+    if norm(middle) <= _SAME_DIRECTION * distance + round_off:
         middle = np.zeros(3)
     ahead = float(product(seen.shift, direction).sum())
     onward = ahead > stray * len(place)
@@ -166,7 +166,7 @@ def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
 def _drifting(
     direction: Floats, place: Floats, seen: Instants, travel: Floats, stray: float
 ) -> Axis | None:
-    """Return an axis that goes aside with the angle, None if its places (n, 3) do not lie so."""
+    """Return an axis that moves aside with the angle, None if its places (n, 3) do not lie so."""
     after, aside = travel - travel.mean(), place - place.mean(axis=0)
     drift = product(after, aside) / max(float(product(after, after)), np.finfo(float).tiny)
     if norm(aside - after[:, None] * drift).max() > stray:

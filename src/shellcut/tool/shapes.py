@@ -117,7 +117,7 @@ def tooth_ring(
     Raises
     ------
     ToolError
-        If teeth overlap, or parameters do not go together.
+        If teeth overlap, or parameters do not fit each other.
 
     Examples
     --------
@@ -149,12 +149,12 @@ def tooth_ring(
     flank_angle = _edge_half_angle(edge_inclination_deg, wedge_half_angle_deg) + FLANK_MARGIN
     if edge_radius != 0.0:
         mirror = np.array([1.0, -1.0, 1.0])  # (s, n, z) is left-handed
-        one = Tool.from_triangles(
+        tooth_tool = Tool.from_triangles(
             mirror * straight, triangles, edges=edges, flank_angle_deg=flank_angle
         )
-        one = with_edge_radius(one, edge_radius)
-        straight = mirror * one.vertices - [_ahead_of_nose(one, tooth.cot), 0.0, 0.0]
-        triangles, edges = one.triangles, one.edges
+        tooth_tool = with_edge_radius(tooth_tool, edge_radius)
+        straight = mirror * tooth_tool.vertices - [_ahead_of_nose(tooth_tool, tooth.cot), 0.0, 0.0]
+        triangles, edges = tooth_tool.triangles, tooth_tool.edges
     phases = radians(phase_deg) + 2.0 * pi * np.arange(n_teeth) / n_teeth
     s, n, z = (straight + np.array([0.0, 0.0, tip_clearance])).T
     angle, out = phases[:, None] + s / radius, radius + n

@@ -69,7 +69,7 @@ class TriangleSurface(NamedTuple):
 
 
 class TriangleGrid(NamedTuple):
-    """Tables for a look-up; built by :mod:`shellcut.tool.closest_triangles`."""
+    """Tables for a search; built by :mod:`shellcut.tool.closest_triangles`."""
 
     cells: GridCells
     lists: CellLists
@@ -113,7 +113,7 @@ def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
 def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
     """Return the height of p over the plane of a triangle, and how far it is inside its edges [mm].
 
-    No point of the triangle is closer than by the height and, where p is outside, that way.
+    No point of the triangle is closer than the height and, where p is outside, than that distance.
     """
     height = _above(p, t, 0, planes)
     within = min(_above(p, t, 1, planes), _above(p, t, 2, planes), _above(p, t, 3, planes))
@@ -205,6 +205,8 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
         return False, triangle, feature, nearest
     off_centre = _distance_from_centre(p, cell, grid.cells)
     for k in range(cell_start[cell], cell_start[cell + 1]):
+        # The list ascends by the distance from the centre: no later triangle can be closer than
+        # this.
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
             break
@@ -250,6 +252,7 @@ def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool,
         pseudo_normals[triangle, i, 1],
         pseudo_normals[triangle, i, 2],
     )
+    # The pseudo-normal of the feature gives the side also at edges and vertices [Baerentzen2005].
     inside = dot(sub(p, nearest), normal) < 0.0
     found = True
     whole = triangle

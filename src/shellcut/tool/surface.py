@@ -62,7 +62,7 @@ class Surface:
         self.body = by_first_appearance(
             connected_parts(owner[by_edge][same], owner[by_edge][same + 1], n_triangle)
         )
-        self.twin_corners = (by_edge[same], by_edge[same + 1])
+        self.opposite_half_edges = (by_edge[same], by_edge[same + 1])
         self.turn = self._turning_angles()
 
     def _turning_angles(self) -> Floats:
@@ -132,7 +132,9 @@ class Surface:
     def _pinched_vertices(self) -> Ints:
         # A vertex whose corners (3 t + k) form more than one fan: two corners belong to one fan if
         # their triangles share an edge at that vertex.
-        near, far = self.twin_corners  # half-edges; half-edge 3 t + k starts at corner k of t
+        near, far = (
+            self.opposite_half_edges
+        )  # half-edges; half-edge 3 t + k starts at corner k of t
         links_a, links_b = [], []
         vertex = self.triangles.ravel()
         for a_start in (True, False):
@@ -242,35 +244,35 @@ class Surface:
         return of_all[: len(tooth)], of_all[len(tooth) :]
 
     def _over_centres(self, rows: Bools) -> scipy.sparse.csr_array:
-        """Return the ways between the centres of triangles over some edges [mm]."""
+        """Return the distances between the centres of triangles over some edges [mm]."""
         a, b = self.forward[rows], self.backward[rows]
         centre = self.vertices[self.triangles].mean(axis=1)
-        way = np.linalg.norm(centre[a] - centre[b], axis=1)
+        distance = np.linalg.norm(centre[a] - centre[b], axis=1)
         n = len(self.triangles)
-        return scipy.sparse.coo_array((way, (a, b)), shape=(n, n)).tocsr()
+        return scipy.sparse.coo_array((distance, (a, b)), shape=(n, n)).tocsr()
 
     def _holes(self, rows: Ints) -> str:
-        # connected rims of open edges with middle and size, largest first
+        # connected borders of open edges with middle and size, largest first
         n = self.vertices.shape[0]
-        rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
-        # vertices in the order of their rims
+        border_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
+        # vertices in the order of their borders
         vertices = np.unique([self.lo[rows], self.hi[rows]])
-        vertices = vertices[np.argsort(rim_of_vertex[vertices], kind="stable")]
-        rims, first, n_vertex = np.unique(
-            rim_of_vertex[vertices], return_index=True, return_counts=True
+        vertices = vertices[np.argsort(border_of_vertex[vertices], kind="stable")]
+        borders, first, n_vertex = np.unique(
+            border_of_vertex[vertices], return_index=True, return_counts=True
         )
         points = self.vertices[vertices]
         low, high = (of.reduceat(points, first) for of in (np.minimum, np.maximum))
         middle = np.add.reduceat(points, first) / n_vertex[:, None]
         size = norm(high - low)
-        n_edge = np.bincount(rim_of_vertex[self.lo[rows]])[rims]
-        told = named(
+        n_edge = np.bincount(border_of_vertex[self.lo[rows]])[borders]
+        listed = named(
             np.argsort(-size, kind="stable").tolist(),
             lambda k: (
                 f"around {point_text(middle[k])}, {size[k]:.4g} mm across, with {n_edge[k]} edges"
             ),
         )
-        return f"{'a hole' if len(rims) == 1 else f'{len(rims)} holes'} {told}"
+        return f"{'a hole' if len(borders) == 1 else f'{len(borders)} holes'} {listed}"
 
     def _segments(self, rows: Ints) -> str:
         return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))

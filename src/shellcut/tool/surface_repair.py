@@ -24,7 +24,7 @@ from shellcut.numerics.consistent_winding import common_winding
 
 from .surface import DEGENERATE_HEIGHT, Surface, merge_vertices, normals_and_heights
 
-_MOST_ROUNDS = 6  # a triangle with several open edges takes a round for each; then few are left
+_MOST_ROUNDS = 6  # a triangle with several open edges needs a round for each; then few are left
 _MOST_SWAPS = 50  # rounds of swaps; each leaves fewer flat triangles, more rounds mean a tangle
 
 
@@ -73,8 +73,8 @@ def _remove_flat(done: Repaired) -> None:
         flat = height < DEGENERATE_HEIGHT
         if not flat.any() or not _swap(done, flat):
             break
-    if gone := n - len(done.triangles):
-        done.notes.append(f"{gone} triangles without an area are removed")
+    if n_removed := n - len(done.triangles):
+        done.notes.append(f"{n_removed} triangles without an area are removed")
 
 
 def _swap(done: Repaired, flat: Bools) -> bool:
@@ -113,9 +113,9 @@ def _remove_repeated(done: Repaired) -> None:
     order = (first[:, None] + np.arange(3)) % 3
     turned = np.take_along_axis(done.triangles, order, axis=1)
     _, kept = np.unique(turned, axis=0, return_index=True)
-    if gone := len(turned) - len(kept):
+    if n_removed := len(turned) - len(kept):
         done.triangles = done.triangles[np.sort(kept)]
-        done.notes.append(f"{gone} repeated triangles are removed")
+        done.notes.append(f"{n_removed} repeated triangles are removed")
 
 
 def _turn(done: Repaired) -> None:
@@ -168,8 +168,8 @@ def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
     alone = first[uses == 1]
     if not len(alone):
         return triangles, 0
-    rim = np.unique(sides[alone])
-    tree = scipy.spatial.cKDTree(vertices[rim])
+    border = np.unique(sides[alone])
+    tree = scipy.spatial.cKDTree(vertices[border])
     fans: dict[int, list[list[int]]] = {}
     n_put = 0
     for side in alone.tolist():
@@ -179,7 +179,7 @@ def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
         a, b, c = np.roll(triangles[t], -corner).tolist()
         half = 0.5 * float(norm(vertices[b] - vertices[a]))
         near = tree.query_ball_point(0.5 * (vertices[a] + vertices[b]), half + reach)
-        between = _between(vertices, a, b, [int(v) for v in rim[near] if v != c], reach)
+        between = _between(vertices, a, b, [int(v) for v in border[near] if v != c], reach)
         if between:
             row = [a, *between, b]
             fans[t] = [[p, q, c] for p, q in pairwise(row)]

@@ -31,8 +31,8 @@ from .pose import Pose
 
 LARGEST_FREE_TURN = 0.75 * pi
 """Turn between neighbouring entries of a table [rad] from which on the entries do not tell it, if
-the axis changes or the angles are known but for whole turns: near half a turn the shorter way is
-ambiguous."""
+the axis changes or the angles are known but for whole turns: near half a turn the shorter rotation
+is ambiguous."""
 
 SAME_AXIS = 1e-9
 """Sine of the angle between two rotation vectors along one axis: far above round-off."""
@@ -48,8 +48,8 @@ Unwrap: TypeAlias = Annotated[
     bool,
     Option(
         "",
-        "whether angles wrap, as from 359 to 1 deg or from 180 to -180 deg: then the tool turns "
-        "the shorter way between rows, by less than 135 deg",
+        "whether angles wrap, as from 359 to 1 deg or from 180 to -180 deg: then the tool makes "
+        "the shorter turn between rows, by less than 135 deg",
     ),
 ]
 
@@ -84,7 +84,8 @@ class TableMotion:
     """Axis times angle of the pose, shape (n_time, 3), [rad]; by default no rotation.
 
     Between two entries along one axis the tool turns by their difference, also by several turns.
-    Where the axis changes it turns the shorter way; there a difference of 135° or more is refused.
+    Where the axis changes it makes the shorter turn; there a difference of 135° or more is
+    refused.
     """
     unwrap: Unwrap = False
     _knots: list[float] = field(init=False, repr=False)
@@ -100,9 +101,9 @@ class TableMotion:
         )
         step = np.diff(times)
         with np.errstate(over="ignore", invalid="ignore"):
-            ways = np.diff(translations, axis=0)
-            rates = _rates(step, ways / step[:, None])
-            translation = _cubics(step, translations[:-1], ways, rates[:-1], rates[1:])
+            shifts = np.diff(translations, axis=0)
+            rates = _rates(step, shifts / step[:, None])
+            translation = _cubics(step, translations[:-1], shifts, rates[:-1], rates[1:])
         if not np.isfinite(translation).all():
             raise ValueError("times and translations must be such that speeds are finite numbers")
         start = scipy.spatial.transform.Rotation.from_rotvec(vectors)
@@ -178,19 +179,20 @@ class TableMotion:
 
     @property
     def leap(self) -> int | None:
-        """First entry before a turn of more than 180° that looks like a sensor's jump; or None.
+        """First entry before a turn of more than 180° that may be a sensor's jump; or None.
 
-        The shorter way has the sense of an interval beside it, and at most three times its rate.
+        The shorter turn has the sense of an interval beside it, and at most three times its
+        rate.
         """
         vectors, step = np.asarray(self.rotation_vectors), np.diff(self.times)
-        told = np.zeros_like(vectors[1:]) if self.unwrap else np.diff(vectors, axis=0)
-        turn = norm(told)
-        shorter = (turn - 2.0 * pi * np.round(turn / (2.0 * pi)))[:, None] * unit(told)
+        listed = np.zeros_like(vectors[1:]) if self.unwrap else np.diff(vectors, axis=0)
+        turn = norm(listed)
+        shorter = (turn - 2.0 * pi * np.round(turn / (2.0 * pi)))[:, None] * unit(listed)
         for i in np.flatnonzero(turn > pi).tolist():
             for j in (i - 1, i + 1):
                 if 0 <= j < len(turn) and turn[j] < pi:
-                    rate, way = told[j] / step[j], shorter[i] / step[i]
-                    if 0.0 < (rate * way).sum() <= 3.0 * (rate * rate).sum():
+                    rate, other = listed[j] / step[j], shorter[i] / step[i]
+                    if 0.0 < (rate * other).sum() <= 3.0 * (rate * rate).sum():
                         return int(i)
         return None
 
@@ -249,15 +251,15 @@ def _turns(vectors: Floats, start: scipy.spatial.transform.Rotation, *, unwrap: 
     It is the same in the frames of both. Along one axis rotations add up, so that it is the
     difference of the entries. The straight line between two rotation vectors is a path of rotations
     no longer than their difference, since |w| <= |dphi/dt|; so below half a turn it can be drawn
-    tight to the shorter way.
+    tight to the shorter turn.
 
     start : the rotations of the entries.
     """
     shorter = (start[:-1].inv() * start[1:]).as_rotvec()
-    told = np.diff(vectors, axis=0)
+    listed = np.diff(vectors, axis=0)
     across = norm(np.cross(vectors[:-1], vectors[1:]))
     one_axis = across <= SAME_AXIS * norm(vectors[:-1]) * norm(vectors[1:])
-    turn = norm(shorter if unwrap else told)
+    turn = norm(shorter if unwrap else listed)
     large = turn >= LARGEST_FREE_TURN
     if (unknown := large & (unwrap | ~one_axis)).any():
         i = int(np.where(unknown, turn, 0.0).argmax())
@@ -267,7 +269,7 @@ def _turns(vectors: Floats, start: scipy.spatial.transform.Rotation, *, unwrap: 
             f"between entries {where}, got {degrees(turn[i]):.1f} from entry {i} to {i + 1}: "
             f"add entries in between{other}"
         )
-    return np.where(large[:, None], told, shorter)
+    return np.where(large[:, None], listed, shorter)
 
 
 def _exponential(phi: Vec3) -> tuple[Vec3, Vec3, Vec3]:
@@ -317,7 +319,7 @@ def _rates(step: Floats, mean: Floats) -> Floats:
     """Return the velocities at the entries of a table, shape (n_time, 3).
 
     In between the harmonic mean of the means beside it, weighted as [FritschButland1984], in
-    the direction half way between the two. At an end the speed goes on as it changes between the
+    the direction halfway between the two. At an end the speed continues as it changes between the
     first two intervals, up to twice that of the interval; the direction is that of the next entry
     mirrored at the chord, as on a circle.
 
@@ -332,28 +334,28 @@ def _rates(step: Floats, mean: Floats) -> Floats:
         inverse = np.ones_like(both)
         np.divide(near, speed[:-1], out=inverse, where=both_move)
         inverse += np.divide(far, speed[1:], out=np.zeros_like(both), where=both_move)
-        way = unit(mean)
-        cosine = (way[:-1] * way[1:]).sum(axis=1)
+        along = unit(mean)
+        cosine = (along[:-1] * along[1:]).sum(axis=1)
         size = np.where(both_move, both / inverse, 0.0) * np.clip(2.0 * cosine, 0.0, 1.0)
-        rates[1:-1] = size[:, None] * unit(way[:-1] + way[1:])
+        rates[1:-1] = size[:, None] * unit(along[:-1] + along[1:])
         for end, beside in ((0, 1), (-1, -2)):
             part = step[end] / (step[end] + step[beside])
             faster = speed[end] + part * (speed[end] - speed[beside])
-            inner, along = unit(rates[beside]), way[end]
-            mirrored = 2.0 * (inner * along).sum() * along - inner if inner.any() else along
+            inner, own = unit(rates[beside]), along[end]
+            mirrored = 2.0 * (inner * own).sum() * own - inner if inner.any() else own
             rates[end] = min(max(faster, 0.0), 2.0 * speed[end]) * mirrored
     return rates
 
 
-def _cubics(step: Floats, start: Floats, way: Floats, ends: Floats, stops: Floats) -> Floats:
+def _cubics(step: Floats, start: Floats, shift: Floats, ends: Floats, stops: Floats) -> Floats:
     """Return the coefficients of dt³, dt², dt and 1 for x, y, z in turn, shape (n_time - 1, 12).
 
-    start, way : (n_time - 1, 3), value at the start of each interval and how far it goes.  ends,
-    stops : likewise, rates at its start and end.
+    start, shift : (n_time - 1, 3), value at the start of each interval and its change over
+    it.  ends, stops : likewise, rates at its start and end.
     """
     h = step[:, None]
-    cubic = (ends + stops - 2.0 * way / h) / (h * h)
-    square = (3.0 * way / h - 2.0 * ends - stops) / h
+    cubic = (ends + stops - 2.0 * shift / h) / (h * h)
+    square = (3.0 * shift / h - 2.0 * ends - stops) / h
     return np.stack([cubic, square, ends, start], axis=2).reshape(-1, 12)
 
 

@@ -202,7 +202,7 @@ class Tool:
         Parameters
         ----------
         vertices : array_like, shape (n_vertex, 3), [mm]
-            May hold duplicates (an STL file does); unused ones are dropped.
+            May contain duplicates (an STL file does); unused ones are dropped.
         triangles : array_like of int, shape (n_triangle, 3)
             Counter-clockwise seen from outside.
         edges : array_like of int, shape (n_edge, 2), optional
@@ -211,13 +211,13 @@ class Tool:
             blunt tool, which only pushes. By default they are found by angle.
         sharp_angle_deg : float, [deg]
             If no edges are given: the least angle between the two outward normals at a convex
-            edge that cuts. A wedge of half-angle a turns by 180 - 2a. A chain found in this way
+            edge that cuts. A wedge of half-angle a turns by 180 - 2a. A chain found in this manner
             starts in the direction of its smallest vertex id; further chains of a body are
-            turned so that their plus sides face the same way as that of the first.
+            turned so that their plus sides face the same direction as that of the first.
         flank_angle_deg : float, [deg]
             A flank extends from its cutting edge over all edges that turn by less. A triangle
-            reached from both sides takes the side with the shorter way over triangle centres
-            (plus where the ways are equal).
+            reached from both sides gets the side with the shorter path over triangle centres
+            (plus where the paths are equal).
         name : str
             In reports.
 

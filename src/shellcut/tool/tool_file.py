@@ -99,8 +99,8 @@ def read_tool(
 ) -> Tool:
     """Read a tool: STL, OBJ or PLY; STEP or IGES with Gmsh (extra ``mesh``).
 
-    Between ``sharp_angle_deg`` = 90 (the rims of a machined block) and 120 only the teeth of a cap
-    are found; :meth:`Tool.from_triangles` says what the angles are, :meth:`Tool.chains` the
+    Between ``sharp_angle_deg`` = 90 (the borders of a machined block) and 120 only the teeth of a
+    cap are found; :meth:`Tool.from_triangles` says what the angles are, :meth:`Tool.chains` the
     numbers. Each solid of STEP and IGES becomes a body. A warning says which unit was taken.
 
     Returns

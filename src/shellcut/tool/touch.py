@@ -1,4 +1,4 @@
-"""What a force term does to the tool and puts into the ledger, as its kernel writes it.
+"""What a force term does to the tool and to the energy balance, as its kernel writes it.
 
 Everything a term has to tell after a step lies in two arrays that stay where they are. Kernels take
 them, with other tables, as one address; nothing is made anew in a step.
@@ -18,7 +18,7 @@ from shellcut.numerics.vec3 import cross, sub
 from .pose import Pose
 
 ON_TOOL = -1
-"""Column of a :class:`Booking` that stands for the work of the wrench on the tool."""
+"""Column of a :class:`Booking` for the work of the wrench on the tool."""
 
 
 class Touch(NamedTuple):
@@ -59,7 +59,7 @@ def react(f: Vec3, x: Vec3, tooth: int, pose: Pose, wrench: Floats) -> None:
 
 
 class Booking(NamedTuple):
-    """A sum that goes into the ledger at every step.
+    """A sum that the energy balance gets at every step.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Booking(NamedTuple):
     """
 
     entry: str
-    """Of the ledger."""
+    """Of the energy balance."""
     column: int
     """Of ``sums``, or ``ON_TOOL``."""
     factor: float = 1.0

@@ -1,8 +1,9 @@
-"""The edges of a film that is cut: rims, flanks of cracks, and sides that are broken.
+"""The border of a film that is cut: outer sides, flanks of cracks, and sides that are broken.
 
-From a tip the crack's own flanks lead back (:meth:`FilmEdges.way_back`), as far as no other edge of
-the film touches them: not the rim at which it began, nor the other branch, nor its own way where it
-has come across that. How far back cables hold along this way is the length of its process zone.
+The border is made of straight *edges*. From a tip the crack's own flanks lead back
+(:meth:`FilmBorder.path_back`), as far as no other edge of the film touches them: not the outer
+border at which it began, nor the other branch, nor its own path where it has crossed that. How far
+back along this path cables carry is the length of its process zone.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ zone."""
 _BESIDE = 0.05
 
 
-class FilmEdges:
-    """The edges of the film, as long as its topology stays.
+class FilmBorder:
+    """The border of the film, as long as its topology stays.
 
     Parameters
     ----------
@@ -47,27 +48,27 @@ class FilmEdges:
         mesh = shell.mesh_quads  # nothing is cut yet
         pairs = np.sort(np.stack([mesh, np.roll(mesh, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
         _, at, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-        self._rim = (count[at.reshape(-1)] == 1).reshape(-1, 4)
+        self._is_outer = (count[at.reshape(-1)] == 1).reshape(-1, 4)
         self._same = SAME * float(np.sqrt(shell.area.min()))
         self.find()
 
     def find(self) -> None:
-        """Find the edges of the film as it is cut now."""
+        """Find the border of the film as it is cut now."""
         topology, film, mesh = self._topology, self._shell.reference, self._shell.mesh_quads
-        looked_at = topology.opened_rows()
-        whole = self._rim.copy()
-        whole[[row for row in looked_at if row < len(whole)]] = False
+        opened = topology.opened_rows()
+        whole = self._is_outer.copy()
+        whole[[row for row in opened if row < len(whole)]] = False
         row, first = np.nonzero(whole)
         corners = np.stack([first, (first + 1) % 4], axis=1)
         rows: list[int] = []
         places: list[tuple[Point, Point]] = []
         outside: list[list[int]] = []
-        for cut in looked_at:
+        for cut in opened:
             quad = topology.parent(cut)
-            polygon, rim, ring = topology.polygon(cut), self._rim[quad], mesh[quad].tolist()
+            polygon, outer, ring = topology.polygon(cut), self._is_outer[quad], mesh[quad].tolist()
             for a, b, side in edges(polygon):
                 parts = [(a, b)]
-                if side != FLANK and not rim[side]:
+                if side != FLANK and not outer[side]:
                     broken = topology.broken_parts(ring[side], ring[(side + 1) % 4])
                     parts = [(on_side(side, start), on_side(side, stop)) for start, stop in broken]
                 rows += [cut] * len(parts)
@@ -87,42 +88,42 @@ class FilmEdges:
         for i, found in enumerate(outside, start=n):
             self.beyond[i, found] = True
 
-    def way_back(self, place: Floats) -> Iterator[tuple[Ints, Floats, float]]:
+    def path_back(self, place: Floats) -> Iterator[tuple[Ints, Floats, float]]:
         """Yield the edges of the flanks of the crack that ends at a place, from there on back.
 
-        Those between two places of the way, the two places, shape (2, 3), and how far from the tip
-        the way has then come [mm].
+        Those between two places of the path, the two places, shape (2, 3), and how long the path
+        from the tip then is [mm].
         """
-        own, way = np.zeros(len(self.row), np.bool_), 0.0
+        own, distance = np.zeros(len(self.row), np.bool_), 0.0
         while True:
             at = np.linalg.norm(self.ends - place, axis=2) < self._same
             here = np.flatnonzero(at.any(axis=1) & ~own)
             others = self.ends[here, np.where(at[here, 0], 1, 0)]
             if not here.size or (np.linalg.norm(others - others[0], axis=1) > self._same).any():
                 return
-            own[here], way = True, way + float(norm(others[0] - place))
-            yield here, np.stack([place, others[0]]), way
+            own[here], distance = True, distance + float(norm(others[0] - place))
+            yield here, np.stack([place, others[0]]), distance
             place = others[0]
 
     def cables_behind(self, state: State, place: Floats, size: float) -> tuple[Ints, Floats]:
-        """Return the cables that hold the flanks of the crack that ends at a place.
+        """Return the cables across the flanks of the crack that ends at a place.
 
-        As far back as they hold, and how far that is in local edge lengths, shape (n,) each,
+        As far back as they carry, and how far that is in local edge lengths, shape (n,) each,
         ascending.
 
         size : local edge length [mm].
         """
         c = state.cable
-        held = np.flatnonzero(c.status[: state.n_cable] != BROKEN)
-        X, back = c.at_ends(state.node.X)[held, 0], np.full(len(held), np.inf)
+        intact = np.flatnonzero(c.status[: state.n_cable] != BROKEN)
+        X, back = c.at_ends(state.node.X)[intact, 0], np.full(len(intact), np.inf)
         last = 0.0
-        for _, (start, stop), way in self.way_back(place):
+        for _, (start, stop), distance in self.path_back(place):
             length = float(norm(stop - start))
             gap, along = off_segments(X, start, stop - start)
             on = norm(gap) < _BESIDE * size
-            back[on] = np.minimum(back[on], way + (along[on] - 1.0) * length)
+            back[on] = np.minimum(back[on], distance + (along[on] - 1.0) * length)
             last = back[on].max(initial=last)
-            if way - last > GAP * size:
+            if distance - last > GAP * size:
                 break
         order = np.argsort(back, kind="stable")[: np.isfinite(back).sum()]
-        return held[order], back[order] / size
+        return intact[order], back[order] / size

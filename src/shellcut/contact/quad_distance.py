@@ -1,4 +1,4 @@
-"""Where a point is against film close to it, for kernels: how deep, and which way out.
+"""Where a point is against film close to it, for kernels: how deep, and where it is pushed.
 
 *Closest place.* The film of a row is a convex polygon of the parametric square
 (:mod:`.film_outline`). The foot of the perpendicular from p on the bilinear surface is found by
@@ -11,26 +11,26 @@ lies on an edge of the polygon, taken as a straight line between its ends. On si
 is exact. A flank is a straight chord of the parametric square: on a quad that is no parallelogram
 the two differ by a part of its twist.
 
-*A node against a sheet.* A sheet is film of thickness h with flat cut edges, and a node stands for
+*A node against a sheet.* A sheet is film of thickness h with flat cut faces, and a node stands for
 film as thick as that. In the sheet's frame at the closest place c, with the distance d from the
 mid-surface on the side s where the point is, and the distance e to the nearest edge inside the
 sheet's outline, the depth is
 
     D = min(h - s d, e)   over the film,   D <= 0 beside it,
 
-the shorter of the two ways out: through the face, or through the edge. D is continuous, so the
-energy k F(D) is, and forces are its gradient: through the face along r = p - c, shared by the shape
-functions at c; through the edge along m, the normal of the edge in the tangent plane, with the
-couple that turns m with the film (:func:`slopes_along`). Both leave momentum and angular momentum
-as they are, to round-off.
+the shorter of the two distances to the outside: through the face, or through the edge. D is
+continuous, so the energy k F(D) is, and forces are its gradient: through the face along r = p - c,
+shared by the shape functions at c; through the edge along m, the normal of the edge in the tangent
+plane, with the couple that turns m with the film (:func:`slopes_along`). Both leave momentum and
+angular momentum as they are, to round-off.
 
 Flanks that are born together lie edge to edge: e = 0, so D = 0 whatever h is. They part freely,
 meet again at e = 0 in the plane, and pass over each other as soon as they are h apart. Nothing has
 to grow, and nothing sticks.
 
-*A point of the tool* is the same with h = 0, and goes out through the face only. It gets a side
-where it faces the film, and has passed the film elsewhere (through a cut) where it is farther from
-it than the capture.
+*A point of the tool* is the same with h = 0, and is pushed out through the face only. It gets a
+side where it faces the film, and has passed the film elsewhere (through a cut) where it is farther
+from it than the capture.
 """
 
 from __future__ import annotations
@@ -60,15 +60,15 @@ _CONVEX = 0.5
 # A foot this little outside a polygon, in xi and eta, is on its edge: far above round-off.
 _ON_EDGE = 1e-12
 
-# Cosine of the largest angle between the normal of a quad and the way to a point over it: beyond a
-# closed side in the plane of the quad a point is over film that is no partner of it.
+# Cosine of the largest angle between the normal of a quad and the vector to a point over it: beyond
+# a closed side in the plane of the quad a point is over film that is no partner of it.
 _OVER = 0.5
 
-# Of the thickness: closer to the mid-surface the way to a point does not tell the normal.
+# Of the thickness: closer to the mid-surface the vector to a point does not give the normal.
 _ON_SURFACE = 1e-3
 
 # Cosine of the angle between the outward normal of a point and the film's, at least: a corner that
-# passes the film edgeways does not push it.
+# passes the film edge-on does not push it.
 _FACING = 0.3
 
 
@@ -189,13 +189,13 @@ def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
 def closest_on_edge(
     p: Vec3, q: Corners, row: int, k: int, outline: Outline
 ) -> tuple[float, float, float, float]:
-    """Return the place of an edge closest to p: its part of the way, distance² [mm²], xi, eta."""
+    """Return the place of an edge closest to p: part of its length, distance² [mm²], xi, eta."""
     point, end = outline.point, (k + 1) % outline.n_edge[row]
     x0, y0, x1, y1 = point[row, k, 0], point[row, k, 1], point[row, end, 0], point[row, end, 1]
     start = place_in(q, x0, y0)
-    way, r = sub(place_in(q, x1, y1), start), sub(p, start)
-    s = min(max(dot(r, way) / dot(way, way), 0.0), 1.0)
-    off = add_scaled(r, -s, way)
+    along, r = sub(place_in(q, x1, y1), start), sub(p, start)
+    s = min(max(dot(r, along) / dot(along, along), 0.0), 1.0)
+    off = add_scaled(r, -s, along)
     return s, dot(off, off), x0 + s * (x1 - x0), y0 + s * (y1 - y0)
 
 
@@ -206,16 +206,16 @@ class Nearest(NamedTuple):
     """Of the point and the quad it is in, -1 if no quad of the sheet is near."""
     place: Closest
     free: float
-    """Way that the point and the other quads may go before one of these is near [mm]."""
+    """Distance that point and other quads may move together before one of these is near [mm]."""
 
 
-class Way(NamedTuple):
-    """The way out of a sheet."""
+class Exit(NamedTuple):
+    """Where and in which direction a point is pushed out of a sheet."""
 
     depth: float
     """D [mm], at most 0 outside."""
     row: int
-    """Quad that takes the force."""
+    """Quad that gets the force."""
     xi: float
     eta: float
     """Where."""
@@ -231,7 +231,7 @@ class Way(NamedTuple):
 def nearest_on(p: Vec3, sheet: int, band: float, walked: float, tables: SheetTables) -> Nearest:
     """Return the place of a sheet closest to p, of its quads whose box is nearer than ``band``.
 
-    Writes the way walked up to which a pair is not near, for those farther off.
+    Writes the travelled distance up to which a pair is not near, for pairs farther apart.
     """
     pairs, x, quads, until = tables.pairs, tables.nodes.x, tables.quads, tables.waits.pair
     best, free = Closest(1e300, 0.0, 0.0, True), 1e300
@@ -266,10 +266,10 @@ def off_box(p: Vec3, q: Corners) -> float:
 
 
 @always_inline
-def way_out(
+def exit_from(
     p: Vec3, outward: Vec3, sheet: int, near: Nearest, tables: SheetTables
-) -> tuple[Way, float]:
-    """Return the way out of a sheet, and how far the point may go before it is within [mm].
+) -> tuple[Exit, float]:
+    """Return the exit from a sheet, and how far the point may move before it is within [mm].
 
     outward : normal of the tool at one of its points, of a node not used.
     """
@@ -282,17 +282,17 @@ def way_out(
     distance, above = norm(r), dot(r, n)
     now = 1 if above > 0.0 else -1
     if tables.of_tool and side == 0 and abs(above) <= NOTICED * law.smoothing_depth:
-        # A point as good as in the film's plane comes from where it does not face.
+        # A point in the film's plane, to round-off, comes from the side that it does not face.
         now = 1 if dot(outward, n) < 0.0 else -1
-    none = Way(0.0, row, place.xi, place.eta, n, 0.0, 0)
+    none = Exit(0.0, row, place.xi, place.eta, n, 0.0, 0)
     if place.beside:
         within = sqrt(max(distance * distance - above * above, 0.0))
         over = max(abs(above) - thickness, 0.0)
         if over > 0.0 and not tables.of_tool:
-            none = Way(0.0, row, place.xi, place.eta, n, 0.0, now)
+            none = Exit(0.0, row, place.xi, place.eta, n, 0.0, now)
         return none, sqrt(within * within + over * over)
-    on_surface = distance <= _ON_SURFACE * thickness  # where the way to the point tells nothing
-    if abs(above) < _OVER * distance and not on_surface:  # beyond a closed side
+    on_surface = distance <= _ON_SURFACE * thickness  # r has no reliable direction there
+    if abs(above) < _OVER * distance and not on_surface:  # beyond a closed side of the quad
         return none, max(distance - thickness, 0.0)
     if tables.of_tool:
         if distance > law.capture:
@@ -300,26 +300,27 @@ def way_out(
         if side == 0 and now * dot(outward, n) > -_FACING:
             return none, min(distance, law.undecided)
     if distance >= thickness and side * now >= 0:
-        return Way(0.0, row, place.xi, place.eta, n, 0.0, now), distance - thickness
+        return Exit(0.0, row, place.xi, place.eta, n, 0.0, now), distance - thickness
+    # A known side counts also past the mid-surface: a point comes out on the side where it entered.
     known = side if side != 0 else now
     through_face = thickness - known * now * distance
     if not tables.of_tool:
-        edge = _way_to_edge(p, sheet, through_face, tables)
-        if edge.depth < through_face:
-            # It came through the edge unless its side is known.
-            return Way(*edge[:6], side), 0.0
-    out = scale(float(known), n)
+        border = _exit_through_border(p, sheet, through_face, tables)
+        if border.depth < through_face:
+            # It came in through the border unless its side is known.
+            return Exit(*border[:6], side), 0.0
+    push = scale(float(known), n)
     if not on_surface:
-        out = scale(known * now / distance, r)
-    return Way(through_face, row, place.xi, place.eta, out, 0.0, known), 0.0
+        push = scale(known * now / distance, r)
+    return Exit(through_face, row, place.xi, place.eta, push, 0.0, known), 0.0
 
 
 @inline
-def _way_to_edge(p: Vec3, sheet: int, most: float, tables: SheetTables) -> Way:
-    """Return the way to the nearest open edge of a sheet, if it is shorter than ``most``."""
+def _exit_through_border(p: Vec3, sheet: int, most: float, tables: SheetTables) -> Exit:
+    """Return the exit through the nearest open edge of a sheet, if nearer than ``most`` [mm]."""
     tables = borrowed(tables)
     pairs, outline = tables.pairs, tables.outline
-    best = Way(most, 0, 0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0)
+    best = Exit(most, 0, 0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0)
     for j in range(pairs.first_pair[sheet], pairs.first_pair[sheet + 1]):
         row = pairs.row[j]
         for k in range(outline.n_edge[row]):
@@ -333,9 +334,9 @@ def _way_to_edge(p: Vec3, sheet: int, most: float, tables: SheetTables) -> Way:
             in_plane = add_scaled(r, -above, n)
             depth = norm(in_plane)
             if depth < best.depth:
-                # On the edge itself there is no direction, and no force.
-                out = scale(-1.0 / depth, in_plane) if depth > 0.0 else (0.0, 0.0, 0.0)
-                best = Way(depth, row, xi, eta, out, above, 0)
+                # On the edge itself there is no direction, hence no force.
+                push = scale(-1.0 / depth, in_plane) if depth > 0.0 else (0.0, 0.0, 0.0)
+                best = Exit(depth, row, xi, eta, push, above, 0)
     return best
 
 

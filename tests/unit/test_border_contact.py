@@ -7,9 +7,9 @@ import pytest
 
 from film_and_bar import ON, bar, flat_bar, pushed, round_bar
 from free_strip import cut_strip
-from naive.edge_contact import depth_at, forces_on_ends
+from naive.border_contact import depth_at, forces_on_ends
 from notched_strip import cutting
-from shellcut.contact.film_outline import FilmOutline, open_edges
+from shellcut.contact.film_outline import FilmOutline, border_segments
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
@@ -342,7 +342,7 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
         sim.step()
     s = sim.state
     outline = FilmOutline(sim.cracks.cuts.topology.polygon).of(s)
-    edges = open_edges(s, outline, sim.contact.law)
+    edges = border_segments(s, outline, sim.contact.law)
     ends = edges.node
     np.testing.assert_allclose(s.node.x[ends], ends_by_place(s, outline), atol=1e-12)
     if path == "free":

@@ -42,7 +42,7 @@ def by_hand(**options):
 )
 def test_what_exists_along_edges_only_asks_for_them(option):
     assert Fracture(**option).decided().path == "edges"
-    with pytest.raises(ValueError, match=f"path = 'free' goes with {next(iter(option))} = "):
+    with pytest.raises(ValueError, match=f"path = 'free' fits {next(iter(option))} = "):
         Fracture(path="free", **option)
     sim = by_hand(fracture=Fracture(**option))
     assert sim.fracture.path == "edges"
@@ -318,7 +318,7 @@ def test_a_notch_may_begin_far_outside_the_rim_with_several_points():
 
 def test_a_notch_that_turns_back_within_a_quad_is_refused():
     sim = by_hand(fracture=Fracture(path="free"))
-    with pytest.raises(ValueError, match="its line goes on in the film: it turns too sharply"):
+    with pytest.raises(ValueError, match="its line continues in the film: it turns too sharply"):
         sim.notch((-0.5, 0.1, 0.0), (2.9, 0.1, 0.0), (0.3, -0.2, 0.0))
 
 
@@ -388,7 +388,7 @@ def test_a_notch_that_cannot_be_cut_is_refused():
     ):
         with pytest.raises(ValueError, match="two different points in mm"):
             sim.notch(*ends)
-    with pytest.raises(ValueError, match="must begin within a quad or at the rim"):
+    with pytest.raises(ValueError, match="must begin within a quad or at the border"):
         sim.notch((0.0, 0.0, 50.0), (1.0, 0.0, 50.0))
     sim.state.node.x[3] += 1e-3
     with pytest.raises(ValueError, match="before it is stretched"):

@@ -100,7 +100,7 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     free = FreeDirection(sim.shell, path.film, sc.CohesiveLaw(strength=12.0))
     for tip in inner_tips(sim, roll):
         at, _ = place_of(path, sim.state, tip)
-        way = next(free.ways(sim.state, tip))
+        way = next(free.directions(sim.state, tip))
         a, b = (np.array(roll.unrolled((at.x + d * way)[None]))[:, 0] for d in (-0.05, 0.05))
         found = (b - a) / np.linalg.norm(b - a)
         # Discretisation: two degrees.

@@ -1,4 +1,4 @@
-"""Places on edges of the film against a convex tool, one by one, by the plain law."""
+"""Places on the film's border against a convex tool, one by one, by the plain law."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ def planes_of(tool):
 
 
 def depth_at(p, tool, radius):
-    """Depth of p in a convex tool whose edges are rounded, and the way out."""
+    """Depth of p in a convex tool whose edges are rounded, and the outward direction."""
     points, normals = planes_of(tool)
     if ((points - p) * normals).sum(axis=1).min() <= 0.0:
         return 0.0, np.zeros(3)

@@ -2,9 +2,9 @@
 
 At a call from Python Numba unpacks every array of a table: 40 ns each while it is in the cache, and
 several times that within a step, when the film's own arrays have pushed the Python objects out. The
-tables of contact, cables and nodes hold a hundred arrays, the same ones until the next split. Their
-owner lays them out once with a :class:`Holder`, and the kernel, which begins with
-``tables = borrowed(tables)`` in any case, reads them from there.
+tables of contact, cables and nodes have a hundred arrays, the same ones until the next split. Their
+owner lays them out once with a :class:`TableWriter`, and passes the address. The kernel begins with
+``tables = borrowed(tables)`` in any case, and reads them from there.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for those who write them.
@@ -21,16 +21,16 @@ from numba.core import types
 from numba.core.registry import cpu_target
 from numba.extending import NativeValue, typeof_impl, unbox
 
-from .borrowed import HeldType, without_owner
+from .borrowed import AddressType, without_owner
 from .intrinsics import for_kernels
 from .jit import kernel
-from .kernel_tables import HeldTable, check_tables
+from .kernel_tables import TableAddress, check_tables
 
 T = TypeVar("T")
 
 
-class Holder:
-    """Lay out tables for kernels, one after the other, all of the same types.
+class TableWriter:
+    """Lay out tables for kernels, all of the same types, and give their addresses.
 
     Examples
     --------
@@ -38,9 +38,9 @@ class Holder:
     >>> from shellcut.arrays import Floats
     >>> class Rod(NamedTuple):
     ...     length: Annotated[Floats, "(n,)"]
-    >>> held = Holder()(Rod(length=np.ones(3)))
-    >>> type(held).__name__, held.table.length.sum()
-    ('HeldTable', 3.0)
+    >>> address = TableWriter()(Rod(length=np.ones(3)))
+    >>> type(address).__name__, address.table.length.sum()
+    ('TableAddress', 3.0)
     """
 
     def __init__(self) -> None:
@@ -50,10 +50,10 @@ class Holder:
         self._known: set[Any] = set()
 
     def __call__(self, table: T) -> T:
-        """Return a table as kernels take it in place of ``table``.
+        """Return the address of a table, which kernels take in place of ``table``.
 
-        The arrays may change their contents, not their place: the owner holds a table anew when it
-        has replaced one of them.
+        The arrays may change their contents, not their place: the owner lays out a table anew when
+        it has replaced one of them.
 
         Raises
         ------
@@ -61,14 +61,14 @@ class Holder:
             If an array is in the wrong field, or of another type than in the first table.
         """
         plain = _plain(table)
-        if (looks := _looks(table)) not in self._known:
+        if (key := _type_key(table)) not in self._known:
             self._take_kind(table, plain)
-            self._known.add(looks)
+            self._known.add(key)
         memory = np.zeros(self._size, np.uint8)
         self._lay_out(plain, memory)
-        held = HeldTable(memory.ctypes.data)
-        held.table, held.kind, held.memory = table, self._kind, memory
-        return cast("T", held)
+        address = TableAddress(memory.ctypes.data)
+        address.table, address.kind, address.memory = table, self._kind, memory
+        return cast("T", address)
 
     def _take_kind(self, table: Any, plain: Any) -> None:
         """Find Numba's type of a table, which must be that of the first one."""
@@ -83,14 +83,14 @@ class Holder:
             raise TypeError(f"a table was given with other types: {kind} after {self._kind}")
 
 
-def _looks(value: Any) -> Any:
+def _type_key(value: Any) -> Any:
     """Return what Numba's type of a table depends on, quickly.
 
     Tables are laid out anew after every search near the tool. Numba takes a millisecond for a table
     of fifty arrays, this a fiftieth of it.
     """
     if isinstance(value, tuple):
-        return type(value), *map(_looks, value)
+        return type(value), *map(_type_key, value)
     if isinstance(value, np.ndarray):
         return value.dtype, value.ndim, value.flags.num
     return type(value)
@@ -105,12 +105,12 @@ def _plain(table: Any) -> Any:
     return tuple(map(_plain, table)) if isinstance(table, tuple) else table
 
 
-@typeof_impl.register(HeldTable)
+@typeof_impl.register(TableAddress)
 def _type_of(value, _context):
-    return HeldType(value.kind)
+    return AddressType(value.kind)
 
 
-@unbox(HeldType)
+@unbox(AddressType)
 def _unbox(_type, value, context):
     return NativeValue(context.pyapi.long_as_voidptr(value))
 

@@ -1,15 +1,16 @@
-"""Points of the tool that push the film between its nodes: corners, and points along edges.
+"""Points of the tool that push the film between its nodes: corners and points along edges.
 
-The nodes of the film feel the faces of the tool; a corner or an edge of the tool that comes down
-between nodes would go through. So these push: the convex corners of the surface, those of a smooth
-one (a ball) too, and points along convex edges that turn by more than ``LEAST_TURN``, no farther
-apart than half an edge of the film. Where they are closer than 0.4 of an edge, as on a
-surface finer than the film, some are left out; sharper ones stay.
+The nodes of the film feel the faces of the tool. A corner or an edge of the tool that comes down
+between nodes would pass through the film. So these points push: the convex corners of the surface,
+also those of a smooth surface (a ball), and points along convex edges that turn by more than
+``LEAST_TURN``. They are no farther apart than half an edge length of the film. Where they are
+closer than 0.4 of an edge length, as on a surface finer than the film, some are left out; the
+sharper points stay.
 
-*Cutting edges* push like all others, for film on whose face they come down carries them until it is
-pierced (:mod:`shellcut.fracture.pierce`). Their tips (:mod:`shellcut.tool.edge_bow`) are never left
-out, and on an arc they are so close that none of it stands out between two by more than the depth
-over which the contact sets in.
+*Cutting edges* push like all others: the film on whose face they come down carries them until it
+is pierced (:mod:`shellcut.fracture.pierce`). Their tips (:mod:`shellcut.tool.edge_bow`) are never
+left out. On an arc the points are so close that none of the arc protrudes between two of them by
+more than the depth over which the contact sets in.
 """
 
 from __future__ import annotations
@@ -35,13 +36,13 @@ _MOST_POINTS = 1_000_000
 _CONCAVE, _HOLLOW = np.radians(-0.5), 0.05
 
 # Cosine of the angle between the normals of points that may press on the film together.
-_SAME_WAY = 0.5
+_SAME_DIRECTION = 0.5
 
 # Missing to 2 pi in the angles around a convex corner, at least.
 _PEAKED = 1e-4
 
 
-def contact_points(tool: Tool, edge_length: float, depth: float = np.inf) -> ToolPoints:
+def tool_points(tool: Tool, edge_length: float, depth: float = np.inf) -> ToolPoints:
     """Return the points of a tool that push a film.
 
     Parameters
@@ -100,9 +101,9 @@ def _corners(tool: Tool, surface: Surface, tip: Bools) -> tuple[Ints, Floats]:
         np.minimum.at(least, ends, turn)
         np.maximum.at(most, ends, turn)
     corners = tool.vertices[tool.triangles]
-    one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
+    to_next, to_last = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
     around = np.zeros(tool.n_vertex)
-    np.add.at(around, tool.triangles, angles(one, two))
+    np.add.at(around, tool.triangles, angles(to_next, to_last))
     convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - around > _PEAKED)
     on_cut = np.zeros(tool.n_vertex, np.bool_)
     on_cut[tool.edges] = True
@@ -113,9 +114,9 @@ def _corners(tool: Tool, surface: Surface, tip: Bools) -> tuple[Ints, Floats]:
 def _along_edges(
     tool: Tool, surface: Surface, spacing: float
 ) -> tuple[Floats, Floats, Floats, Ints, Ints]:
-    """Return points along the edges that cut, and the other convex ones, both ends included.
+    """Return points along the cutting edges and the other convex edges, both ends included.
 
-    Their places, normals, turns, those that cut turned the most, teeth and segments.
+    Their places, normals, turns (pi at cutting edges), teeth and segments.
     """
     cut = np.sort(tool.edges, axis=1)
     segment_of = np.full(len(surface.keys), -1)
@@ -158,21 +159,21 @@ def _shares(place: Floats, outward: Floats, reach: float) -> Floats:
     """Return one over the number of points at each that may press on a node of the film together.
 
     A point at a distance counts 1 - distance / reach, as the shape function of the node between
-    them falls off; those that face another way press on other film, or not at all.
+    them decreases; points that face another direction press on other film, or not at all.
     """
     crowd = np.ones(len(place))
     if len(place) > 1:
         pairs = scipy.spatial.cKDTree(place).query_pairs(reach, output_type="ndarray")
         a, b = pairs[np.lexsort(pairs.T[::-1])].T
         weight = 1.0 - np.linalg.norm(place[a] - place[b], axis=1) / reach
-        weight *= (outward[a] * outward[b]).sum(axis=1) > _SAME_WAY
+        weight *= (outward[a] * outward[b]).sum(axis=1) > _SAME_DIRECTION
         np.add.at(crowd, a, weight)
         np.add.at(crowd, b, weight)
     return np.asarray(1.0 / crowd)
 
 
 def _spread(place: Floats, sharpness: Floats, closest: Floats) -> Ints:
-    """Return which points to keep, the sharper, then the first: none close to one kept before it.
+    """Return which points to keep: the sharper first, and none close to a point kept before it.
 
     place : (n, 3).  closest : (n,), how far each must be from those [mm].
     """
@@ -180,7 +181,7 @@ def _spread(place: Floats, sharpness: Floats, closest: Floats) -> Ints:
         return np.zeros(0, np.int64)
     tree = scipy.spatial.cKDTree(place)
     kept = np.zeros(len(place), np.bool_)
-    # Rounded, so that round-off does not choose between equal ones.
+    # Rounded, so that round-off does not choose between equal points.
     for k in np.lexsort((np.arange(len(place)), -np.round(sharpness, 6))).tolist():
         kept[k] = not kept[tree.query_ball_point(place[k], closest[k])].any()
     return np.flatnonzero(kept)

@@ -1,10 +1,10 @@
-"""Where a point of the film is in the tool: side, depth and way out.
+"""Where a point of the film is in the tool: side, depth and exit direction.
 
 The depth is that below the tool with its convex edges rounded (:mod:`shellcut.tool.rounded_depth`).
 
-*Waiting.* One clock adds up how far tool and film may have come nearer to each other: the motion of
-the tool, and the largest speed of a listed node times the step. A carrier that is at a distance d
-from the tool is not looked at before d has been walked.
+*Waiting.* One clock adds up how far tool and film may have approached each other: the motion of
+the tool, and the largest speed of a listed node times the step. A contact point at the distance d
+from the tool is not evaluated again before this sum has grown by d.
 """
 
 from __future__ import annotations
@@ -27,34 +27,36 @@ _CLEARLY_BESIDE = 0.15
 
 
 @always_inline
-def look_at(
+def depth_in_tool(
     i: int, p: Vec3, side: int, walked: float, pose: Pose, tables: ContactTables
 ) -> tuple[bool, int, int, float, Vec3, int]:
-    """Return whether a carrier is inside, the closest triangle of all, and what it presses on.
+    """Return whether a contact point is inside, the closest triangle of all, and where it presses.
 
-    That is the closest triangle of its side, the depth under the rounded surface there, the way
-    out, and the side: a node without one gets it when it is first inside.
+    That is: the closest triangle of its side, the depth under the rounded surface there, the
+    outward direction, and the side. A node without a side gets one when it is first inside.
 
-    p : in the body frame, [mm].  side : so far.  walked : on the clock.  Writes how long the
-    carrier waits.
+    p : in the body frame, [mm].  side : so far.  walked : on the clock.  Writes when the
+    contact point is evaluated next.
     """
-    tool, looks, grid = tables.tool, tables.looks, tables.tool.grid
+    tool, queries, grid = tables.tool, tables.queries, tables.tool.grid
     found, whole, feature, q = closest_of_side(p, 0, grid)
-    way = sub(p, q)
+    offset = sub(p, q)
     # Inside by the pseudo-normal of the closest face, edge or vertex [Baerentzen2005].
-    if not found or dot(way, load(grid.surface.pseudo_normals[whole], feature)) >= 0.0:
-        away = norm(way) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
-        looks.until[i] = walked + away - tool.round_off
+    if not found or dot(offset, load(grid.surface.pseudo_normals[whole], feature)) >= 0.0:
+        away = norm(offset) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
+        queries.until[i] = walked + away - tool.round_off
         return False, whole, whole, 0.0, p, side
     flank, triangle = grid.surface.flank, whole
-    if side == 0 and not tables.on_edges:
-        side = _side_of_quads(tables.carriers.node[i, 0], pose, tool, tables.nodes, tables.around)
+    if side == 0 and not tables.on_border:
+        side = _side_of_quads(
+            tables.contact_points.node[i, 0], pose, tool, tables.nodes, tables.around
+        )
         side = int(flank[whole]) if side == 0 else side
-    # The blade may be thinner than the film is pushed in: what lies on one flank stays there.
+    # The film may be pushed in deeper than the blade is thick: what lies on a flank stays there.
     if side * flank[whole] < 0:
         _, triangle, feature, q = closest_of_side(p, side, grid)
-    g, outward, looks.across[i] = rounded_depth(
-        p, q, triangle, side, tables.rounding, grid, tool.around, looks.across[i]
+    g, outward, queries.across[i] = rounded_depth(
+        p, q, triangle, side, tables.rounding, grid, tool.around, queries.across[i]
     )
     return True, whole, triangle, g, outward, side
 

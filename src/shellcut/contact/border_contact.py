@@ -1,27 +1,29 @@
-"""Contact of the film's edges with the tool between their nodes.
+"""Contact of the film's border with the tool between its nodes.
 
-A rim, a notch or a flank that crosses the tool between its nodes is not felt there. So each edge of
-the film at which it ends (:mod:`.film_outline`) carries points, evenly spaced, that touch the tool
-as nodes do (:mod:`.press_kernel`): a place with the weights 1 - s and s on the ends, with a force
-of its own that these share.
+An outer side, a notch or a flank that crosses the tool between its nodes is not felt there. So each
+segment of the border (:mod:`.film_outline`) carries points, evenly spaced, that touch the tool as
+nodes do (:mod:`.press_kernel`): a place with the weights 1 - s and s on the ends, with a force of
+its own that these share.
 
-*Stiffness.* With K of an edge from :class:`.film_outline.OpenEdges`, its m points have K / m each,
-and either end gives up K / 2. As a spring on a weighted mean is no stiffer than its parts at the
-nodes, all of it together is no stiffer than the nodes alone were, and neither is the step shorter.
+*Stiffness.* With K of a segment from :class:`.film_outline.BorderSegments`, its m points have K / m
+each, and either end gives up K / 2. As a spring on a weighted mean is no stiffer than its parts at
+the nodes, all of it together is no stiffer than the nodes alone were, and neither is the step
+shorter.
 
 *Spacing.* A corner of the tool that lies between two points catches between them if they are
 farther apart than the rounding of its edges lets them pass: ``SPACING`` times the radius at most.
 For the points the tool's edges are rounded by half the film's thickness, or half that of a thin
-tool, twice what it is for nodes: a stiff film goes as deep as that, and would catch. For a film so
-thin that there would be more than ``MOST`` points on a typical edge, they are rounded by more.
+tool, twice what it is for nodes: a stiff film penetrates as deep as that, and would catch. For a
+film so thin that there would be more than ``MOST`` points on a typical segment, they are rounded by
+more.
 
-*Sides.* A point takes the side of the blade that the ends have, and keeps it while it is inside,
-unless an end gets the other one. Where the ends have different ones the blade goes through the
-edge, and through a point that is deeper below its side than half the blade's thickness and closer
-to the other: these do not press.
+*Sides.* A point gets the side of the blade that the ends have, and keeps it while it is inside,
+unless an end gets the other side. Where the ends have different sides the blade cuts through the
+segment, and through a point that is deeper below its side than half the blade's thickness and
+closer to the other: these do not press.
 
-*Jumps.* If a point gets deeper by more than film and tool have moved (a split has made the edge),
-that part is an offset of its depth, which does not press and fades as for nodes.
+*Jumps.* If a point gets deeper by more than film and tool have moved (a split has made the
+segment), that part is an offset of its depth, which does not press and fades as for nodes.
 
 *Memory* belongs to the place in its row's polygon, so it outlasts splits along edges of the mesh.
 """
@@ -33,39 +35,40 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
+from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.pose import Pose
 
-from .contact_tables import Carriers, ContactNodes, ContactTables, Looks, Memory
-from .film_outline import FilmEdges, OpenEdges
+from .contact_tables import ContactNodes, ContactPoints, ContactTables, DistanceQueries, Memory
+from .film_outline import BorderSegments, FilmBorderSegments
 from .penalty_contact import PenaltyContact
 from .press_kernel import add_press_forces
 from .press_term import WORK, PressTerm
 from .settings import STEEPEST
 
 SPACING = 1.1
-"""Largest distance of points on an edge, over the radius by which the tool's edges are rounded."""
+"""Largest distance of points on a segment, over the radius by which the tool's edges are
+rounded."""
 
 MOST = 16
-"""Points on an edge of a typical quad, at most."""
+"""Points on a segment as long as a typical quad, at most."""
 
 # Of the tool's half thickness: the rounding of its edges for the points, at most.
 _OF_TOOL = 0.5
 
-# Of any edge; a key is that of the edge times this, and the place on the edge.
+# Of any segment; a key is that of the segment times this, and the place on the segment.
 _MOST_OF_ANY = 1024
 
 
-class EdgeContact(PressTerm):
-    """Contact of the film's edges.
+class BorderContact(PressTerm):
+    """Contact of the film's border.
 
     Parameters
     ----------
     contact : PenaltyContact
-        Of the nodes, which knows the film's edges; evaluated before this in every step.
+        Of the nodes, which knows the film's border; evaluated before this in every step.
     edge_length : float
         Of a typical quad [mm].
     """
@@ -76,17 +79,17 @@ class EdgeContact(PressTerm):
         self._contact = contact
         nothing = np.zeros(0, np.int64)
         super().__init__(
-            "edges", contact.tool.n_tooth, Carriers.of(np.zeros((0, 4), np.int64)), nothing
+            "edges", contact.tool.n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing
         )
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)
         self._rounding = max(contact.law.rounding, thin, self._spacing / SPACING)
         self._key, self._near = nothing, nothing
-        self._looks, self._memory = Looks.none_yet(0), Memory.blank(0)
+        self._looks, self._memory = DistanceQueries.none_yet(0), Memory.blank(0)
         self._of_contact: ContactTables | None = None
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
-        self._hold = Holder()
+        self._address_of = TableWriter()
         self._call, self._list = BoundOnce(add_press_forces), BoundOnce(_places_on)
 
     def add_forces(self, state: State, pose: Pose) -> None:
@@ -100,19 +103,19 @@ class EdgeContact(PressTerm):
             self.touch.sums[WORK] += work
 
     @property
-    def _edges(self) -> FilmEdges:
+    def _border(self) -> FilmBorderSegments:
         assert self._contact.film_edges is not None
         return self._contact.film_edges
 
     def stiffness(self, state: State, counted: StiffnessBy) -> NodeStiffness:
-        """Return the ends of edges that may press soon and what they add at most [N/mm].
+        """Return the ends of segments that may press soon and what they add at most [N/mm].
 
         To the stiffness of the contact of nodes that is counted, which is that of nodes alone.
         """
-        soon, edges = counted[self._contact.name][0], self._edges.of(state)
-        near = edges.near(soon)
-        ends = edges.node[near].ravel()
-        half = np.repeat(0.5 * STEEPEST * edges.stiffness[near], 2)
+        soon, segments = counted[self._contact.name][0], self._border.of(state)
+        near = segments.near(soon)
+        ends = segments.node[near].ravel()
+        half = np.repeat(0.5 * STEEPEST * segments.stiffness[near], 2)
         # Of nothing bincount returns whole numbers.
         more: Floats = np.bincount(ends, half, state.n_node).astype(float)
         more[soon] = 0.0
@@ -120,13 +123,13 @@ class EdgeContact(PressTerm):
         return nodes, more[nodes]
 
     def felt(self, key: Ints) -> tuple[Ints, Floats]:
-        """Return the first place of each of some edges, and the end, and what each presses [mm].
+        """Return the first place of each of some segments, and the end, and what each presses [mm].
 
-        key : of the edges, ascending, listed or not.
+        key : of the segments, ascending, listed or not.
         """
-        of_edge = self._key // _MOST_OF_ANY
-        at: Ints = np.searchsorted(of_edge, np.append(key, np.iinfo(np.int64).max))
-        listed = np.isin(of_edge, key)
+        of_segment = self._key // _MOST_OF_ANY
+        at: Ints = np.searchsorted(of_segment, np.append(key, np.iinfo(np.int64).max))
+        listed = np.isin(of_segment, key)
         pressed: Floats = np.maximum(self._memory.depth - self._memory.offset, 0.0)
         first: Ints = np.append(0, np.cumsum(listed))[at].astype(np.int64)
         return first, pressed[listed]
@@ -138,33 +141,33 @@ class EdgeContact(PressTerm):
         self._lay_out(state)
 
     def _renew(self, state: State) -> float:
-        """List the places anew; return the work of those that have gone [N·mm]."""
-        edges = self._edges.of(state)
-        near = edges.near(self._contact.near.ids)
-        room = int((edges.length[near] / self._spacing + 2.0).sum())
+        """List the places anew; return the work of those no longer listed [N·mm]."""
+        segments = self._border.of(state)
+        near = segments.near(self._contact.near.ids)
+        room = int((segments.length[near] / self._spacing + 2.0).sum())
         key, k = np.empty(room, np.int64), np.empty(room)
         node, weight = np.zeros((room, 4), np.int64), np.zeros((room, 4))
-        count = self._list(near, edges, self._spacing, key, node, weight, k)
+        count = self._list(near, segments, self._spacing, key, node, weight, k)
         key = key[:count].copy()
         was, had = self._key, self._memory
         at = np.searchsorted(was, key)
         same = was.take(at, mode="clip") == key if was.size else np.zeros(count, np.bool_)
         self.kept = np.where(same, at, -1)
         to, of = np.flatnonzero(same), at[same]
-        looks, memory = Looks.none_yet(count), Memory.blank(count)
-        looks.across[to] = self._looks.across[of]
+        queries, memory = DistanceQueries.none_yet(count), Memory.blank(count)
+        queries.across[to] = self._looks.across[of]
         kept: Any = zip(memory[1:], had[1:], strict=True)
         for new, old in kept:
             new[to] = old[of]
         pressed: Bools = np.asarray(had.force.any(axis=1))
         pressed[of] = False
-        gone = np.flatnonzero(pressed)
-        v = state.node.velocity_half[self.carriers.node[gone]]
-        moved = (self.carriers.weight[gone, :, None] * v).sum(axis=1)
-        power = float((had.force[gone] * moved).sum())
-        blank = Carriers.of(node[:count])
+        dropped = np.flatnonzero(pressed)
+        v = state.node.velocity_half[self.carriers.node[dropped]]
+        moved = (self.carriers.weight[dropped, :, None] * v).sum(axis=1)
+        power = float((had.force[dropped] * moved).sum())
+        blank = ContactPoints.of(node[:count])
         self.carriers = blank._replace(weight=weight[:count].copy(), stiffness=k[:count].copy())
-        self._key, self._looks, self._memory = key, looks, memory
+        self._key, self._looks, self._memory = key, queries, memory
         self.n_search += 1
         self._lay_out(state)
         return 0.5 * state.dt * power
@@ -172,15 +175,15 @@ class EdgeContact(PressTerm):
     def _lay_out(self, state: State) -> None:
         """Build the kernel's tables, valid until the list is made anew."""
         contact = self._contact
-        self.tables = self._hold(
+        self.tables = self._address_of(
             ContactTables(
-                on_edges=True,
+                on_border=True,
                 rounding=self._rounding,
                 tool=contact.solid,
                 law=contact.law,
                 clock=contact.clock,
-                looks=self._looks,
-                carriers=self.carriers,
+                queries=self._looks,
+                contact_points=self.carriers,
                 memory=self._memory,
                 nodes=ContactNodes.of(state),
                 around=state.quads_at_nodes(),
@@ -192,26 +195,26 @@ class EdgeContact(PressTerm):
 @kernel
 def _places_on(
     near: Ints,
-    edges: OpenEdges,
+    segments: BorderSegments,
     spacing: float,
     key: Ints,
     node: Ints,
     weight: Floats,
     stiffness: Floats,
 ) -> int:
-    """Write the places on some edges : (n,); return how many there are.
+    """Write the places on some segments : (n,); return how many there are.
 
     Their keys, ascending, nodes and weights : (n_room, 4), and stiffness [N/mm].
     """
     count = 0
     for e in near:
-        m = min(max(int(np.ceil(edges.length[e] / spacing)), 1), _MOST_OF_ANY)
+        m = min(max(int(np.ceil(segments.length[e] / spacing)), 1), _MOST_OF_ANY)
         for j in range(m):
             s = (j + 0.5) / m
-            key[count] = edges.key[e] * _MOST_OF_ANY + j
-            node[count, 0], node[count, 1] = edges.node[e, 0], edges.node[e, 1]
-            node[count, 2] = node[count, 3] = edges.node[e, 0]
+            key[count] = segments.key[e] * _MOST_OF_ANY + j
+            node[count, 0], node[count, 1] = segments.node[e, 0], segments.node[e, 1]
+            node[count, 2] = node[count, 3] = segments.node[e, 0]
             weight[count, 0], weight[count, 1] = 1.0 - s, s
-            stiffness[count] = edges.stiffness[e] / m
+            stiffness[count] = segments.stiffness[e] / m
             count += 1
     return count
