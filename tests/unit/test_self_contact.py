@@ -356,3 +356,10 @@ def test_pairs_are_those_of_the_boxes(reach):
     got = sorted(zip(found.point_of_pair.tolist(), found.row.tolist(), strict=True))
     assert got == sorted(zip(point.tolist(), rows[which].tolist(), strict=True))
     assert (len(got) > 16 * 31) == (reach > 1.0)
+
+
+def test_a_point_has_as_many_partners_as_there_are_quads_near():
+    mesh = rectangle(7.0, 7.0, size=0.1)
+    points = Points(np.zeros(1, np.int64), np.array([[3.5, 0.0, 0.0]]), np.full(1, -1))
+    found = PairSearch().find(points, np.arange(mesh.n_quad), 10.0, initial_state(mesh))
+    assert found.row.tolist() == list(range(4900))

@@ -21,8 +21,8 @@ from shellcut.state import State
 
 from .near_nodes import in_box
 
-# Pairs that room is made for at first, over the points; partners of a point, at most.
-_ROOM, _MOST = 16, 4096
+# Pairs that room is made for at first, over the points.
+_ROOM = 16
 
 
 class Pairs(NamedTuple):
@@ -207,7 +207,7 @@ def _find(
     of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row is connected to
     of_node, owner, ring = np.full(at.shape[0], -1), np.full(at.shape[0], -1), np.empty_like(n_at)
     met_by = np.full(at.shape[0], -1)  # point of the pair, ``owner``, that a node was met by
-    leader, partner = np.empty(_MOST, np.int64), np.empty(_MOST, np.int64)
+    leader, partner = np.empty_like(boxes.row), np.empty_like(boxes.row)
     n_pair, n_sheet, n_point = 0, 0, 0
     for i in range(points.ids.shape[0]):
         if points.rings[i] >= 0:
@@ -217,7 +217,7 @@ def _find(
             row = boxes.row[j]
             if boxes.low[j, axis] > p[axis]:
                 break
-            if of_row[row] == i or n == _MOST or not in_box(p, boxes.low, boxes.high, j):
+            if of_row[row] == i or not in_box(p, boxes.low, boxes.high, j):
                 continue
             # Few quads are near a point, so an insertion keeps them ascending.
             k = n
