@@ -33,7 +33,7 @@ def compiled_functions():
 def test_kernels_do_not_call_kernels():
     functions = list(compiled_functions())
     kernels = {name for name, kind, _ in functions if kind == "kernel"}
-    assert {"add_press_forces", "quad_tangents", "stiffest_nodes"} <= kernels
+    assert {"add_press_forces", "quad_tangents", "stiffened_quads"} <= kernels
     calls = {
         (name, call.func.id)
         for name, _, tree in functions

@@ -26,7 +26,14 @@ from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
 
 SECTIONS = [
-    *("Conclusion", "Force", "Measured curve", "Where the work went", "What may be trusted"),
+    *(
+        "Conclusion",
+        "Answers",
+        "Force",
+        "Measured curve",
+        "Where the work went",
+        "What may be trusted",
+    ),
     *("The cut", "In three dimensions", "Crack map", "Quality of the cut", "Figures"),
     *("What was run", "Versions"),
 ]
@@ -195,7 +202,7 @@ LOST = {
     "broken files": (
         with_texts(guillotine="no HDF5", summary="{", history="time [s],path [mm]\n0.0,0.0\n"),
         ["The frames cannot be shown", "The summary cannot be shown", "fewer than two rows"],
-        {"Force", "Conclusion", "Figures"},
+        {"Force", "Conclusion", "Answers", "Figures"},
     ),
     "no figures and half a row": (
         with_texts(summary="[1, 2]", splits=lambda text: text[: len(text) // 2].rpartition(",")[0]),

@@ -19,7 +19,7 @@ from shellcut.contact.settings import STEEPEST
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.shell import DAMPING_SHARE, MITC4Shell
 from shellcut.simulation.stable_step import StableStep
-from shellcut.simulation.step_bound import safe_steps, stiffest_nodes
+from shellcut.simulation.step_bound import safe_steps, stiffened_quads
 from shellcut.state import BROKEN, STRAIGHT
 from shellcut.statics.freedoms import Freedoms
 from shellcut.tool.pose import Pose
@@ -128,7 +128,7 @@ def test_the_stiffest_node_of_a_quad_counts_with_all_that_holds_it():
     mass, n_at = rng.uniform(1.0, 2.0, 40), rng.integers(0, 5, 40).astype(np.int32)
     at = rng.integers(0, 60, (40, 4)).astype(np.int32)
     quads, largest = np.zeros(60, np.int64), np.zeros(60)
-    count = stiffest_nodes(nodes, stiffness, mass, at, n_at, quads, largest)
+    count = stiffened_quads(nodes, stiffness, mass, at, n_at, quads, largest)
     held = np.bincount(nodes, stiffness, 40) / mass
     wanted = {}
     for n in np.unique(nodes):

@@ -71,7 +71,7 @@ class Rules:
             assert (mine.corner, mine.side) == (segment.corner, segment.side)
             np.testing.assert_allclose(mine.entry, segment.entry, atol=1e-12)
             np.testing.assert_allclose(mine.exit, segment.exit, atol=1e-9)
-            found = self.watch.weighed.measure[i], self.watch.weighed.size[i]
+            found = self.watch.weighed.measure[i], self.watch.weighed.magnitude[i]
             np.testing.assert_allclose(found, measures, rtol=1e-9, atol=1e-12)
             assert due[i] == (measures[0] >= limit)
             right, _ = trial_cut.shares(self.film, state, segment)

@@ -242,7 +242,11 @@ INCH = r"[\d.]+ in"
     [
         (
             ["resume", "OUT"],
-            [rf"^crack length +{INCH}$", r"^force, peak +[\d.]+ lbf$", r"^damping .* lbf·in +\d"],
+            [
+                rf"^crack length +{INCH}$",
+                r"^force to cut +at most [\d.]+ lbf, at [\d.]+ in; ",
+                r"^damping .* lbf·in +\d",
+            ],
         ),
         (
             ["preview", "guillotine", "-o", "OUT/../model.png", *SHORT[:8]],

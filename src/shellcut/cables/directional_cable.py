@@ -3,10 +3,10 @@
 =================  =====================================================  ====  ==================
 symbol             here                                                   unit  source
 =================  =====================================================  ====  ==================
-w                  opening, from the minus to the plus node               mm    [Frangi2010] (10)
+w                  separation, from the minus to the plus node            mm    [Frangi2010] (10)
 m                  mean normal to the flanks at birth                     1     [Frangi2010] 4
 A_i                ``area``: thickness times half the crack edges         mm²   [Frangi2010] 4
-ell                ``opening``: length measure of the law                 mm    [Frangi2010] Fig. 4
+ell                ``opening``: how far it has lengthened, for the law    mm    [Frangi2010] Fig. 4
 F_i^-, F_i^+       ``force``: cable forces on the two nodes               N     [Frangi2010] Fig. 3
 =================  =====================================================  ====  ==================
 
@@ -35,7 +35,8 @@ cable has taken up to there, A(ell_max), is more than the law cut off has below 
 
 The joint sticks to its point of the edge (perfect adhesion), or slips as the law says
 (:mod:`shellcut.cables.joint_slip`): then it moves along the edge, and friction around the edge
-makes the stress of the branches (1 + kappa) sigma and (1 - kappa) sigma.
+makes the stress of the branches (1 + eta + kappa) sigma and (1 + eta - kappa) sigma: kappa is
+``grip``, eta, of an edge with a radius, ``arc_grip``.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ from .cable_stiffness import CableColumns, Compliance, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import AREA, ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
-from .meeting import find_joint
+from .meeting import meet_edge
 
 # What a checkpoint keeps of them; the cables are in the state.
 _KEPT = "touch", "n_joint_made", "n_broken"
@@ -127,7 +128,7 @@ class CableSet(ForceTerm):
     n_search = -1  # cables turn, and pull, from step to step
 
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
-        self.name = "joints"
+        self.name = "joints"  # of its columns: only cables with a joint touch the tool
         self.law = law
         self.at_edge = law.at_edge(tool.edge_radius if tool is not None else 0.0)
         """Law of the cables that the edge has met."""
@@ -309,7 +310,9 @@ def _add_cable_forces(
         minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
         # An edge bends a cable once, from the first meeting on [Frangi2010].
         may_meet = tables.directional and status[c] == STRAIGHT
-        met = may_meet and find_joint(c, minus, plus, pose, before, address)
+        met = False
+        if may_meet:
+            met = meet_edge(c, minus, plus, pose, before, address)
         if met:
             status[c] = JOINTED
             n_made += 1
@@ -318,7 +321,8 @@ def _add_cable_forces(
         law = tables.at_edge if jointed else tables.law
         nothing = (0.0, 0.0, 0.0)
         joint = Joint(nothing, nothing, nothing, nothing, nothing, 0.0, 0.0)
-        gain_minus = cables.arc_grip[c] + cables.grip[c]  # at t_{n-1}
+        # Of friction at t_{n-1}, as is the force: read before bend() writes those of t_n.
+        gain_minus = cables.arc_grip[c] + cables.grip[c]
         gain_plus = cables.arc_grip[c] - cables.grip[c]
         if jointed:
             ell, joint = bend(c, minus, plus, pose, before, tables)

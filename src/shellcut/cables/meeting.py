@@ -1,14 +1,21 @@
 """Where the cutting edge meets a straight cable: there the cable gets its joint.
 
-Let a segment of the cutting edge run from a with unit vector e, and let b be the normal of the
-blade's mid-plane there and k the direction into the blade. The cable straddles the mid-plane where
-its ends have (p - a)·b of opposite sign, and crosses it at c. The edge has met the cable when c
-lies along the segment, 0 <= (c - a)·e <= L, the edge has reached it, 0 <= (c - a)·k, and the blade
-is there: below the relief of a tooth a cable passes free (:mod:`shellcut.tool.cutting_edge`). This
-is a test of positions, not of motions: a cable born with the edge already past is caught at once. A
-blade that runs beside the mesh line has the whole cable on one side, although its *flanks* lie on
-either side of it: a cable within half an edge length of the mid-plane, whose m is along b rather
-than along the blade, is met too, at its middle.
+Let a segment of the cutting edge run from a with unit vector e and length L, and let b be the
+normal of the blade's mid-plane there and k the direction into the blade. The edge has met the
+cable if a place on it fulfils all of:
+
+1. it is where the cable crosses the mid-plane, (p - a)·b = 0; or the middle of a cable whose ends
+   lie on one side, if that is within half a side of a quad of the mid-plane and the flanks face the
+   blade, |m·b| > ½: a blade that runs beside the mesh line has such cables before it;
+2. the edge has reached it and is not far past it, 0 <= (p - a)·k < ``CUT_DEPTH`` sides of quads;
+3. it lies along the segment, 0 <= (p - a)·e <= L, widened by 0.2 of the distance in 2 because the
+   strips behind the segments of a curved edge leave wedges between them
+   (:func:`shellcut.tool.cutting_edge.strip_coordinates`);
+4. the blade is there: below the relief of a tooth a cable passes free, and beside the tooth's end
+   face, too (:func:`shellcut.tool.cutting_edge.in_the_blade`).
+
+Of several segments it is the one that has passed it least. This is a test of positions, not of
+motions: a cable born with the edge already past is met at once.
 """
 
 from __future__ import annotations
@@ -44,14 +51,14 @@ _FACING = 0.5
 
 
 @inline
-def find_joint(
+def meet_edge(
     c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, before: Pose, tables: CableTables
 ) -> bool:
-    """Bend the straight cable c around the cutting edge if that has reached it; return whether.
+    """Return whether the cutting edge has met the straight cable c; if so write its joint.
 
     Works in the body frame of the tool.  Writes edge, joint, slack, transport and overshoot of
-    the cable. The joint is written where the tool had its point a step before: the force of t_n
-    acts on the motion of the step by half, at the joint as at the nodes and on the tool.
+    the cable. The joint is written where the tool had this point one step before: so its motion
+    over the step is known, and the force at t_n does half of its work on it, as on the nodes.
     """
     tables = borrowed(tables)
     edges, cables = tables.edges, tables.cables

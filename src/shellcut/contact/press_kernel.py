@@ -1,9 +1,10 @@
 """The penalty of film on tool, point by point: one kernel for nodes and places on the border.
 
 A contact point inside the tool by the depth g gets the force k f(g) along the outward normal,
-shared among its nodes by its weights; the tool gets the opposite. See :mod:`.penalty_contact` for
-depth, side, jumps and impacts, :mod:`.border_contact` for what is special to places on the border.
-:mod:`.tool_distance` tells where it is in the tool.
+shared among its nodes by its weights; the tool gets the opposite. k is ``stiffness`` of the contact
+points, written where these are listed (:mod:`.penalty_contact`, :mod:`.film_outline`). See
+:mod:`.penalty_contact` for depth, side, jumps and impacts, :mod:`.border_contact` for what is
+special to places on the border. :mod:`.tool_distance` tells where a point is in the tool.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from .near_nodes import largest_speed, tool_motion_bound
 from .settings import FADES_OVER, NOTICED, largest_rebound, smoothed, smoothed_integral
 from .tool_distance import depth_in_tool
 
-# Distance after which a place that the blade cuts through is evaluated again, over the excess of
-# its depth.
+# A place that is deeper by e than the middle of the blade is evaluated again after a motion of this
+# times e: long before it can have come back by e, and not in every step.
 _AGAIN = 0.25
 
 
@@ -60,11 +61,11 @@ def _side_of_ends(i: int, tables: ContactTables) -> tuple[bool, int]:
     """
     node, side, memory = tables.contact_points.node, tables.nodes.contact_side, tables.memory
     a, b, row = int(side[node[i, 0]]), int(side[node[i, 1]]), memory.row[i]
-    lies = a if a != 0 else b
-    had = int(memory.side[row])
-    if memory.depth[row] > 0.0 and had * lies >= 0:
-        lies = had
-    return a * b >= 0, lies
+    side_now = a if a != 0 else b
+    old_side = int(memory.side[row])
+    if memory.depth[row] > 0.0 and old_side * side_now >= 0:
+        side_now = old_side
+    return a * b >= 0, side_now
 
 
 @always_inline
@@ -81,6 +82,9 @@ def press(
     memory: Memory,
 ) -> tuple[float, float]:
     """Return the force of a contact in its outward direction [N] and its energy [N·mm].
+
+    Writes depth, offset and work of the row; :func:`is_fast` compares with the old depth, so a
+    caller asks it before.
 
     g, k : depth [mm] and stiffness [N/mm].  back, outward : motion back over the last step [mm] and
     outward direction.  pushed, mass : all other force into the face [N], and the mass that moves
@@ -116,23 +120,26 @@ def is_fast(row: int, g: float, g_m: float, memory: Memory) -> bool:
 
 @always_inline
 def _pushed(i: int, direction: Vec3, tables: ContactTables) -> tuple[float, float]:
-    """Return all other force on a contact point into the face [N], and the mass that it moves [t].
+    """Return the force on a contact point into the face so far [N], and the mass that it moves [t].
 
-    A supported node moves by itself: with no other the mass is 0.
+    It is that of loads and shells, as contact is the first of the force terms. A supported node
+    moves by itself: with no other the mass is 0.
     """
     points, nodes = tables.contact_points, tables.nodes
     if not tables.on_border:
         n = points.node[i, 0]
         mass = 0.0 if nodes.supported[n] else nodes.contact_mass[n]
         return -dot(load(nodes.force, n), direction), mass
-    light = rate = 0.0
+    inverse_mass = acceleration = 0.0
     for c in range(2):
         n, weight = points.node[i, c], points.weight[i, c]
         if not nodes.supported[n]:
             part = weight / nodes.contact_mass[n]
-            light += weight * part
-            rate -= part * dot(load(nodes.force, n), direction)
-    return (rate / light, 1.0 / light) if light > 0.0 else (0.0, 0.0)
+            inverse_mass += weight * part
+            acceleration -= part * dot(load(nodes.force, n), direction)
+    if inverse_mass == 0.0:
+        return 0.0, 0.0
+    return acceleration / inverse_mass, 1.0 / inverse_mass
 
 
 @always_inline
@@ -221,19 +228,19 @@ def add_press_forces(
     for i in range(memory.row.shape[0]):
         if walked < queries.until[i]:
             continue
-        row, one_side, lies = memory.row[i], True, int(side[memory.row[i]])
+        row, one_side, its_side = memory.row[i], True, int(side[memory.row[i]])
         if on_border:
-            one_side, lies = _side_of_ends(i, tables)
+            one_side, its_side = _side_of_ends(i, tables)
         x = _mean_of(tables.nodes.x, i, tables)
         p = to_body(x, pose)
         inside, whole, triangle, g, outward = False, 0, 0, 0.0, p
         if one_side:
-            inside, whole, triangle, g, outward, lies = depth_in_tool(
-                i, p, lies, walked, pose, tables
+            inside, whole, triangle, g, outward, its_side = depth_in_tool(
+                i, p, its_side, walked, pose, tables
             )
         # Ends on both sides of the blade: it cuts through the segment, which is no contact.
         through = not one_side
-        if on_border and inside and lies * tool.grid.surface.flank[whole] < 0:
+        if on_border and inside and its_side * tool.grid.surface.flank[whole] < 0:
             # The other side is nearer: pushed past the middle of the blade, or beyond it.
             too_deep = g - tables.law.tool_half_thickness
             through = too_deep > 0.0
@@ -241,7 +248,7 @@ def add_press_forces(
         if through or not inside:  # half a step of the last force is still to be booked
             work += _let_go(i, dt, tables)
             continue
-        side[row] = lies
+        side[row] = its_side
         old, moved = load(memory.force, row), _mean_of(tables.nodes.velocity_half, i, tables)
         out = turn(outward, pose)
         magnitude, f, energy = _pressure(i, x, p, g, out, dt, before, pose, tables)

@@ -108,9 +108,9 @@ class Contact:
         float | None,
         Option(
             "N/mm^3",
-            "lambda, of every node, whatever the size of its quads",
+            "lambda: a node of the area A has the stiffness lambda A, without bounds",
             above=0,
-            unset="1e4 for 74 um of 1678 MPa, in proportion to E h",
+            unset="1e4 for 74 um of 1678 MPa, as E h; lambda A is then 0.5 to 25 E h",
         ),
     ] = None
     smoothing: Annotated[
@@ -184,7 +184,7 @@ class PenaltyLaw(NamedTuple):
         if contact.penalty is None:
             penalty = _PENALTY * (stretching / _STRETCHING)
             softest, stiffest = SOFTEST * stretching, STIFFEST * stretching
-        else:
+        else:  # a value given holds for every node: no bounds
             penalty, softest, stiffest = float(contact.penalty), 0.0, math.inf
         half = tool.half_thickness()
         depth = min(contact.smoothing * film.thickness, _THIN * half)

@@ -30,13 +30,15 @@ _CLEARLY_BESIDE = 0.15
 def depth_in_tool(
     i: int, p: Vec3, side: int, walked: float, pose: Pose, tables: ContactTables
 ) -> tuple[bool, int, int, float, Vec3, int]:
-    """Return whether a contact point is inside, the closest triangle of all, and where it presses.
+    """Return inside, the closest triangle of all, that of its side, depth, outward, and the side.
 
-    That is: the closest triangle of its side, the depth under the rounded surface there, the
-    outward direction, and the side. A node without a side gets one when it is first inside.
+    Depth [mm] and outward direction are those of the rounded surface at the triangle of its side.
+    Of a point outside only the first and the last mean anything. A node without a side gets one
+    when it is first inside.
 
-    p : in the body frame, [mm].  side : so far.  walked : on the clock.  Writes when the
-    contact point is evaluated next.
+    p : in the body frame, [mm].  side : so far; +1 or -1 of the blade, along the normal of its
+    mid-plane, 0 of none.  walked : on the clock [mm].  Writes until when the point waits if it is
+    outside, and across which rounded edge the depth was found if it is inside.
     """
     tool, queries, grid = tables.tool, tables.queries, tables.tool.grid
     found, whole, feature, q = closest_of_side(p, 0, grid)
@@ -79,12 +81,12 @@ def _side_of_quads(
             k_best = k
     if k_best < 0 or around.n_at[n] == 0:
         return 0
-    cx = cy = cz = film = 0.0
+    cx = cy = cz = sum_of_shares = 0.0
     for i in range(around.n_at[n]):
-        film += around.share[around.at[n, i]]
+        sum_of_shares += around.share[around.at[n, i]]
     for i in range(around.n_at[n]):
         row = around.at[n, i]
-        share = around.share[row] / film
+        share = around.share[row] / sum_of_shares
         for a in range(4):
             other, weight = around.quads[row, a], share * around.centre[row, a]
             cx += weight * x[other, 0]

@@ -1,20 +1,22 @@
 """Which crack tips a cutting edge drives, and in which direction.
 
 A tip belongs to the segment of an edge that will meet it, near the mid-plane, or that has passed
-it. It runs to where the edge will be when it is an edge length beyond the tip. A tip that the
-edge has passed advances whatever the force there.
+it. It runs to where the edge will be when it is beyond the tip by one side of a quad (``size``). A
+tip that the edge has passed advances whatever the force there: the blade already fills that place.
 
 The motion is prescribed, so that this pose is known. A film that its supports move is met where it
-will be then: all poses are as seen from the film (:class:`.SeenFromFilm`), put to where it is now.
+will be then: poses are as seen from the film (:class:`.SeenFromFilm`), and then moved with the film
+to its present place.
 
 On a circle of radius R the present mid-plane would lead a tip that lies a distance a ahead of the
 edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and the mid-plane at the tip still by L²/2R in a
 segment of length L. Aimed at a point of the path, a segment ends within L²/8R of it.
 
-The direction is that to the trace of the mid-plane in the sheet, one edge length ahead; where that
-leads back out of the film ahead, because the film has been pushed far aside, less and less towards
-it. The plane of the segment (:mod:`.ray_ahead`) leans from the director as the mid-plane leans from
-that of the reference film, for folds under the blade do not count.
+The direction is that to the trace of the mid-plane in the sheet, one side of a quad ahead. Where
+that leads back out of the film ahead, because the film has been pushed far aside, places farther
+ahead on the trace are tried, and last the direction of the trace itself (``AIM_AHEAD``). The plane
+of the segment (:mod:`.ray_ahead`) leans from the director as the mid-plane leans from that of the
+reference film, not from that of the film now, which the blade folds.
 """
 
 from __future__ import annotations
@@ -43,11 +45,11 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
 from shellcut.tool.pose_of_motion import pose_at
 
-# How far beside the mid-plane a tip may lie when an edge that drives it meets it, in local edge
-# lengths.
+# Lengths in sides of the quads at the tip, ``size``.
+# How far beside the mid-plane a tip may lie when an edge that drives it meets it.
 _REACH = 0.5
 
-# How far ahead of the edge such a tip may be, likewise.
+# How far ahead of the edge such a tip may be.
 _AHEAD = 20.0
 
 # Of the squared sine of the angle between mid-plane and sheet: below it the direction in the sheet
@@ -61,17 +63,18 @@ TANGENT = 1e-12
 # off by a sixth of this angle cubed times the radius of the path: 0.02 of the radius.
 _MOST_TURN = 0.5
 
-# Behind the edge, in local edge lengths, where a segment owns what it meets; far above round-off.
+# Behind the edge, where a segment owns what it meets; far above round-off.
 _ON_EDGE = 1e-6
 
-# Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
+# Where the trace of the mid-plane is aimed at, ahead of the tip.
 AIM_AHEAD = (1.0, 2.0, 4.0)
 
 # Ticks of the motion of a film up to which it is followed for an edge that approaches slowly.
 _FORESEEN = 256
 
-# Turns in finding when an edge will be at the first of these, and how near is near enough.
-TURNS = 3
+# Newton iterations for the time at which an edge is AIM_AHEAD[0] beyond the tip, and the distance
+# from there, over the size, at which they end.
+ITERATIONS = 3
 NEAR = 0.05
 
 
@@ -92,7 +95,7 @@ class Driven(NamedTuple):
     """... with its twist."""
     time: Annotated[Floats, "(n_tip,)"]
     """Of the pose that is to be tried next [s]."""
-    seeking: Annotated[Bools, "(n_tip,)"]
+    has_next: Annotated[Bools, "(n_tip,)"]
     """Whether there is such a pose."""
     directions: Annotated[Floats, "(n_tip, n_direction, 3)"]
     """Unit directions in space in which the edge drives the tip, the best one first."""
@@ -120,16 +123,16 @@ class BladeDrive:
             spin=np.zeros((n, 3)),
             velocity=np.zeros((n, 3)),
             time=np.zeros(n),
-            seeking=np.zeros(n, np.bool_),
+            has_next=np.zeros(n, np.bool_),
             directions=np.zeros((n, len(AIM_AHEAD) + 1, 3)),
             lean=np.zeros((n, 3)),
         )
         self._driven_address = self._address_of(self.driven)
 
     def _seen_from_film(self, later: float, now: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return pose and twist of the tool at a time [s] as seen from the film, where it is now.
+        """Return pose and twist of the tool at a time [s] as seen from the film.
 
-        now : [s].
+        now : time at whose place the film is put [s].
         """
         R, r = pose_at(self._seen, later)
         spin, velocity = self._seen.twist(later)
@@ -154,10 +157,10 @@ class BladeDrive:
 
         The next call overwrites what is returned.
 
-        x, size : (n_tip, 3), (n_tip,), where the tips are and local edge lengths there [mm].  time
+        x, size : (n_tip, 3), (n_tip,), where the tips are and the sides of quads there [mm].  time
         : now [s].  edge : segment that drives them all, if it is known.  reach : how far beyond, in
-        edge lengths; negative: the earlier pose, in which the edge was still so far before the tip.
-        The present pose where the edge rests or moves away from it.
+        sizes; negative: the earlier pose, in which the edge was still so far before the tip. The
+        present pose where the edge rests or moves away from it.
         """
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
@@ -165,20 +168,20 @@ class BladeDrive:
         parts = found.rotation, found.translation, found.spin, found.velocity
         for part, value in zip(parts, self._seen_from_film(time, time), strict=True):
             part[:] = value
-        found.time[:], found.seeking[:] = time, True
+        found.time[:], found.has_next[:] = time, True
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
         tried = x, size, self._edges_address, self._driven_address, reach
         count = self._try_poses(*tried, edge < 0, True)
-        for k in range(TURNS):
+        for k in range(ITERATIONS):
             if not count:
                 break
-            for i in np.flatnonzero(found.seeking).tolist():
+            for i in np.flatnonzero(found.has_next).tolist():
                 later = found.time[i] = self._foreseen(float(found.time[i]), time)
                 there = self._seen_from_film(later, time)
                 for part, value in zip(parts, there, strict=True):
                     part[i] = value
-            more = k < TURNS - 1
+            more = k < ITERATIONS - 1
             count = self._try_poses(*tried, False, more)
         return found
 
@@ -201,25 +204,26 @@ def _try_poses(
     edges: CuttingEdges,
     found: Driven,
     reach: float,
-    seek: bool,
+    choose_edge: bool,
     more: bool,
 ) -> int:
     """Find the edges at the poses tried, and the times to try next; return for how many tips.
 
-    x : (n_tip, 3), [mm].  size : (n_tip,), [mm].  reach : see :meth:`BladeDrive.find`.  seek :
-    whether the edges are to be found, at poses of now.  more : whether another time may be tried.
+    x : (n_tip, 3), [mm].  size : (n_tip,), [mm].  reach : see :meth:`BladeDrive.find`.
+    choose_edge : whether the edge of each tip is found here, at the present pose.  more : whether
+    another time may be tried.
     """
     edges, found = borrowed(edges), borrowed(found)
     count = 0
     for i in range(size.shape[0]):
-        if not found.seeking[i]:
+        if not found.has_next[i]:
             continue
-        found.seeking[i] = False
+        found.has_next[i] = False
         pose = Pose(found.rotation[i], found.translation[i])
         p, depth = to_body(load(x, i), pose), 0.0
         turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
         velocity = turn_back(add(load(found.velocity, i), turning), pose)
-        if seek:
+        if choose_edge:
             found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
                 p, size[i], edges, velocity, turn_back(load(found.spin, i), pose)
             )
@@ -227,13 +231,13 @@ def _try_poses(
         if edge < 0:
             continue
         k = segment_part(edges.segments, edge, BACK)
-        if not seek:
+        if not choose_edge:
             d = sub(p, segment_part(edges.segments, edge, START))
             found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
         left, speed = reach * size[i] - depth, dot(velocity, k)
         if more and abs(left) > NEAR * size[i] and speed < 0.0:
             found.time[i] -= left / speed  # to first order, the edge is beyond by ``reach`` then
-            found.seeking[i] = True
+            found.has_next[i] = True
             count += 1
     return count
 
@@ -289,14 +293,16 @@ def _nearest_edge(
 
     In the frame of a tool that moves on as now the point is at p - t v + t²/2 w x v after a time t.
 
-    p : [mm].  size : local edge length [mm].  velocity, spin : of the tool at the point, v [mm/s]
-    and w [rad/s], in the body frame like p.
+    p : [mm].  size : side of the quads there [mm].  velocity, spin : of the tool at the point,
+    v [mm/s] and w [rad/s], in the body frame like p.
     """
     segments = edges.segments
     nearest, edge, off, behind, passed = np.inf, -1, 0.0, 0.0, False
     for k in range(segments.shape[0]):
         _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size)
         if owns and abs(lateral) <= _REACH * size and in_the_blade(p, lateral, k, edges):
+            # A segment that has passed the point goes before any that is still ahead; of several
+            # the one that has passed it least.
             if not passed or depth < nearest:
                 nearest = depth
                 edge, off, behind, passed = k, lateral, depth, True

@@ -2,8 +2,9 @@
 
 Read :meth:`Cracks.cut_due` first. Each stage has its file:
 
-1. which tips have film ahead, which an edge drives (:mod:`.blade_drive`), and which of these are
-   due by the force at the tip (:mod:`.trial_cut`): :mod:`.tip_watch`;
+1. :mod:`.tip_watch`: which tips have film ahead, which of them an edge drives
+   (:mod:`.blade_drive`), and which of these are due: the edge has passed them, or the force at the
+   tip (:mod:`.trial_cut`) has reached what cables carry, :data:`.tip.DUE`;
 2. where the others run, and whether they are due: through quads (:mod:`.free_direction`), or along
    sides (:mod:`.side_tears`);
 3. the segment through the row ahead, and the tip at its end: :mod:`.crack_path`, which queries the
@@ -46,8 +47,8 @@ from .pierce_limits import PierceLimits
 from .puncture import Puncture
 from .quad_polygon import corner_at
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
-from .side_tears import Due, LargestStress, SideTears
-from .tip import Segment, Tip, restored_tips, saved_tips
+from .side_tears import LargestStress, SideTears
+from .tip import DUE, Candidate, Segment, Tip, restored_tips, saved_tips
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut, TrialSums
 
@@ -115,7 +116,8 @@ class Cracks:
         self._pierce: Pierce | None = None
         self._drive: BladeDrive
         self._watch: TipWatch
-        # A blunt tool cuts nothing: it only pushes.
+        # A tool without cutting edges drives no crack and begins none, nor does any tool by
+        # ``blade_cut=False``: then all cracks are tears, and there is no watch.
         if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
             drive = BladeDrive(CuttingEdges.of(tool), motion, moved)
             self._drive = drive
@@ -135,15 +137,17 @@ class Cracks:
         pose : Pose
             Of the tool at t_{n+1}.
         work : float
-            Of the tool up to t_n [N·mm].
+            Of the tool up to t_n [N·mm], noted in the log where a cut begins.
         """
         if state.step % self._check_every:
             return
         if self._pierce is None:
             self._advance_free(state, list(self.growth.tips))
             return
+        # An edge may pass several quads between two checks: again until no tip is due.
         while self._advance_driven(state):
             pass
+        # Both use what the watch found last: tips that tear before places that are driven.
         self._advance_free(state, self._watch.may_tear(state.step // self._check_every))
         self._pierce.begin_cuts(state, pose, self._watch.driven_places(), work)
 
@@ -161,19 +165,19 @@ class Cracks:
             if tip not in self.growth.tips:
                 continue  # another crack has just joined it
             find = self._through_quads if self._sides is None else self._sides.best
-            due = find(state, tip, self.growth.tips)
-            if due is None or due.measure < 1.0 or self._is_supported(state, due.segment):
+            found = find(state, tip, self.growth.tips)
+            if found is None or found.measure < DUE or self._is_supported(state, found.segment):
                 continue
-            self.growth.along(state, tip, due.segment, TEAR, due.measure, due.force)
+            self.growth.along(state, tip, found.segment, TEAR, found.measure, found.force)
 
-    def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
+    def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Candidate | None:
         """Return along which segment a crack would run that no blade drives."""
         directions = self._direction.directions(state, tip, tips)
         found = (self._path.segment_from(state, tip, along, others=tips) for along in directions)
         segment = next((segment for segment in found if segment is not None), None)
         if segment is None:
             return None
-        return Due(segment, self._sums.of_tear(state, segment))
+        return Candidate(segment, self._sums.of_tear(state, segment))
 
     def _is_supported(self, state: State, segment: Segment) -> bool:
         """Whether moving supports keep the film together through which a segment would run."""
@@ -188,12 +192,14 @@ class Cracks:
         self.growth.tips = watch.alive(state, self.growth.tips)
         due = watch.due(state, self.growth.tips)
         for i, tip in [(i, tip) for i, tip in enumerate(self.growth.tips) if due[i]]:
-            if advanced:  # a cut may change what the next one has ahead
+            if advanced:  # a cut may change what the next tip has ahead: it is watched alone, anew
                 there = watch.alive(state, [tip]) if tip in self.growth.tips else []
-                i, due = 0, watch.due(state, there, self.growth.tips)
-            if due[i:].any() and (segment := watch.segment(i)):
+                if not watch.due(state, there, self.growth.tips).any():
+                    continue
+                i = 0
+            if segment := watch.segment(i):
                 measure = float(watch.weighed.measure[i])
-                kind = "criterion" if measure >= 1.0 else "blade"
+                kind = "criterion" if measure >= DUE else "blade"
                 self.growth.along(state, tip, segment, kind, measure, watch.weighed.force[i])
                 advanced = True
         return advanced

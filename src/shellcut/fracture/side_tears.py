@@ -34,7 +34,7 @@ from .cut_film import CutFilm
 from .options import Fracture
 from .quad_polygon import CORNERS, corner_at
 from .ray_ahead import Aimed
-from .tip import Segment, Tip
+from .tip import Candidate, Segment, Tip
 from .trial_cut import TrialCut, TrialSums, Weighed
 
 # Cosines of two turns that count as the same.
@@ -83,16 +83,6 @@ class _Tried(NamedTuple):
     weighed: Weighed
 
 
-class Due(NamedTuple):
-    """Along which side a crack would run."""
-
-    segment: Segment
-    measure: float
-    """It runs at 1."""
-    force: Floats | None = None
-    """F_c of one along a side [N], shape (3,)."""
-
-
 class SideTears:
     """Finds the sides along which cracks tear, by the strength sigma_F [MPa]."""
 
@@ -113,7 +103,7 @@ class SideTears:
         self._known = KnownTopology()
         self._tried: dict[Tip, _Tried] = {}
 
-    def best(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Due | None:
+    def best(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Candidate | None:
         """Return along which side a crack would run from its tip, None if there is none.
 
         tips : all of them.
@@ -128,18 +118,18 @@ class SideTears:
             return None
         sums.weigh(state)
         vectors = np.einsum("ij,ijk->ik", weights, state.node.x[nodes])
-        chord = vectors[:-1] + weighed.behind[:, None] * unit(vectors[-1])
+        chord = vectors[:-1] + weighed.length_in[:, None] * unit(vectors[-1])
         a, b, c = state.node.t[nodes[-1, corner]].tolist()
         m = product(chord, np.array([[0.0, c, -b], [-c, 0.0, a], [b, -a, 0.0]]))  # t x chord
-        size = norm(m)
-        pull = (weighed.pull * m).sum(axis=1) / size
+        chord_length = norm(m)
+        pull = (weighed.pull * m).sum(axis=1) / chord_length
         if self.stress is None:
-            k = int(np.argmax(pull / size))
-            carried = 0.5 * (weighed.behind[k] + weighed.length[k]) * self._trial_cut.carried
-            return Due(segments[k], float(pull[k] / carried), weighed.force[k])
+            k = int(np.argmax(pull / chord_length))
+            carried = 0.5 * (weighed.length_in[k] + weighed.length_out[k]) * self._trial_cut.carried
+            return Candidate(segments[k], float(pull[k] / carried), weighed.force[k])
         measure, direction = self.stress.at(state, [tip], tips)
-        k = int(np.argmin(np.abs(product(chord, direction[0])) / size))
-        return Due(segments[k], float(measure[0]), weighed.force[k])
+        k = int(np.argmin(np.abs(product(chord, direction[0])) / chord_length))
+        return Candidate(segments[k], float(measure[0]), weighed.force[k])
 
     def _try(self, state: State, tip: Tip) -> _Tried:
         """Return the sides along which a crack may run on, each with its trial cut."""

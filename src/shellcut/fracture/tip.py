@@ -43,6 +43,21 @@ class Tip:
         return self.flank is None and self.ends[0] == self.ends[1]
 
 
+DUE = 1.0
+"""Measure from which on a crack advances: the force at its tip over what its cables would carry, or
+by the paper's criterion the largest stress over the strength."""
+
+
+class Candidate(NamedTuple):
+    """Along which segment a crack would run that no blade drives, and whether it does."""
+
+    segment: Segment
+    measure: float
+    """It runs from :data:`DUE` on."""
+    force: Floats | None = None
+    """F_c of one along a side [N], shape (3,)."""
+
+
 def tips_of_notches(state: State) -> list[Tip]:
     """Return the tips of the notches with which a mesh is made."""
     tips = []

@@ -25,7 +25,7 @@ from .crack_path import CrackPath
 from .ray_ahead import AHEAD, Aimed, leave
 from .rows_ahead import RowsAhead, Tips, tips_of
 from .side_tears import LargestStress
-from .tip import Segment, Tip
+from .tip import DUE, Segment, Tip
 from .trial_cut import Pair, TrialCut, TrialSums, Weighed
 
 NEAR = 0.8
@@ -95,14 +95,20 @@ class TipWatch:
         if not self._tips:
             return []
         seldom = nth % _SELDOM == 0
-        near = (self._drive.driven.edge_of < 0) & (self.weighed.size >= (NEAR if seldom else 1.0))
+        near = (self._drive.driven.edge_of < 0) & (
+            self.weighed.magnitude >= (NEAR if seldom else DUE)
+        )
         near |= seldom & (self._aimed.target[:, AHEAD] < 0)
         return [self._tips[i] for i in np.flatnonzero(near).tolist()]
 
     def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
-        """Return which tips with film ahead are due, shape (n_tip,).
+        """Return which tips are due of those that an edge drives, shape (n_tip,).
 
-        others : that they may join besides each other.
+        Such a tip is due if the edge has passed it, whatever the force: the blade is already there.
+        Else it is due if the trial cut's measure, F · m over what the cables would carry, is DUE.
+        The next call overwrites what is returned.
+
+        tips : with film ahead.  others : that they may join besides each other.
         """
         if not len(tips):
             self.x, self._tips = np.zeros((0, 3)), []
@@ -122,9 +128,11 @@ class TipWatch:
             self._sums.weigh(state)
             if self._stress is not None:
                 stress, _ = self._stress.at(state, tips, [*tips, *others])
-                self.weighed.measure[:] = self.weighed.size[:] = stress
-            drives = (self._aimed.target[:, AHEAD] >= 0) & (driven.edge_of >= 0)
-            self._due[:] = drives & (driven.passed | (self.weighed.measure >= 1.0))
+                self.weighed.measure[:] = self.weighed.magnitude[:] = stress
+            has_segment = self._aimed.target[:, AHEAD] >= 0
+            is_driven = driven.edge_of >= 0
+            reached = driven.passed | (self.weighed.measure >= DUE)
+            self._due[:] = has_segment & is_driven & reached
         return self._due
 
     def _is_of(self, state: State, tips: Sequence[Tip]) -> bool:

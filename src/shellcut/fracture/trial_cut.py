@@ -1,17 +1,18 @@
 """The trial cut: by what force the flanks ahead of a tip pull on each other, and when it is due.
 
-The cut is tried on the topology, the classes of corners on both sides are read off, and it is
-mended again (:class:`TrialCut`): they last as long as the topology. Positions, forces and the
-shares of the two parts of the row change with every step (:class:`TrialSums`). With the masses m
-and nodal forces f of the classes on the plus and minus side, and the shape functions N_a at the
-tip,
+The cut is tried on the topology, the groups of quad corners that would share a node on either side
+are read off (*classes*, :mod:`.cut_topology`), and it is mended again (:class:`TrialCut`): they
+last as long as the topology. Positions, forces and the shares of the two parts of the row, the quad
+that is cut, change with every step (:class:`TrialSums`). With the masses m and nodal forces f of
+the classes on the plus and minus side, and the shape functions N_a at the tip,
 
     (1)  d = sum N_a (f_a+ / m_a+ - f_a- / m_a-)         relative acceleration of the flanks
     (2)  kappa = sum N_a² (1 / m_a+ + 1 / m_a-)          that of a pair of unit forces
-    (3)  F_c = d / kappa,  F = F_c + B                   F_c is what new cables take over
+    (3)  F_c = d / kappa,  F = (d - d_B) / kappa         F_c is what new cables take over
     (4)  F · m / (sigma_F h (L_in + L_out) / 2)          due at 1
 
-B is the pull of the cables behind the tip, m the normal to the segment in the sheet from the minus
+d_B is (1) with the forces of the cables behind the tip alone: they pull the flanks together, so F
+is F_c and their pull. m is the normal to the segment in the sheet from the minus
 to the plus side, L_in and L_out the lengths of the segments that meet at the tip. At a node F_c is
 the nodal force parted between the two sides.
 
@@ -102,7 +103,7 @@ class TrialCut:
         anisotropy: Anisotropy | None = None,
     ) -> None:
         self.topology, self._shell, self._loads = topology, shell, loads
-        self.film, self.thickness = anisotropy, shell.material.thickness
+        self.anisotropy, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
 
@@ -215,21 +216,21 @@ class Weighed(NamedTuple):
     """F_c [N]."""
     pull: Annotated[Floats, "(n_tip, 3)"]
     """F [N]."""
-    length: Annotated[Floats, "(n_tip,)"]
-    """Of the segment [mm]."""
-    behind: Annotated[Floats, "(n_tip,)"]
+    length_out: Annotated[Floats, "(n_tip,)"]
+    """L_out, of the segment [mm]."""
+    length_in: Annotated[Floats, "(n_tip,)"]
     """L_in times the factor on its strength [mm]; 0 where no cables join the flanks of the segment
     behind."""
     measure: Annotated[Floats, "(n_tip,)"]
     """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
-    size: Annotated[Floats, "(n_tip,)"]
+    magnitude: Annotated[Floats, "(n_tip,)"]
     """|F| over the same."""
 
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        (force, pull), (length, behind) = np.zeros((2, n, 3)), np.zeros((2, n))
-        return cls(force, pull, length, behind, *np.full((2, n), -np.inf))
+        (force, pull), (length_out, length_in) = np.zeros((2, n, 3)), np.zeros((2, n))
+        return cls(force, pull, length_out, length_in, *np.full((2, n), -np.inf))
 
 
 class _Trials(NamedTuple):
@@ -241,7 +242,11 @@ class _Trials(NamedTuple):
 
 
 class TrialSums:
-    """Weighs trial cuts, all that are known of one topology and one set of ends."""
+    """Weighs trial cuts, all that are known of one topology and one set of ends.
+
+    :meth:`of_tear` and :meth:`at_start` weigh one segment and replace the trials taken before: use
+    an object for single segments, and another for a list.
+    """
 
     def __init__(self, trial_cut: TrialCut) -> None:
         self._trial_cut = trial_cut
@@ -304,15 +309,18 @@ class TrialSums:
         alone = self._alone(state, segment, pairs)
         if alone.measure[0] == -np.inf:
             return -np.inf
-        trial, force, length = self._trial_cut, alone.pull[0], float(alone.length[0])
-        behind, pull = 0.5 * trial.carried * float(alone.behind[0]), sqrt(product(force, force))
-        across = float(alone.measure[0]) * (behind + 0.5 * trial.carried * length)
+        trial, force = self._trial_cut, alone.pull[0]
+        carried_in, carried_out = (
+            0.5 * trial.carried * float(length[0]) for length in (alone.length_in, alone.length_out)
+        )
+        pull = sqrt(product(force, force))
+        across = float(alone.measure[0]) * (carried_in + carried_out)  # F · m
         if across < 0.0:  # (5)
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
         chord, X = (segment.entry, segment.exit), state.node.X[state.quads[segment.row]]
-        return pull / (behind + 0.5 * trial.carried * length * factor_along(trial.film, X, chord))
+        return pull / (carried_in + carried_out * factor_along(trial.anisotropy, X, chord))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
@@ -351,14 +359,14 @@ def _weigh_trials(
     for k in range(n_trial):
         trial[sums.start[k] : sums.start[k + 1]] = k
     # f of each class: of whole rows, or of the part of the row that lies on its side of the ray.
-    force, behind = np.zeros((2, sums.weight.shape[0], 2, 3))
+    force, cable_force_behind = np.zeros((2, sums.weight.shape[0], 2, 3))
     cable_area_behind = np.zeros(n_trial)
     for i in range(sums.member.shape[0]):
         p, side, part, corner = _four(sums.member, i)
         share = _part(part, aimed.right[sums.tip[trial[p]]])
         for c in range(3):
             force[p, side, c] += share * corner_force[corner, c]
-    # Cables pull at the classes too; what those behind the tip hand on to it is B.
+    # Cables pull at the classes too; those behind the tip also alone, for d_B.
     for i in range(sums.cable.shape[0]):
         p, side, cable, end = _four(sums.cable, i)
         if status[cable] == BROKEN:
@@ -366,32 +374,33 @@ def _weigh_trials(
         cable_area_behind[trial[p]] += sums.share[i, 1] * cable_area[cable]
         for c in range(3):
             force[p, side, c] += sums.share[i, 0] * cable_force[cable, end, c]
-            behind[p, side, c] += sums.share[i, 1] * cable_force[cable, end, c]
+            cable_force_behind[p, side, c] += sums.share[i, 1] * cable_force[cable, end, c]
     for k in range(n_trial):
         tip = sums.tip[k]
-        right, kappa, d, closed = aimed.right[tip], 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        whole = sums.weight[sums.start[k] : sums.start[k + 1]].sum()
+        right, kappa, d, d_B = aimed.right[tip], 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        sum_of_weights = sums.weight[sums.start[k] : sums.start[k + 1]].sum()
         for p in range(sums.start[k], sums.start[k + 1]):
             for side in range(2):
                 mass = 0.0
                 for part in range(3):
                     mass += _part(part, right) * sums.mass[p, side, part]
                 moves = sums.weight[p] / mass if side else -sums.weight[p] / mass
-                # (1) with all forces, and with those of the cables behind alone; (2).
+                # (1) with all forces, (1) with those of the cables behind alone, and (2).
                 d = add_scaled(d, moves, load(force[p], side))
-                closed = add_scaled(closed, moves, load(behind[p], side))
+                d_B = add_scaled(d_B, moves, load(cable_force_behind[p], side))
                 kappa += sums.weight[p] ** 2 / mass
         if kappa == 0.0:  # the cut would part nothing at the tip
-            weighed.measure[tip] = weighed.size[tip] = -np.inf
+            weighed.measure[tip] = weighed.magnitude[tip] = -np.inf
             continue
         m, out = _normal_and_length(x, t, X, aimed, tip)
-        pull = scale(1.0 / kappa, sub(d, closed))  # (3): F_c without the pull that is there
-        # L_in by the area of the cables across it, half of which they hand on; (4).
-        before = cable_area_behind[k] / (thickness * whole)
-        carries = 0.5 * carried * (before + out)
-        weighed.measure[tip] = dot(pull, m) / norm(m) / carries
-        weighed.size[tip] = norm(pull) / carries
-        weighed.length[tip], weighed.behind[tip] = out, before
+        pull = scale(1.0 / kappa, sub(d, d_B))  # (3)
+        # L_in by the area of the cables across it, which has the factor on their strength in a film
+        # with axes. L_out has it in :meth:`TrialSums.of_tear`: with a tool no film has axes.
+        length_in = cable_area_behind[k] / (thickness * sum_of_weights)
+        carries = 0.5 * carried * (length_in + out)
+        weighed.measure[tip] = dot(pull, m) / norm(m) / carries  # (4)
+        weighed.magnitude[tip] = norm(pull) / carries
+        weighed.length_out[tip], weighed.length_in[tip] = out, length_in
         store(weighed.force, tip, scale(1.0 / kappa, d))
         store(weighed.pull, tip, pull)
 

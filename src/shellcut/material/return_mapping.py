@@ -15,8 +15,8 @@ for isotropic and orthotropic moduli, von Mises and Hill alike; only V and μ di
 
     G(Δp) = Σ q_i/(σ_y + μ_i Δp)² = 1,       σ_y = σ_y(p + Δp, Δp/Δt).
 
-Newton's method for 1/√G, which is a straight line in Δp where all μ_i agree and the hardening is
-linear, whatever the step, and nearly one otherwise:
+It is solved as 1/√G = 1 by Newton's method: 1/√G is a straight line in Δp where all μ_i agree and
+the hardening is linear, whatever the step, and nearly one otherwise:
 
     Δp <- Δp + (G √G - G)/B,       B = Σ q_i (dσ_y/dp + μ_i)/(σ_y + μ_i Δp)³ = -G'/2,
 
@@ -25,7 +25,7 @@ with a series for the root near G = 1. In the first turn, Δp = 0, all σ_y + μ
     Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i),       Q = Σ q_i.
 
 The straight part of the hardening that holds the least p of the lanes that yield is found once;
-both turns go on from there, past as many parts as the lanes are apart.
+every iteration starts its search there, and goes past as many parts as the lanes are apart.
 
 **With a rate factor** σ_y rises from Δp = 0 like the fifth root of Δp, or steeper: a straight line
 from the right of the root ends below zero. In ln Δp it is no steeper than its own height, and its
@@ -49,8 +49,11 @@ the mean and the deviator.
 **Where nothing yields**, which is most of a film at most times, the block is left after the trial:
 R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.
 
-**Work.** The dissipation of the step is the mean of (σ_0 + R) f at both ends times Δp, the plastic
-work T · Δε_p.
+**Work.** The dissipation of the step is the mean of (σ_0 + R) f at both ends times Δp, f being the
+rate factor: the plastic work T · Δε_p.
+
+**In the code** ``p`` is the row of parameters, ``at`` the place of σ_0 in it, and ``eq`` the
+plastic strain p of the formulas at the start of the step.
 """
 
 # Its functions are made for each law and take numbers of several kinds.
@@ -99,13 +102,13 @@ class _Turn(NamedTuple):
     """What a turn of Newton's method found at p + Δp."""
 
     yielding: tuple[Number, Number]
-    """σ_y and its slope over Δp."""
+    """σ_y and its derivative with respect to Δp."""
     isotropic: tuple[Number, Number]
-    """R and its slope over Δp."""
+    """R and its derivative with respect to Δp."""
     inverse: tuple[Number, ...]
     """1/(σ_y + μ_i Δp) of each mode [1/MPa]."""
     rates: tuple[Number, ...]
-    """Slope of σ_y + μ_i Δp over Δp, times its inverse."""
+    """Derivative of σ_y + μ_i Δp with respect to Δp, times its inverse."""
     G: Number
     """Of the equation G(Δp) = 1."""
     change: Number
@@ -116,8 +119,9 @@ class _Turn(NamedTuple):
 def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     """Return by how much the trial is beyond the yield surface, σ_eq² - start² [MPa²].
 
-    squared : σ_eq² of the trial.  start : (σ_0 + R) at the start of the step [MPa].  The last step
-    may have left the stress above the surface by some round-off, which is not taken for flow.
+    squared : σ_eq² of the trial.  start : (σ_0 + R) at the start of the step [MPa].  may_flow : if
+    not, nothing yields, and it is -start².  The last step may have left the stress above the
+    surface by some round-off, which is not taken for flow.
     """
     beyond = (1.0 - 64.0 * _ROUND_OFF) * squared - start * start
     return beyond if may_flow else zero_like(squared) - start * start
@@ -193,7 +197,7 @@ _OF_MODES = {
 
 @always_inline
 def _first_flow(total, start, steep):
-    """Return Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i) by one division, and no root where Q is near σ_y².
+    """Return Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i) by one division, and no root where Q is near σ_y².
 
     total, start, steep : Q, σ_y and the divisor.
     """
@@ -201,13 +205,13 @@ def _first_flow(total, start, steep):
     over = 1.0 / (squared * steep)
     d = (total - squared) * (over * steep)
     if any_above(d, 0.1):
-        further = square_root(total) - start
+        excess_stress = square_root(total) - start
     else:
         d2 = d * d
-        further = (d * start) * (
+        excess_stress = (d * start) * (
             (0.5 - 0.125 * d) + d2 * ((0.0625 - 0.0390625 * d) + d2 * 0.02734375)
         )
-    return (total * further) * (over * squared)
+    return (total * excess_stress) * (over * squared)
 
 
 @always_inline
@@ -283,6 +287,7 @@ def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
         eq, R_old = state
         part, limit = at + 2, p[at + 5]
         if any_above(eq, limit):
+            # The last but one argument is of no use here: the first Δp is found anew there.
             return further(p, at, q, mu, beyond, state, eq, dt)
         total, slopes, _ = sums(q, mu)
         dp = _first_flow(total, p[at] + R_old, total * p[part + 1] + slopes)

@@ -15,7 +15,8 @@ d = 1: strains are turned once per Gauss point, and the law is evaluated at e + 
 
 The loop over the heights with a linear law is a few operations and inlined. With other laws it is a
 function of its own, called at each Gauss point: while the law is evaluated, the 32 strains and
-resultants of the quad would disturb that, and four copies would exceed the processor's cache.
+resultants of the quad would take the registers that it needs, and four copies of it would exceed
+the processor's cache for instructions.
 """
 
 # Functions that call a law of any kind take arguments of several kinds.

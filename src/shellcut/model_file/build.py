@@ -1,5 +1,10 @@
 """Build a case from a model, with the builders of :mod:`shellcut.models`.
 
+A value arrives like this: ``reader`` reads the text of ``[contact] penalty`` by the form of its
+key; the section makes its object, ``Contact`` (:meth:`.key.Section.made`); :func:`build` gives it
+to the model's builder, which hands it to ``Simulation(contact=...)``. Keys of a section that is
+``spread`` are arguments of the builder or of the simulation themselves.
+
 Of a model that cannot be built, single parts, to draw it.
 """
 

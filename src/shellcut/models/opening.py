@@ -46,7 +46,7 @@ def opening_test(
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
-        Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``.
+        Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``terms``, ...
         Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
         path, as in the package's discs under the default teeth, and go through quads elsewhere.
         Edges of the film touch those of the tool unless ``Contact(film_edges=False)`` says

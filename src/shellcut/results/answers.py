@@ -52,8 +52,8 @@ def _level(summary: Summary, name: str, asked: str) -> Iterator[tuple[str, str]]
         return
     if why := summary.get("no_window"):
         said.append(f"no mean: {why}")
-    doubt = " (distrust: it depends on the mesh)" if peak in distrusted_figures(summary) else ""
-    yield asked, "; ".join(said) + doubt
+    doubtful = {mean, peak} & {*distrusted_figures(summary)}
+    yield asked, "; ".join(said) + (" (distrust: it depends on the mesh)" if doubtful else "")
 
 
 def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:

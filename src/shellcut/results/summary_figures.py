@@ -143,7 +143,8 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
         trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
         trust += " against it"
     if doubtful := distrusted_figures(summary):
-        trust += f"; distrust the {', '.join(label_of(n).partition(',')[0] for n in doubtful)}"
+        names = dict.fromkeys(label_of(n).partition(",")[0] for n in doubtful)
+        trust += f"; distrust the {', '.join(names)}"
     amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
     return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
 

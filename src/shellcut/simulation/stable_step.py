@@ -26,7 +26,7 @@ from .step_bound import StepBound
 # A longer step is taken as soon as the bound has grown by the first factor, and by the second only
 # if every evaluation of a whole interval allowed it: dt changes seldom, and does not stay short for
 # the rest of a run after one moment in which it had to be.
-_AT_ONCE, _AFTER_ALL = 1.08, 1.01
+_CLEARLY_LONGER, _LONGER_THROUGHOUT = 1.08, 1.01
 
 # Largest factor between two steps: a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of
 # energy for every force f out of balance, and at a cut, where the step may grow, such forces are
@@ -55,10 +55,12 @@ class Stepping:
 
     safety: Annotated[
         float,
-        Option("", "factor on the safe step, until it is computed again", above=0, most=1),
+        Option(
+            "", "factor on the bound, for what changes until the next evaluation", above=0, most=1
+        ),
     ] = 0.95
     evaluate_every: Annotated[
-        int, Option("", "steps until it is computed again; each split does so, too", least=1)
+        int, Option("", "steps between two evaluations of all quads", least=1)
     ] = 500
     fixed: Annotated[
         float | None, Option("s", "a step of your own", above=0, unset="the safe step")
@@ -78,9 +80,9 @@ class StableStep(Kept):
     ) -> None:
         self.stepping = stepping or Stepping()
         self._bound = StepBound(shell, terms)
-        self._next = 0  # step of the next evaluation of all quads
-        self._dt = 0.0  # the step chosen, and
-        self._step = 0.0  # the one that grows towards it
+        self._next = 0  # number of the step at which all quads are evaluated next
+        self._dt = 0.0  # the length chosen [s], and
+        self._step = 0.0  # the length now, which grows towards it
         self._least = math.inf  # least safe step of all evaluations since that of all quads
 
     def next(self, state: State) -> float:
@@ -92,29 +94,30 @@ class StableStep(Kept):
             step % _STRETCH_EVERY == 0 and bound.is_exceeded_by_stretch(state, self._dt)
         ):
             self._next = step + self.stepping.evaluate_every
-            self._choose_after_all(self.stepping.safety * bound.of_all(state))
+            self._choose_by_all_quads(self.stepping.safety * bound.of_all(state))
         elif bound.is_outdated(state):
             self._choose(self.stepping.safety * bound.of_changed(state))
+        # Zero before the first step, which has the length chosen.
         self._step = min(self._dt, _GROWTH * self._step or self._dt)
         return self._step
 
     def _choose(self, safe: float) -> None:
         """Take a safe step that is shorter than dt, or much longer."""
-        if not safe >= self._dt or safe > _AT_ONCE * self._dt:
+        if not safe >= self._dt or safe > _CLEARLY_LONGER * self._dt:
             self._dt = safe  # also one that is NaN: the run stops by it
         self._least = min(safe, self._least)
 
-    def _choose_after_all(self, safe: float) -> None:
+    def _choose_by_all_quads(self, safe: float) -> None:
         """Take the safe step of all quads, or a longer one that was safe for a whole interval."""
         longest = min(safe, self._least)
-        if not safe >= self._dt or safe > _AT_ONCE * self._dt:
+        if not safe >= self._dt or safe > _CLEARLY_LONGER * self._dt:
             self._dt = safe
-        elif longest > _AFTER_ALL * self._dt:
+        elif longest > _LONGER_THROUGHOUT * self._dt:
             self._dt = longest
         self._least = safe
 
     def check(self, dt: float) -> None:
-        """Refuse a step that is no time, and damping by which none can be told.
+        """Refuse a step that is not a finite time above 0, and damping too large for any bound.
 
         Raises
         ------
@@ -154,7 +157,7 @@ class StableStep(Kept):
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
-        return self._bound.of_known(state)
+        return self._bound.of_present(state)
 
     def largest_safe(self, state: State) -> float:
         """Return the safe step without the safety factor [s]; nothing of this is kept."""

@@ -21,8 +21,10 @@ evaluated (:mod:`shellcut.mitc4.frequency`). :meth:`StepBound.of_all` brings the
 up to date and evaluates the quads that limit the step: worst first, until no other could shorten it
 by more than 1 %. Between two such evaluations :meth:`StepBound.of_changed` does the same for the
 quads at which contact and cables have changed: after a split, and when a contact has searched for
-what is near the tool, as the tool may have come to nodes that were not near before. Until then the
-stiffness of a term that searches is good. Stretch since then is estimated
+what is near the tool, as the tool may have come to nodes that were not near before. A term that
+lists what is near, and counts its searches (``n_search``), keeps its stiffness until the next one.
+Cables (``n_search`` -1) are asked at each evaluation and are never the reason for one: the safety
+factor covers the steps between. Stretch since then is estimated
 (:mod:`shellcut.mitc4.stretch_since`).
 """
 
@@ -65,7 +67,7 @@ class StepBound(Kept):
     def __init__(self, shell: MITC4Shell, terms: Sequence[ForceTerm]) -> None:
         self.shell = shell
         self._terms = tuple(terms)
-        self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
+        self._stiffened_quads, self._safe_steps = BoundOnce(stiffened_quads), BoundOnce(safe_steps)
         # Of each term: its searches until its stiffness was asked last, and that stiffness.
         self._searched = [0 for _ in self._terms]
         nothing = np.zeros(0, np.int64), np.zeros(0)
@@ -117,7 +119,7 @@ class StepBound(Kept):
         used_up = 0.25 * growth * (dt * dt * self._stretch.largest + 2.0 * dt * beta * damped)
         return used_up > 1.0 and growth > _LEAST_GROWTH
 
-    def of_known(self, state: State) -> float:
+    def of_present(self, state: State) -> float:
         """Return the bound [s] by the quads' present omega_e; nothing is evaluated."""
         counted: dict[str, NodeStiffness] = {}
         for term in self._terms:
@@ -213,12 +215,14 @@ class StepBound(Kept):
         if state.flank.count:
             nodes, stiffness = hand_on_stiffness(state, nodes, stiffness)
         quads, largest = np.empty(state.n_quad, np.int64), np.empty(state.n_quad)
-        count = self._stiffest_nodes(nodes, stiffness, n.mass, n.quads, n.n_quad_at, quads, largest)
+        count = self._stiffened_quads(
+            nodes, stiffness, n.mass, n.quads, n.n_quad_at, quads, largest
+        )
         return quads[:count], largest[:count]
 
 
 @kernel
-def stiffest_nodes(
+def stiffened_quads(
     nodes: Ints,
     stiffness: Floats,
     mass: Floats,
@@ -227,7 +231,7 @@ def stiffest_nodes(
     quads: Ints,
     largest: Floats,
 ) -> int:
-    """Write the quads at some nodes, ascending, and the largest K_c / m of the nodes of each.
+    """Write the quads at some nodes, ascending, and the largest K_c / m of the nodes of each quad.
 
     nodes, stiffness : (n,), a node may come more than once.  mass, at, n_at : of all nodes, with
     the quads at each.  quads, largest : (n_quad,), [1/s²]; returns how many are written.

@@ -124,9 +124,10 @@ def may_own(a: Vec3, b: Vec3, reach: float, deepest: float, run: int, edges: Cut
 def strip_coordinates(
     p: Vec3, k: int, segments: Floats, deepest: float
 ) -> tuple[float, float, float, bool]:
-    """Return along, lateral, depth [mm] of a point, and whether segment k owns it; else along is 0.
+    """Return along, lateral, depth [mm] of a point, and whether segment k owns it.
 
-    deepest : depth from which on points are no longer owned [mm].
+    It owns what lies behind it, by less than ``deepest`` [mm], and beside it not farther than its
+    ends, widened by a part of the depth. Of a point before it or farther behind, along is 0.
     """
     d = sub(p, segment_part(segments, k, START))
     lateral = dot(d, segment_part(segments, k, NORMAL))

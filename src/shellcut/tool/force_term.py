@@ -3,7 +3,10 @@
 Shells and loads have places of their own in a step. Whatever else puts forces on the nodes,
 contact, friction and cables, is a :class:`ForceTerm`. It must say what it adds to the forces; all
 else has a default: its work counts as that of a load, no stiffness, nothing stored, nothing kept. A
-new one is a class of its own and an entry in ``Simulation(terms=...)``. A checkpoint compares the
+term whose force depends on positions must give its stiffness, or the step is too long for it and
+the run loses its energy balance. A new one is a class of its own and an entry in
+``Simulation(terms=...)``, also of the ready models (``opening_test(terms=...)``); a model file has
+no key for it. A checkpoint compares the
 fields of one that is a dataclass, of another only its class.
 """
 
@@ -72,6 +75,8 @@ class ForceTerm:
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
+
+        t_n is the time of the state given, which a step has just reached.
 
         Writes ``touch``, if it has one, at every call.
         """
