@@ -396,6 +396,16 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
 """By model: the sections that occur once."""
 
 
+LISTS: Mapping[str, Mapping[str, Kinds]] = {
+    model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
+    for model in SECTIONS
+}
+"""By model: the sections that may occur several times, like [[loads]]."""
+
+ENTRY = "N"
+"""Place of a table in an array, in a title that holds for all of them: ``material.layers.N``."""
+
+
 def titled(model: str) -> dict[str, Kinds]:
     """Return the kinds of the sections of a model and of the tables in them, by title.
 
@@ -403,21 +413,21 @@ def titled(model: str) -> dict[str, Kinds]:
     --------
     >>> [kind.name for kind in titled("opening")["material.rate"]]
     ['cowper_symonds', 'johnson_cook']
+    >>> [title for title in titled("opening") if title.startswith("material.layers")]
+    ['material.layers.N', 'material.layers.N.hardening', 'material.layers.N.rate']
     """
+    arrays = {f"{title}.{ENTRY}": kinds for title, kinds in LISTS.get(model, {}).items()}
     found: dict[str, Kinds] = {}
-    for title, kinds in SECTIONS.get(model, {}).items():
+    left = [*SECTIONS.get(model, {}).items(), *arrays.items()]
+    while left:
+        title, kinds = left.pop(0)
         found[title] = kinds
         for name, key in ((name, key) for kind in kinds for name, key in kind.keys.items()):
-            if key.kinds and not key.is_several:
-                found[f"{title}.{name}"] = key.kinds
+            if key.kinds:
+                place = f".{ENTRY}" if key.is_several else ""
+                left.append((f"{title}.{name}{place}", key.kinds))
     return found
 
-
-LISTS: Mapping[str, Mapping[str, Kinds]] = {
-    model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
-    for model in SECTIONS
-}
-"""By model: the sections that may occur several times, like [[loads]]."""
 
 GONE: Mapping[tuple[str, str], str] = {
     ("", "precision"): "leave it out: all is computed in double precision",

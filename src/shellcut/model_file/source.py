@@ -21,7 +21,7 @@ else:
     import tomli as tomllib
 
 KeyPath = tuple[str | int, ...]
-"""From the top: section, number in an array of tables, key."""
+"""From the top: section, place in an array of tables, from 0 on, key."""
 
 _HEADING = re.compile(r"\s*(\[\[?)\s*([^\[\]#]+?)\s*\]\]?\s*(?:#.*)?")
 _KEY = re.compile(r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[\w-]+|\"[^\"]*\"))*)\s*=(.*)")
@@ -72,6 +72,17 @@ class Source:
     def base(self, path: KeyPath) -> Path:
         """Return the folder to which a path at a key is relative."""
         return Path.cwd() if path in self.settings else self.folder
+
+
+def titled_path(path: KeyPath) -> str:
+    """Return the title of a section or table, a place in an array as in ``--set``.
+
+    Examples
+    --------
+    >>> titled_path(("tool",)), titled_path(("material", "layers", 0, "hardening"))
+    ('[tool]', '[material.layers.0.hardening]')
+    """
+    return f"[{'.'.join(map(str, path))}]"
 
 
 def parse(text: str, name: str, folder: Path) -> Source:

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from shellcut.model_file.overrides import spelled
 from shellcut.model_file.source import parse_value
 
 _RANGE = re.compile(r"([^:]+):([^:]+)")
@@ -82,7 +83,8 @@ def factor(name: str, given: object) -> Factor:
     >>> factor("tool.edge_inclination_deg, motion.pitch", "40:12, 60:20").values
     ((40, 12), (60, 20))
     """
-    keys = tuple(key.strip() for key in name.split(_BETWEEN_KEYS))
+    keys = tuple(spelled(key.strip()) for key in name.split(_BETWEEN_KEYS))
+    name = f"{_BETWEEN_KEYS} ".join(keys)
     if "" in keys or len(set(keys)) < len(keys):
         raise ValueError(f"{name}: keys that go together must be names, each once, with commas")
     if len(keys) > 1:
