@@ -30,7 +30,7 @@ INCH = float(LENGTH["in"])
 
 _TIMES = 60  # of the motion
 _DIGITS = 2  # of a shift
-_BEFORE = 0.01  # mm from where the edges start to the film that is moved to them
+_BEFORE = 0.01  # mm from the tool at its start to a film that is moved to it
 _UPRIGHT = math.cos(math.radians(60.0))
 """Cosine between axis and normal below which a screw goes along a film rather than through it."""
 
@@ -42,15 +42,21 @@ def meeting_remedy(sim: Simulation, until: float) -> str:
     """Return what makes the cutting edges meet a film that keeps its place; "" if nothing found."""
     if sim.tool is None or sim.motion is None or sim.film_motion is not None:
         return ""
-    parts = sim.mesh, sim.tool, sim.motion
     found = []
-    for changes in (_slips(*parts), _moves(*parts, until)):
-        for words, mesh, tool, motion in changes:
-            fates = Sweep.of(mesh, tool, motion, until).fates
-            if n := sum(fate.meets for fate in fates):
-                found.append(f"{words}: then {n} of {len(fates)} cutting edges meet the film")
-                break
+    for words, *model in _slips(sim.mesh, sim.tool, sim.motion):
+        found += _tried(words, *model, until)
+    for words, *model in _moves(sim.mesh, sim.tool, sim.motion, until):
+        if told := _tried(words, *model, until):
+            found += told
+            break
     return "; or ".join(found)
+
+
+def _tried(words: str, mesh: Mesh, tool: Tool, motion: Motion, until: float) -> list[str]:
+    """Return the words with the number of edges that meet the film; empty if none does."""
+    fates = Sweep.of(mesh, tool, motion, until).fates
+    n = sum(fate.meets for fate in fates)
+    return [f"{words}: then {n} of {len(fates)} cutting edges meet the film"] if n else []
 
 
 def check_axis(mesh: Mesh, motion: Motion) -> Iterator[Finding]:
@@ -110,15 +116,18 @@ def _shifts(mesh: Mesh, tool: Tool, motion: Motion, until: float) -> Iterator[Fl
         return
     edges = tool.vertices[np.unique(tool.edges)]
     times = np.linspace(0.0, until, _TIMES + 1).tolist()
-    places = np.array([pose_at(motion, t).to_space(edges) for t in times])
-    height = product(places - mesh.nodes.mean(axis=0), normal)
+    poses = [pose_at(motion, t) for t in times]
+    places = np.array([pose.to_space(edges) for pose in poses])
+    level = mesh.nodes.mean(axis=0)
+    height = product(places - level, normal)
     lift = 0.0
     if height.min() > 0.0 or height.max() < 0.0:
-        side = 1.0 if height.min() > 0.0 else -1.0
-        first, last = (float((side * height[k]).min()) for k in (0, -1))
-        # From where they start, if they come nearer; else their middle passes through the film.
-        middle = 0.5 * float(height.min() + height.max())
-        lift = side * max(first - _BEFORE, 0.0) if last < first else middle
+        ahead = height[-1].mean() - height[0].mean()
+        whole = product(poses[0].to_space(tool.vertices) - level, normal)
+        if abs(ahead) > _BEFORE:  # the film waits before the whole tool
+            lift = float(whole.max() + _BEFORE if ahead > 0.0 else whole.min() - _BEFORE)
+        else:
+            lift = 0.5 * float(height.min() + height.max())
     along = lift * normal
     swept = places.reshape(-1, 3)
     off = 0.5 * (swept.min(axis=0) + swept.max(axis=0) - mesh.nodes.min(axis=0)) - 0.5 * (

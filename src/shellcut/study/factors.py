@@ -85,7 +85,7 @@ def factor(name: str, given: object) -> Factor:
     ((40, 12), (60, 20))
     """
     keys = tuple(spelled(key.strip()) for key in name.split(_BETWEEN_KEYS))
-    name = f"{_BETWEEN_KEYS} ".join(keys)
+    name = keys[0] if len(keys) == 1 else name
     if "" in keys or len(set(keys)) < len(keys):
         raise ValueError(f"{name}: keys that go together must be names, each once, with commas")
     if len(keys) > 1:
