@@ -216,7 +216,13 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
     assert (tmp_path / "fit.json").exists()
     assert (tmp_path / "fit.png").exists()
     page = report_found(tmp_path).read_text()
-    for said in (PLATEAU, f"{plateau.value:.5g}", "95 % interval", "The motion is too fast", "<img"):
+    for said in (
+        PLATEAU,
+        f"{plateau.value:.5g}",
+        "95 % interval",
+        "The motion is too fast",
+        "<img",
+    ):
         assert said in page, said
     lines.clear()
     assert str(fitted()) == str(found)

@@ -340,7 +340,10 @@ def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeyp
             "set density=1000: [material]: density must be in t/mm³, got 1000.0, heavier than any "
             "matter: 1000 kg/m³, or 1 g/cm³, is 1e-9 t/mm³",
         ),
-        ({"loads.value": 3}, "loads are several tables: name one by its place from 0 on, loads.0.value"),
+        (
+            {"loads.value": 3},
+            "loads are several tables: name one by its place from 0 on, loads.0.value",
+        ),
     ],
 )
 def test_an_override_that_fits_not_is_named(overrides, said):

@@ -66,7 +66,12 @@ READ = {
         *(LAMINATE, {"layers[2].thickness": 0.02}),
         *("set material.layers.2.thickness=0.02: ", "there are 2, from 0 on"),
     ),
-    "no place": (LAMINATE, {"layers.thickness": 1}, "several tables", "material.layers.0.thickness"),
+    "no place": (
+        LAMINATE,
+        {"layers.thickness": 1},
+        "several tables",
+        "material.layers.0.thickness",
+    ),
     "place counted from the end": (LAMINATE, {"layers[-1].thickness": 1}, "from 0 on", "layers.0"),
     "no layers": ("opening", {"layers.0.thickness": 1}, "has no place 0", "write one there"),
     "load that is not there": (LAMINATE, {"loads[1].value": 2}, "loads.1.value", "there is 1"),
@@ -166,7 +171,9 @@ def test_a_blade_above_or_beside_its_strip_is_told_with_the_shift():
 def test_a_film_in_inches_is_told(tmp_path):
     keys = disc_in(tmp_path, scale=1.0 / 25.4)
     said = doubts("opening", keys)
-    inches = 'is the film in inches? It would be 20.4 mm across, not 0.803 mm (membrane.unit = "in")'
+    inches = (
+        'is the film in inches? It would be 20.4 mm across, not 0.803 mm (membrane.unit = "in")'
+    )
     assert inches in said
     assert "inches" not in doubts("opening", {**keys, "membrane.unit": "in"})
 

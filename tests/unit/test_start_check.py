@@ -117,7 +117,8 @@ def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
         check_tool_outside(mesh, ring, grid, Pose.of(on_its_side, np.zeros(3)), screw)
     said = str(refusal.value)
     assert re.search(
-        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it or the film: its axis", said
+        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it or the film: its axis",
+        said,
     )
 
 

@@ -43,17 +43,18 @@ def meeting_remedy(sim: Simulation, until: float) -> str:
     if sim.tool is None or sim.motion is None or sim.film_motion is not None:
         return ""
     found = []
-    for words, *model in _slips(sim.mesh, sim.tool, sim.motion):
-        found += _tried(words, *model, until)
-    for words, *model in _moves(sim.mesh, sim.tool, sim.motion, until):
-        if told := _tried(words, *model, until):
+    for slip in _slips(sim.mesh, sim.tool, sim.motion):
+        found += _tried(slip, until)
+    for move in _moves(sim.mesh, sim.tool, sim.motion, until):
+        if told := _tried(move, until):
             found += told
             break
     return "; or ".join(found)
 
 
-def _tried(words: str, mesh: Mesh, tool: Tool, motion: Motion, until: float) -> list[str]:
+def _tried(change: _Change, until: float) -> list[str]:
     """Return the words with the number of edges that meet the film; empty if none does."""
+    words, mesh, tool, motion = change
     fates = Sweep.of(mesh, tool, motion, until).fates
     n = sum(fate.meets for fate in fates)
     return [f"{words}: then {n} of {len(fates)} cutting edges meet the film"] if n else []

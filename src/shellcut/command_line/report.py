@@ -62,7 +62,8 @@ def _written(arguments: argparse.Namespace) -> Path:
     if (folder / RUNS).is_dir():
         raise FileNotFoundError(
             f"{folder} holds runs, but none of {', '.join(of_runs)}: the search or the fit has not "
-            f"ended, the same call again goes on; one of its runs: shellcut report {folder / RUNS}/..."
+            "ended, the same call again goes on; one of its runs: "
+            f"shellcut report {folder / RUNS}/..."
         )
     found = compared(arguments, folder) if arguments.measured else None
     return report_run(folder, arguments.output, measured=found)

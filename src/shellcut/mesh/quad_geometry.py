@@ -120,4 +120,3 @@ def plane_normal(nodes: Floats, quads: Ints) -> Floats | None:
     off = float(np.ptp(product(nodes, normal)))
     flat = normal.any() and off <= _OFF_PLANE * norm(np.ptp(nodes, axis=0))
     return normal if flat else None
-

@@ -17,8 +17,8 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import product, three
 from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError, check_finite, naming, point_text
-from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.file_axis import FileAxis, turn_to_z
+from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
 from shellcut.formats.stl import read_stl
