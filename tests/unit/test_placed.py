@@ -73,7 +73,7 @@ def test_a_key_of_one_table_of_several_has_one_spelling(tmp_path):
     both = [{"layers[0].thickness": "20 um"}, {"material.layers.0.thickness": 0.02}]
     first, second = (read_model(path, keys) for keys in both)
     assert first == second
-    assert [one.thickness for one in first.sections["material"].made().layers][0] == 0.02
+    assert first.sections["material"].made().layers[0].thickness == 0.02
     first.write(tmp_path / "used.toml")
     assert "# material.layers.0 in --set" in (tmp_path / "used.toml").read_text()
     assert read_model(tmp_path / "used.toml") == first
