@@ -215,7 +215,7 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
     assert any(note.startswith("the verdict distrusts ") for note in found.notes)
     assert (tmp_path / "fit.json").exists()
     assert (tmp_path / "fit.png").exists()
-    page = report_found(tmp_path).read_text()
+    page = report_found(tmp_path / "fit.json").read_text()
     for said in (
         PLATEAU,
         f"{plateau.value:.5g}",

@@ -15,7 +15,7 @@ from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_held_film, check_hold
 from .path import check_path
 from .piercing import check_piercing
-from .place import check_axis, meeting_remedy
+from .place import meeting_remedy
 from .plausible import check_numbers, check_table
 from .row import Rows
 from .steps import check_steps
@@ -113,7 +113,6 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         return
     if sim.motion is not None:
         yield from check_table(sim.motion)
-        yield from check_axis(mesh, sim.motion)
     yield from check_hold(mesh, support)
     never_in = sweep is None or not len(sweep.place)
     remedy = meeting_remedy(sim, until) if never_in and sweep is not None else ""

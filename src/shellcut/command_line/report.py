@@ -49,21 +49,20 @@ def _written(arguments: argparse.Namespace) -> Path:
     from shellcut.study.study_file import STUDY
 
     folder: Path = arguments.folder
-    of_runs = {STUDY: report_study, FIT: report_found, OPTIMUM: report_found}
-    for name, report in of_runs.items():
-        if not (folder / name).is_file():
-            continue
-        if arguments.measured:
-            raise ValueError(
-                "a measured curve is compared with one run: give the folder of a run, "
-                f"{folder / RUNS}/..."
-            )
-        return report(folder, arguments.output)
+    there = [name for name in (STUDY, FIT, OPTIMUM) if (folder / name).is_file()]
+    if arguments.measured and there:
+        raise ValueError(
+            "a measured curve is compared with one run: give the folder of a run, "
+            f"{folder / RUNS}/..."
+        )
+    if STUDY in there:
+        return report_study(folder, arguments.output)
+    if there:
+        return report_found(folder / there[0], arguments.output)
     if (folder / RUNS).is_dir():
         raise FileNotFoundError(
-            f"{folder} holds runs, but none of {', '.join(of_runs)}: the search or the fit has not "
-            "ended, the same call again goes on; one of its runs: "
-            f"shellcut report {folder / RUNS}/..."
+            f"{folder} holds runs, but none of {STUDY}, {FIT}, {OPTIMUM}: what runs them has not "
+            f"ended, the same call goes on; one of them: shellcut report {folder / RUNS}/..."
         )
     found = compared(arguments, folder) if arguments.measured else None
     return report_run(folder, arguments.output, measured=found)

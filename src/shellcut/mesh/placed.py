@@ -17,15 +17,11 @@ from typing import Annotated
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, norm, product, three, unit
-from shellcut.formats.errors import point_text
+from shellcut.arrays import product, three, unit
 from shellcut.formats.file_axis import turn_to_z
 
 from .mesh import Mesh, MeshError
 from .quad_geometry import plane_normal
-
-_FARTHEST = 1e6
-"""Largest shift in sizes of the film: coordinates then keep nine digits of its shape."""
 
 
 @checked
@@ -52,9 +48,9 @@ def placed(
     Raises
     ------
     ValueError
-        If a direction is none, or the shift is too large.
+        If a direction is none.
     MeshError
-        If the film has no normal of its own because it is not flat.
+        If the film has no normal because it is not flat.
 
     Examples
     --------
@@ -64,13 +60,13 @@ def placed(
     [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
     """
     move = three("shift", shift, "mm")
-    size = float(norm(np.ptp(mesh.nodes, axis=0)))
-    if np.abs(move).max() > _FARTHEST * size:
-        raise ValueError(
-            f"shift must be within {_FARTHEST:g} times the film's size of {size:.4g} mm, "
-            f"got {point_text(move)} mm"
+    normal = plane_normal(mesh.nodes, mesh.quads) if axis == "normal" else None
+    if normal is None and axis == "normal":
+        raise MeshError(
+            "axis = 'normal' is of a flat film, and this one is not: give the direction in its "
+            "file that becomes z"
         )
-    turn = turn_to_z(_own_normal(mesh).tolist() if axis == "normal" else axis)
+    turn = turn_to_z(axis if normal is None else normal.tolist())
     if turn_deg:
         c, s = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
         turn = product(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), turn)
@@ -78,13 +74,3 @@ def placed(
         return replace(mesh, nodes=mesh.nodes + move) if move.any() else mesh
     directors = unit(product(mesh.directors, turn.T))
     return replace(mesh, nodes=product(mesh.nodes, turn.T) + move, directors=directors)
-
-
-def _own_normal(mesh: Mesh) -> Floats:
-    normal = plane_normal(mesh.nodes, mesh.quads)
-    if normal is None:
-        raise MeshError(
-            "axis = 'normal' is of a flat film, and this one is not: give the direction in its "
-            "file that becomes z"
-        )
-    return normal

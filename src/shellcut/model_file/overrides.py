@@ -22,15 +22,8 @@ from .source import KeyPath, Source, beyond_all, titled_path
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
 _IN_BRACKETS = re.compile(r"\[\s*([^\[\]]*?)\s*\]")
-_OWNERS = {
-    name: title
-    for of in SECTIONS.values()
-    for title, kinds in of.items()
-    for kind in kinds
-    for name, key in kind.keys.items()
-    if key.is_several
-}
-"""Section of each array of tables in one."""
+_SECTION_OF = {"layers": "material"}
+"""Of arrays of tables within one: the place tells them from other keys of their name."""
 
 
 def spelled(name: str) -> str:
@@ -43,7 +36,7 @@ def spelled(name: str) -> str:
     """
     name = _IN_BRACKETS.sub(r".\1", name)
     first, dot, _ = name.partition(".")
-    return f"{_OWNERS[first]}.{name}" if dot and first in _OWNERS else name
+    return f"{_SECTION_OF[first]}.{name}" if dot and first in _SECTION_OF else name
 
 
 def overridden(
@@ -111,15 +104,14 @@ def _set(
         table = _copied(table, path[:end], path[end])
     key = path[-1]
     gone: list[str] = []
-    if not isinstance(key, int):
-        identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
-        present = kind_of(kinds, table)
-        if identified:
-            stays = present is not None and key in present.names()
-            chosen = present if present is not None and stays else identified[0]
-            known = {name for kind in kinds for name in kind.names()}
-            foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
-            gone = [name for name in table if name in foreign and name not in keep]
+    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
+    present = kind_of(kinds, table)
+    if identified:
+        stays = present is not None and key in present.names()
+        chosen = present if present is not None and stays else identified[0]
+        known = {name for kind in kinds for name in kind.names()}
+        foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
+        gone = [name for name in table if name in foreign and name not in keep]
     for name in gone:
         del table[name]
     table[key] = value
@@ -132,19 +124,15 @@ def _copied(around: Any, path: KeyPath, step: str | int) -> Any:
     ``step`` goes on from there: a place in an array, or a key of a table.
     """
     key, title = path[-1], titled_path(path)
-    is_array = isinstance(step, int)
-    if isinstance(key, int):
-        inner = around[key]
-    else:
-        filled = filled_in(around) if is_array and key not in around else around
-        inner = filled.get(key, [] if is_array else {})
-    if not isinstance(inner, list if is_array else dict):
-        raise ValueError(f"{title} must be {'an array of tables' if is_array else 'a section'}")
+    if isinstance(key, str) and isinstance(step, int) and key not in around:
+        around[key] = filled_in(around).get(key, [])  # of a preset
+    wanted = list if isinstance(step, int) else dict
+    inner = around[key] if isinstance(key, int) else around.get(key, wanted())
+    if not isinstance(inner, wanted):
+        raise ValueError(f"{title} must be {'a section' if wanted is dict else 'several tables'}")
     if isinstance(step, int) and step >= len(inner):
-        known = "the file has no such table: write one there"
-        if inner:
-            known = f"there {'is' if len(inner) == 1 else 'are'} {len(inner)}, from 0 on"
-        raise ValueError(f"{title} has no place {step}; {known}")
+        known = f"the file has {len(inner)}, from 0 on" if inner else "the file has none"
+        raise ValueError(f"{title} has no place {step}: {known}; write one there")
     around[key] = inner.copy()
     return around[key]
 

@@ -13,7 +13,6 @@ from shellcut.unit import NAMES, WORDS, Exponents, parsed
 _NAMES = ("mm", "N", "s", "deg")
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°1/].*?)?\s*")
-_THOUSANDS = re.compile(r"[1-9]\d{0,2},\d{3}(?!\d).*")
 _EXPONENT = re.compile(r"[eE][+-]?0*(\d*)$")
 
 # Beyond this a fraction takes too long to write out; no double needs as many digits.
@@ -38,7 +37,8 @@ def quantity(text: str, unit: str) -> float:
     wants = f"a number in {unit}" if unit else "a number without a unit"
     found = _QUANTITY.fullmatch(text)
     if not found:
-        raise ValueError(f"must be {wants}, got {text!r}{_with_point(text)}")
+        comma = ": the decimal sign is a point, thousands have none" if "," in text else ""
+        raise ValueError(f"must be {wants}, got {text!r}{comma}")
     exponent = _EXPONENT.search(found[1])
     long_exponent = exponent is not None and len(exponent[1]) > _LONGEST_EXPONENT
     if long_exponent or len(found[1]) > _LONGEST_NUMBER:
@@ -56,16 +56,6 @@ def quantity(text: str, unit: str) -> float:
         return float(number * size / target)
     except OverflowError:
         raise ValueError(f"must be {wants} {WITHIN_A_DOUBLE}, got {text!r}") from None
-
-
-def _with_point(text: str) -> str:
-    """Return how to write a number with a comma, if that is what is wrong with a text."""
-    number = text.replace(",", ".", 1)
-    if "," not in text or not _QUANTITY.fullmatch(number):
-        return ""
-    whole = text.replace(",", "", 1)
-    thousands = f", or {whole!r}" if _THOUSANDS.fullmatch(text) else ""
-    return f": the decimal sign is a point, write {number!r}{thousands}"
 
 
 def pattern(unit: str) -> str:

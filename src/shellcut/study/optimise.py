@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 
 from shellcut.files.file_list import folder_named
-from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
@@ -167,24 +166,24 @@ class Optimum:
             return
         change = 100.0 * (best.figure / start.figure - 1.0) if start.figure else float("nan")
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
-        given, found = self.said(start), self.said(best)
+        given, found = self._said(start), self._said(best)
         alike = best.folder != start.folder and self._alike(start, best)
         less = ", less than the ± of both" if alike else ""
         yield f"{name}: {given} as given, {found} at best ({change:+.1f} %{less}){beyond}"
         for which, one in {"as given": start, "at best": best}.items():
             yield from (f"distrust {which}: {doubt}" for doubt in one.doubts)
 
-    def said(self, one: Trial) -> str:
-        """Return the figure of a trial with its unit, a mean with its ±; why there is none."""
-        if one.figure is None:
-            return one.reason
+    def _said(self, one: Trial) -> str:
         return said_of(
             self.figure, {self.figure: one.figure, half_width_of(self.figure): one.half_width}
         )
 
     def write(self, folder: Path) -> None:
         """Write ``optimum.json`` and, with Matplotlib, ``optimum.png``."""
-        write_text(folder / OPTIMUM, json.dumps(asdict(self), indent=1, default=str) + "\n")
+        write_text(
+            folder / OPTIMUM,
+            json.dumps({"said": str(self), **asdict(self)}, indent=1, default=str) + "\n",
+        )
         if can_draw():
             draw_curves(folder / PICTURE, [self.diagram()], size=(8.0, 4.5))
 
@@ -318,17 +317,6 @@ def optimise(
             found = replace(found, confirmed=tuple(again))
         found.write(folder)
     return found
-
-
-def read_optimum(path: Path) -> Optimum:
-    """Read what :meth:`Optimum.write` has written; ValueError if it is something else."""
-    try:
-        found = json.loads(read_regular(path))
-        for name in ("trials", "confirmed", "compared"):
-            found[name] = tuple(Trial(**one) for one in found[name])
-        return Optimum(**found)
-    except (KeyError, TypeError) as problem:
-        raise ValueError(f"{path} is not of a search: {problem}") from None
 
 
 def _optuna() -> Any:
