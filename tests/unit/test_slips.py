@@ -218,7 +218,6 @@ def test_a_film_that_stands_upright_is_told(tmp_path):
         (["run", "opening", "--set", "mesh", "quick"], "write --set mesh=quick"),
         (["run", "opening", "--set", "pitch", "-12"], "write --set pitch=-12"),
         (["run", "opening", "--set", "mesh", "=", "quick"], "write --set mesh=quick"),
-        (["run", "opening", "--set", "mesh", "-o", "out"], "write --set mesh=VALUE"),
         (["report", "out", "--set", "mesh=quick"], "only commands that run or draw a model"),
     ],
 )

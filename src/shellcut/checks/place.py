@@ -5,6 +5,7 @@ A remedy is tried before it is named: with it, edges pass through the film durin
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
 
 INCH = float(LENGTH["in"])
+
+_FAR_LARGER = math.sqrt(INCH)  # a tool than its film: then an inch is nearer than a millimetre
 
 _TIMES = 60  # of the motion
 _DIGITS = 2  # of a shift
@@ -62,7 +65,7 @@ def _slips(mesh: Mesh, tool: Tool, motion: Motion) -> Iterator[_Change]:
         words = f"reverse the motion (motion.direction = {_listed(back)})"
         yield words, mesh, tool, replace(motion, direction=back)
     film_size, tool_size = (float(np.ptp(x, axis=0).max()) for x in (mesh.nodes, tool.vertices))
-    if tool_size > film_size:
+    if tool_size > _FAR_LARGER * film_size:
         words = f'{in_inches(film_size, "the film")} (membrane.unit = "in")'
         yield words, replace(mesh, nodes=INCH * mesh.nodes), tool, motion
         words = f"is the tool in mm? It would be {tool_size / INCH:.3g} mm across (tool.unit)"

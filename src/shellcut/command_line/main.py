@@ -68,9 +68,8 @@ class _Parser(argparse.ArgumentParser):
             if flag not in ("--set", "--confirm") or "=" in key or key.startswith("-"):
                 continue
             value = next((one for one in rest if one != "="), "")
-            if _OPTION.match(value):
-                value = ""
-            self.error(f"{flag} {key}: must be KEY=VALUE, write {flag} {key}={value or 'VALUE'}")
+            if not _OPTION.match(value):
+                self.error(f"{flag} {key}: must be KEY=VALUE, write {flag} {key}={value}")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

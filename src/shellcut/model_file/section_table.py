@@ -159,8 +159,7 @@ _MADE_TOOL = {
 def _tool(section: Section) -> Tool:
     tool: Tool = section.called()
     if section.edges == "none":
-        surface = tool.vertices, tool.triangles
-        tool = Tool.from_triangles(*surface, edges="none", name=tool.name)
+        tool = Tool.from_triangles(tool.vertices, tool.triangles, edges="none", name=tool.name)
     return tool.translated(section.shift) if any(section.shift) else tool
 
 
