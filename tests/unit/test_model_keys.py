@@ -172,6 +172,8 @@ def other_value(kind, key):
     default = kind.keys[key].default
     if key in VARIED:
         return VARIED[key]
+    if key == "axis" and wants.startswith('"'):
+        return "y"  # a strip along x stays one
     if wants.startswith('"'):
         return next(c for c in wants.replace('"', "").split(", ") if c != default)
     if isinstance(default, bool):
