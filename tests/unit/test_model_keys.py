@@ -89,7 +89,7 @@ VARIED = {
     "mesh": "M1",
     "clamp": ["other"],
     "unit": 2.0,
-    "axis": [1.0, 0.0, 0.0],
+    "axis": [0.0, 1.0, 0.0],  # a strip along x stays one
     "outline": [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]],
     "holes": [[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]]],
     "ring_radii": [4.0],
@@ -172,8 +172,6 @@ def other_value(kind, key):
     default = kind.keys[key].default
     if key in VARIED:
         return VARIED[key]
-    if key == "axis" and wants.startswith('"'):
-        return "y"  # a strip along x stays one
     if wants.startswith('"'):
         return next(c for c in wants.replace('"', "").split(", ") if c != default)
     if isinstance(default, bool):
